@@ -3,7 +3,7 @@
 import copy
 from collections.abc import Callable, Collection, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import PrivateAttr
 
@@ -90,7 +90,6 @@ def run(
     sensors: "Sensors | type[Sensors] | None" = None,
     plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
-    engine: Literal["auto", "python", "compiled"] = "auto",
     import_from: Iterable[str | Path] = (),
 ) -> "Stop":
     """Run a scenario and return its stop: `.outcome`, `.metrics`, `.trace` (xarray), `.write(folder)`.
@@ -100,7 +99,6 @@ def run(
         controller: Object or class of one's own in place of the scenario's; likewise estimator and sensors.
         plant: In place of the scenario's a recipe, an .fmu, keys of [vehicle] such as {"model": "MyLib.MyTrain",
             "library": "MyLib/package.mo"}, or an object or class of one's own.
-        engine: What steps the parties; the stop is the same to the last bit.
         import_from: Folders of modules that the scenario names as module:Class.
 
     Raises:
@@ -109,15 +107,12 @@ def run(
     """
     from railgrip.assemble import run_stop
     from railgrip.campaign.one_stop import with_sources
-    from railgrip.engine import Engine
 
-    if not _is_one_of(engine, tuple(Engine)):
-        raise ScenarioError(f"engine is {short(engine)}; there is {', '.join(Engine)}")
     written = isinstance(plant, _WRITTEN)
     own = _parts(
         import_from, controller=controller, estimator=estimator, sensors=sensors, plant=None if written else plant
     )
-    return with_sources(run_stop(_scenario_of(scenario, plant), engine=Engine(engine), own=own))
+    return with_sources(run_stop(_scenario_of(scenario, plant), own=own))
 
 
 def open(
@@ -308,10 +303,6 @@ def _choices(key: Any, choices: Any) -> list[Any]:
     if not isinstance(choices, Iterable) or isinstance(choices, str | bytes | Mapping):
         raise ScenarioError(f"sweep: the axis {short(key)} is {short(choices)}; wanted are its values, in a list")
     return [_plain(value, "axes") for value in foreign(lambda: list(choices), _unreadable("axes"))]
-
-
-def _is_one_of(value: Any, names: Collection[str]) -> bool:
-    return isinstance(value, str) and value in names
 
 
 def _is_over_time(recording: Any) -> bool:

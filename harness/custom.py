@@ -167,23 +167,38 @@ class CustomController:
             ScenarioError: It is no controller, or fails to start.
         """
         require_methods(own, type(own).__name__, "controllers")
-        self._own, self._groups = own, formation.groups
+        self._own, self._shape = own, (formation.groups,)
         self.needs = _names(own, "needs", PROVIDED)
         _called(ScenarioError, own, "start", formation)
 
-    def decide(self, observation: Observation) -> tuple[float, ...]:
+    def decide(self, observation: Observation) -> list[float]:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
             ControllerFailed: It raised an exception, or returned something else.
         """
-        when = f" At {observation.time:.3f} s."
-        demands = _called(ControllerFailed, self._own, "decide", _locked(observation), when=when)
-        wrong = problem_with(demands, (self._groups,))
-        if wrong:
-            expected = f"the demanded pressures [Pa] of {self._groups} groups, shape ({self._groups},)"
-            raise ControllerFailed(f"{_place(self._own, 'decide')} returned {wrong}, not {expected}.{when}")
-        return tuple(np.asarray(demands, dtype=np.float64).tolist())
+        try:
+            demands = self._own.decide(observation)
+        except (KeyboardInterrupt, Interrupted):
+            raise
+        except BaseException as problem:  # SystemExit ends a part, not the program
+            raise ControllerFailed(_failure(self._own, "decide", problem) + _when(observation)) from problem
+        numbers = _numbers(demands)
+        if numbers is not None and numbers.shape == self._shape:
+            values: list[float] = numbers.tolist()
+            if math.isfinite(sum(values)):
+                return values
+        wrong = problem_with(demands, self._shape)
+        if not wrong:
+            return np.asarray(demands, dtype=np.float64).tolist()
+        raise ControllerFailed(
+            f"{_place(self._own, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
+            f"groups, shape {self._shape}.{_when(observation)}"
+        )
+
+
+def _when(observation: Observation) -> str:
+    return f" At {observation.time:.3f} s."
 
 
 class DemandLimits:
@@ -210,12 +225,14 @@ class DemandLimits:
         if not math.isfinite(sum(demands)):
             return demands  # what refuses them comes next
         self.decisions += 1
-        within = tuple(min(max(demand, 0.0), most) for demand, most in zip(demands, self._most, strict=True))
-        pairs = zip(demands, within, self._most, strict=True)
-        if any(abs(demand - inside) > _ROUNDING * most for demand, inside, most in pairs):
-            self.limited += 1
-            self._lowest, self._highest = min(self._lowest, *demands), max(self._highest, *demands)
-        self._refuse_another_unit(within, observation)
+        within = [0.0 if demand < 0.0 else min(demand, most) for demand, most in zip(demands, self._most, strict=True)]
+        if within != demands:
+            pairs = zip(demands, within, self._most, strict=True)
+            if any(abs(demand - inside) > _ROUNDING * most for demand, inside, most in pairs):
+                self.limited += 1
+                self._lowest, self._highest = min(self._lowest, *demands), max(self._highest, *demands)
+        if self._share <= _LEAST_SHARE:
+            self._refuse_another_unit(within, observation)
         return within
 
     def sentence(self) -> str:
@@ -230,8 +247,6 @@ class DemandLimits:
 
     def _refuse_another_unit(self, demands: Sequence[float], observation: Observation) -> None:
         """Refuse demands that brake nothing although the driver asks for it, for a second after the first of them."""
-        if self._share > _LEAST_SHARE:
-            return
         shares = [demand / most for demand, most in zip(demands, self._most, strict=True)]
         self._share = max(self._share, *shares)
         if self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * max(self._most):
@@ -319,9 +334,9 @@ class CustomEstimator:
         """
         own = self._own
         if not self._has_started:
-            _called(EstimatorFailed, own, "start", _locked(observation), self._formation)
+            _called(EstimatorFailed, own, "start", observation, self._formation)
             self._has_started = True
-        estimate = _called(EstimatorFailed, own, "step", _locked(observation))
+        estimate = _called(EstimatorFailed, own, "step", observation)
         if not isinstance(estimate, Estimate):
             raise EstimatorFailed(f"{_place(own, 'step')} returned {_short(estimate)}, not an Estimate.")
         values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
@@ -489,14 +504,6 @@ def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str,
     view = vector.view()
     view.flags.writeable = False
     return vector, {name: view[places[name]].reshape(shape) for name, shape in _shapes(places).items()}
-
-
-def _locked(observation: Observation) -> Observation:
-    """Return an observation whose arrays, which others read, too, cannot be written."""
-    for value in observation:
-        if isinstance(value, np.ndarray):
-            value.flags.writeable = False
-    return observation
 
 
 def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> str:

@@ -8,7 +8,7 @@ that rolls, slides and locks, of a train that stands, and of sensors that have n
 """
 
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -213,10 +213,12 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
         pressure = formation.pressure_max * (0.5 + 0.5 * np.sin(3.0 * time))
         adhesion = 0.1 * slip / (0.02 + slip)
         estimates = (adhesion, np.full(groups, 0.35)) if estimated else (None, None)
+        for values in (wheels, slip, pressure, adhesion):
+            values.flags.writeable = False  # as in the loop
         yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure, formation.pressure_max)
 
 
-def _require_pressures(law: object, formation: Formation, demands: tuple[float, ...]) -> None:
+def _require_pressures(law: object, formation: Formation, demands: Sequence[float]) -> None:
     for demand, most in zip(demands, formation.pressure_max, strict=True):
         if not 0.0 <= demand <= most:
             raise ContractBroken(

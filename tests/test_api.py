@@ -83,7 +83,7 @@ def test_a_law_of_ours_as_an_object_stops_as_it_does_by_its_name(scenario):
             self.demand = np.where((observation.slip < 0.10) | (not fast), self.p_max, self.demand)
             return self.demand
 
-    ours = rg.run(scenario.changed({"controller.kind": "slip_two_state", "limits.horizon": "3 s"}), engine="python")
+    ours = rg.run(scenario.changed({"controller.kind": "slip_two_state", "limits.horizon": "3 s"}))
     theirs = rg.run(scenario.changed({"limits.horizon": "3 s"}), controller=TwoState)
     assert np.count_nonzero(np.diff(ours.trace["demand"], axis=0)) > 4
     for name in ("distance", "slip", "demand", "command"):

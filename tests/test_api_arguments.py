@@ -104,11 +104,11 @@ def test_scenarios_of_anything(source, changes):
 
 
 @some
-@given(one=anything, name=st.sampled_from(["controller", "estimator", "sensors", "plant", "engine", "import_from"]))
+@given(one=anything, name=st.sampled_from(["controller", "estimator", "sensors", "plant", "import_from"]))
 def test_runs_of_anything(scenario, one, name):
     refused(lambda: rg.run(one))
     refused(lambda: rg.run(scenario, **{name: one}))
-    if name not in ("controller", "engine"):
+    if name != "controller":
         refused(lambda: rg.open(scenario, **{name: one}).reset())
 
 

@@ -31,14 +31,14 @@ def adhesion_over_slip(
     way = formation.wheelset_position[-1] + 1.0
     alpha = np.empty((slips.size, count))
     for slip, row in zip(slips, alpha, strict=True):
-        rail = TabulatedRail(layout, profile, track_force_of(Track()), Field(formation, clean, curve, way))
+        rail = TabulatedRail(layout, profile, track_force_of(Track()), Field(layout, clean, curve, way))
         plant_outputs = np.zeros(layout.outputs)
         plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = speed, slip
         plant_outputs[layout.output["wheelset_load"]] = LOAD
         for place in np.arange(round(way / STRIDE)) * STRIDE:
             row[:] = contact(np.full(count, slip), np.full(count, speed), np.full(count, LOAD), rail.mu0)
             plant_outputs[layout.output["distance"]], plant_outputs[layout.output["adhesion"]] = place, row
-            rail.roll(0.0, plant_outputs)
+            rail.advance(0.0, plant_outputs)
     return alpha
 
 

@@ -1,10 +1,10 @@
 """A stop stepped by hand: the caller is the controller."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,8 +14,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.custom import problem_with
 from railgrip.errors import ControllerFailed, PlantFailed, ScenarioError
 from railgrip.formation import Formation
-from railgrip.loop import cycle
-from railgrip.loop.ending import Ending
+from railgrip.loop.loop import Ending, Loop
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import Stop
 
@@ -48,7 +47,7 @@ class Bench:
         self._scenario, self._own = scenario, replace(own, controller=self._law)
         self._stack = ExitStack()
         self._parts: Assembled | None = None
-        self._going: Any = None
+        self._loop: Loop | None = None
         self._observation: Observation | None = None
         self._end: Ending | None = None
         self._stop: Stop | None = None
@@ -94,10 +93,9 @@ class Bench:
             FmuError: An FMU does not fit.
         """
         self.close()
-        self._observation = self._end = self._stop = None
+        self._loop = self._observation = self._end = self._stop = None
         self._parts = self._stack.enter_context(assembled(self._scenario, own=self._own))
-        self._going = cycle.decisions(self._parts.parties)
-        self._advance(lambda: next(self._going))
+        self._advance(None)
         if self._observation is None:
             reason = "" if self._end is None else self._end.reason
             raise ScenarioError(f"{self._scenario.name}: the stop ended before the first decision: {reason}")
@@ -120,28 +118,26 @@ class Bench:
             raise ScenarioError(
                 f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
             )
-        assert self._parts is not None
-        demands = np.asarray(pressures, dtype=np.float64).tolist()
-        try:
-            within = self._parts.limits.limit(demands, self._observation)
-        except ControllerFailed as failed:
-            failure = failed
-            self._advance(lambda: self._going.throw(failure))
-        else:
-            self._advance(lambda: self._going.send(within))
+        self._advance(np.asarray(pressures, dtype=np.float64).tolist())
         return self._observation
 
     def close(self) -> None:
         """Close plant and parties; a stop that has not ended is dropped."""
-        if self._going is not None:
-            self._going.close()
         self._stack.close()
 
-    def _advance(self, go: Callable[[], Observation]) -> None:
+    def _advance(self, demands: Sequence[float] | None) -> None:
+        """Go on to the next decision with the demands for this one; None begins the stop."""
         assert self._parts is not None
         try:
-            self._observation = go()
-        except StopIteration as end:
-            self._end = end.value
+            if self._loop is None or demands is None:
+                self._loop = Loop(self._parts.parts)
+            else:
+                assert self._observation is not None
+                self._loop.demand(self._parts.limits.limit(demands, self._observation))
+            self._observation = self._loop.next_decision() or self._observation
+            self._end = self._loop.ending
+        except ControllerFailed as failed:
+            assert self._loop is not None
+            self._end = self._loop.fail(failed)
         except PlantFailed as problem:
             self._end = self._parts.failed(problem)

@@ -26,8 +26,7 @@ from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceT
 from railgrip.custom import DemandLimits, Limited
 from railgrip.errors import ScenarioError
 from railgrip.fmu import Description
-from railgrip.loop.actuation import Direct
-from railgrip.loop.ports import Actuation, Controller, LawStates
+from railgrip.loop.parts import Controller, LawStates
 from railgrip.scenario.custom import Custom
 from railgrip.scenario.parties import AdhesionLaw, ControllerFmu, KalmanFilter, SlipLaw
 from railgrip.scenario.quantity import in_units
@@ -191,11 +190,11 @@ def law_states(controller: Controller) -> LawStates | None:
     return LawStates(columns, controller.state, places)
 
 
-def actuation_of(vehicle: VehicleData) -> Actuation:
-    """Return what turns demanded pressures into what the plant takes, by what the controller knows of its valves."""
+def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
+    """Return what turns demanded pressures into commands of valves; None where the plant takes pressures."""
     scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
-        return Direct()
+        return None
     valves = vehicle.valves
     return ValveLogic(
         vehicle.controlled.pressure_max.tolist(),

@@ -31,8 +31,7 @@ from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmu import Description, FmuPrediction
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
-from railgrip.loop.ports import Filter
-from railgrip.loop.watch import StateEstimator
+from railgrip.loop.parts import Filter, StateEstimator
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.quantity import in_units

@@ -4,13 +4,12 @@ from collections.abc import Iterable, Sequence
 
 import casadi as ca
 
-from railgrip.assemble.controller import actuation_of, controller_of
+from railgrip.assemble.controller import controller_of, valve_logic_of
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.sampled import Quantity, Sampled
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import Source
-from railgrip.loop.actuation import Direct
 from railgrip.scenario.schema import Scenario
 
 _VALVES = "valves."
@@ -32,10 +31,8 @@ def controller_fmu(scenario: Scenario) -> Source:
     """
     vehicle = VehicleData(scenario)
     groups = vehicle.controlled.brakes
-    law, actuation = controller_of(vehicle), actuation_of(vehicle)
+    law, valves = controller_of(vehicle), valve_logic_of(vehicle)
     assert isinstance(law, Sampled)
-    valves = actuation if isinstance(actuation, Sampled) else None
-    assert valves is not None or isinstance(actuation, Direct)
     states = _variables(law.formula.states, law.state, _MEMORY)
     parameters = _variables(law.formula.parameters, law.parameters)
     # A law that redistributes holds the driver's demand itself, and asks some groups for more.

@@ -8,7 +8,7 @@ import numpy as np
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, FmuError, PlantFailed
 from railgrip.fmu import Binding, Description, Signal, bind, open_plant
-from railgrip.loop.ports import Plant
+from railgrip.loop.parts import Plant
 from railgrip.scenario.parties import ControllerFmu
 from railgrip.scenario.schema import Scenario
 

@@ -21,7 +21,7 @@ from railgrip.assemble.parties import assembled, judged
 from railgrip.assemble.vehicle import GRAVITY, VehicleData, masses_of
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ScenarioError
-from railgrip.loop.ending import Ending
+from railgrip.loop.loop import Ending
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.schema import Scenario
@@ -209,8 +209,7 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
     with assembled(_bare(scenario, {"faults": faults})) as parts:
         controller = _Tracking(VehicleData(scenario), parts.recorder)
-        parties = replace(parts.parties, controller=controller)
-        parts = replace(parts, parties=parties, obstacle="it is shown the truth")
+        parts = replace(parts, parts=replace(parts.parts, controller=controller))
         ending = parts.run(progress)
     return replace(parts.stop(ending), scenario=scenario)
 

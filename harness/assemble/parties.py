@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from railgrip import custom
-from railgrip.assemble.controller import actuation_of, controlling, law_states, over_the_train
+from railgrip.assemble.controller import controlling, law_states, over_the_train, valve_logic_of
 from railgrip.assemble.estimator import state_estimator
 from railgrip.assemble.faults import faults_of
 from railgrip.assemble.importing import Origin, origin_of, party_of, table_of
@@ -20,15 +20,10 @@ from railgrip.assemble.plant import fmu_plant, python_plant
 from railgrip.assemble.rail import driver_of, rail_of
 from railgrip.assemble.sensors import sensors_of
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.engine import Engine
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.fmu import Description
-from railgrip.loop import compiled_cycle, cycle
-from railgrip.loop.actuation import Direct
-from railgrip.loop.ending import Clock, Ending, implausibility
-from railgrip.loop.parties import Parties
-from railgrip.loop.ports import Controller
-from railgrip.loop.watch import StateEstimator
+from railgrip.loop.loop import Ending, Loop
+from railgrip.loop.parts import Clock, Controller, Parts, StateEstimator
 from railgrip.scenario.custom import Custom, Role
 from railgrip.scenario.parties import KalmanFilter, OwnLaw
 from railgrip.scenario.schema import Scenario
@@ -87,16 +82,14 @@ class Assembled:
 
     Attributes:
         vehicle: What is known of the scenario's.
-        parties: What the loops are given.
-        obstacle: Why C cannot run it; None if it can.
+        parts: What the loop is given.
         fmus: Those that take part, by name.
         classes: Of the user's own that take part, by party.
         limits: What limits the demands of a controller that is no law of ours.
     """
 
     vehicle: VehicleData
-    parties: Parties
-    obstacle: str | None
+    parts: Parts
     fmus: Mapping[str, Description]
     classes: Mapping[str, Origin]
     limits: custom.DemandLimits
@@ -104,25 +97,16 @@ class Assembled:
     @property
     def recorder(self) -> Recorder:
         """What the loop writes into."""
-        return self.parties.recorder
+        return self.parts.recorder
 
-    def run(self, progress: Callable[[float], None] | None = None, engine: Engine = Engine.AUTO) -> Ending:
+    def run(self, progress: Callable[[float], None] | None = None) -> Ending:
         """Run the stop to its end, once.
 
         Args:
             progress: Called with the train speed [m/s] now and then.
-            engine: What steps the parties; the stop is the same.
-
-        Raises:
-            ScenarioError: C is asked for, and cannot run it.
         """
-        if self.obstacle and engine is Engine.COMPILED:
-            raise ScenarioError(
-                f"{self.vehicle.scenario.name}: the compiled engine cannot run it: {self.obstacle}; take 'auto'."
-            )
-        loop = cycle.run if self.obstacle or engine is Engine.PYTHON else compiled_cycle.run
         try:
-            return loop(self.parties, progress)
+            return Loop(self.parts, progress).run()
         except PlantFailed as problem:
             return self.failed(problem)
 
@@ -204,7 +188,7 @@ def assembled(
             controller = over_the_train(vehicle, controller)
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, limits, tell, stack)
-        actuation = Direct() if commands_valves else actuation_of(vehicle)
+        valves = None if commands_valves else valve_logic_of(vehicle)
         _require_estimates(scenario, controller, estimates)
         if commands_valves and demand is not None:
             raise ScenarioError(
@@ -223,14 +207,14 @@ def assembled(
             *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
             *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
         )
-        parties = Parties(
+        parts = Parts(
             layout=layout,
             plant=plant,
             rail=rail_of(vehicle),
             sensors=sensors,
-            state_estimator=filter_,
+            estimator=filter_,
             controller=controller,
-            actuation=actuation,
+            valves=valves,
             driver=driver_of(vehicle),
             faults=faults_of(scenario, layout, formation.brakes, outputs=vehicle.shown, valves=pneumatic),
             wheel_radius=radius,
@@ -249,8 +233,7 @@ def assembled(
         )
         yield Assembled(
             vehicle=vehicle,
-            parties=parties,
-            obstacle=compiled_cycle.obstacle(parties),
+            parts=parts,
             fmus=fmus,
             classes=classes,
             limits=limits,
@@ -282,10 +265,11 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
         trace = with_bound(trace, vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
     share = over_the_rail(trace)
     if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
-        ending = implausibility(
-            f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot be: "
-            "its contact is not that of [adhesion] polach.",
-            ending.samples,
+        ending = Ending(
+            outcome=Outcome.IMPLAUSIBLE,
+            reason=f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot "
+            "be: its contact is not that of [adhesion] polach.",
+            samples=ending.samples,
         )
     metrics = measure(
         trace, outcome=ending.outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
-from dataclasses import replace
 from functools import partial
 from math import inf
 
@@ -15,8 +14,8 @@ from railgrip.assemble.readback import V_SMALL, probed, require_curve, require_r
 from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
 from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
-from railgrip.fmu import CoSimulation, Description, Signal, bind, open_plant
-from railgrip.loop.ports import CInterface, Plant
+from railgrip.fmu import Description, Signal, bind, open_plant
+from railgrip.loop.parts import Plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST
 from railgrip.scenario.vehicle import Nudge
@@ -110,10 +109,7 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
             _require_compiled_parameters(vehicle, first, parameters_of(description) | values)
             _read_back.add(key)
-    plant = stack.enter_context(opening(tell=tell))
-    if "slip" not in binding.outputs.absent:
-        return plant
-    return _WithSlipInC(plant, layout) if isinstance(plant, CoSimulation) else _WithSlip(plant, layout)
+    return stack.enter_context(opening(tell=tell))
 
 
 _read_back: set[tuple[object, ...]] = set()
@@ -158,9 +154,7 @@ def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
     _refuse_steep_track(vehicle)
     command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
     speed, period = scenario.start.speed, scenario.periods.communication
-    plant = _WithSlip(
-        custom.CustomPlant(own, layout, speed=speed, period=period, required=NEEDED, command=command), layout
-    )
+    plant = custom.CustomPlant(own, layout, speed=speed, period=period, required=NEEDED, command=command)
     with suppress(PlantFailed):  # the stop itself will say how it failed
         _refuse_unfit(f"{scenario.name}: the plant {type(own).__name__} is none", vehicle, lambda: nullcontext(plant))
     return plant
@@ -228,36 +222,3 @@ def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], Abstract
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]
     if wrong:
         raise ScenarioError(f"{who}: in a short run before the stop {'; '.join(wrong[:4])}.")
-
-
-class _WithSlip:
-    """A plant that may not show slip: it follows from the speeds it shows and the nominal radii."""
-
-    def __init__(self, plant: Plant, layout: Layout) -> None:
-        self._plant, self._at, self._radius = plant, layout.output, layout.formation.wheel_radius
-
-    def start(self, inputs: Vector) -> Vector:
-        return self._whole(self._plant.start(inputs))
-
-    def step(self, inputs: Vector) -> Vector:
-        return self._whole(self._plant.step(inputs))
-
-    def _whole(self, truth: Vector) -> Vector:
-        if np.isnan(truth[self._at["slip"]]).any():
-            speed = max(float(truth[self._at["speed"]][0]), 1e-3)
-            truth[self._at["slip"]] = 1.0 - self._radius * truth[self._at["wheelset_speed"]] / speed
-        return truth
-
-
-class _WithSlipInC(_WithSlip):
-    """The same for a plant that C can step."""
-
-    def __init__(self, plant: CoSimulation, layout: Layout) -> None:
-        super().__init__(plant, layout)
-        self._in_c = plant
-
-    def c_interface(self) -> CInterface:
-        return replace(self._in_c.c_interface(), slip_radius=np.array(self._radius, dtype=np.float64))
-
-    def note_steps(self, steps: int, code: int) -> None:
-        self._in_c.note_steps(steps, code)

@@ -27,11 +27,11 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
         position_of(scenario, formation)
         *_, share, decay = vehicle.curves[0].tolist()
         falling = adhesion.polach.model_copy(update={"A": share, "B": decay})
-        field = Field(formation, adhesion.recovery, falling, reach_of(scenario))
+        field = Field(layout, adhesion.recovery, falling, reach_of(scenario))
     sand = None
     if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)
-        sand = SandedRail(formation, sanders, reach_of(scenario), **dict(adhesion.sand))
+        sand = SandedRail(layout, sanders, reach_of(scenario), **dict(adhesion.sand))
     return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import FmuError
-from railgrip.loop.ports import Plant
+from railgrip.loop.parts import Plant
 from railgrip.signals import CURVE, Layout
 from railgrip.trace.contact import Contact
 

@@ -7,9 +7,8 @@ import xarray
 
 from railgrip.assemble.ideal import ideal_stop, tracking_stop
 from railgrip.assemble.parties import SCENARIOS_OWN, OwnParties, assembled
-from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
-from railgrip.loop.ending import Ending
+from railgrip.loop.loop import Ending
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.motion import distance_travelled, since_brake_demand
 from railgrip.trace.outcome import Outcome
@@ -20,7 +19,6 @@ def run_stop(
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
     tell: Callable[[str], None] = lambda sentence: None,
-    engine: Engine = Engine.AUTO,
     own: OwnParties = SCENARIOS_OWN,
 ) -> Stop:
     """Run a scenario and return its stop.
@@ -28,7 +26,6 @@ def run_stop(
     Args:
         progress: Called with the train speed [m/s] now and then.
         tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
-        engine: What steps the parties; the stop is the same.
         own: Objects in place of what the scenario names.
 
     Raises:
@@ -38,7 +35,7 @@ def run_stop(
     if scenario.controller.kind in ("ideal_bound", "ideal_tracking") and own.controller is None and own.plant is None:
         return (ideal_stop if scenario.controller.kind == "ideal_bound" else tracking_stop)(scenario, progress)
     with assembled(scenario, tell, own) as parts:
-        ending = parts.run(progress, engine)
+        ending = parts.run(progress)
     return parts.stop(ending)
 
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from railgrip.assemble.faults import missing_teeth
 from railgrip.errors import ScenarioError, SensorsFailed
-from railgrip.loop.ports import Sensors
+from railgrip.loop.parts import Instruments
 from railgrip.loop.sensors import Course, IdealSensors, RoughRail, ServiceInstruments, ServiceSensors, WhiteSensors
 from railgrip.scenario.custom import Custom
 from railgrip.scenario.quantity import Magnitude, in_units
@@ -44,7 +44,7 @@ def readings_of(scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, .
     return (*READINGS, *(signal for name, signal in _ALL.items() if name in table.named and signal in EXTRA_READINGS))
 
 
-def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Sensors:
+def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Instruments:
     """Return the sensors of a scenario; what is constant over a stop is drawn here."""
     table, missing = scenario.sensors, missing_teeth(scenario, layout.formation)
     if isinstance(table, IdealTable):

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.assemble.vehicle import GRAVITY
+from railgrip.loop.parts import Plant
 from railgrip.loop.plausible import Slowing
-from railgrip.loop.ports import Plant
 from railgrip.signals import Layout
 from railgrip.units import mistake
 

@@ -10,7 +10,7 @@ import typer
 
 from railgrip.cli.app import RUN_FAILED, File, ImportFrom, Overrides, app, fail
 from railgrip.console import progress, remark, say
-from railgrip.engine import Engine
+from railgrip.errors import InputError
 
 if TYPE_CHECKING:
     from railgrip.campaign.one_stop import Runner
@@ -23,20 +23,22 @@ def run(
     file: File,
     overrides: Overrides = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
-    engine: Annotated[Engine, typer.Option(help="What steps the parties; the result is the same.")] = Engine.AUTO,
+    engine: Annotated[str | None, typer.Option(hidden=True)] = None,
     import_from: ImportFrom = None,
 ) -> None:
     """Run one scenario and print its figures."""
     from railgrip.campaign.one_stop import run as run_scenario
     from railgrip.scenario.load import load
 
+    if engine is not None:
+        raise InputError("--engine: there is one loop for all stops now; leave it out")
     scenario = load(file, overrides or [])
     directory = out or Path("build/runs") / scenario.name
     with progress(scenario.name, scenario.start.speed or None) as bar:
         stop = run_scenario(
             scenario,
             directory,
-            runner(engine, import_from or ()),
+            runner(import_from or ()),
             lambda speed: bar.update(amount=scenario.start.speed - speed),
             remark,
         )
@@ -148,13 +150,13 @@ def map_(
         say(f"# {'fits' if finding.good else 'WRONG'}: {finding.signal} {finding.sentence}")
 
 
-def runner(engine: Engine = Engine.AUTO, import_from: Sequence[Path] = ()) -> "Runner":
+def runner(import_from: Sequence[Path] = ()) -> "Runner":
     """Return what runs a scenario; picklable."""
     # Loaded only when something runs: it brings CasADi and the FMU loader, and `report` needs neither.
     from railgrip.assemble import run_stop
 
     if not import_from:
-        return partial(run_stop, engine=engine)
+        return run_stop
     from railgrip.assemble import OwnParties
 
-    return partial(run_stop, engine=engine, own=OwnParties(folders=tuple(import_from)))
+    return partial(run_stop, own=OwnParties(folders=tuple(import_from)))

@@ -7,6 +7,7 @@ binding; conversions are applied only where the FMU's units differ. All buffers 
 import ctypes
 from collections.abc import Generator
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from math import isfinite
@@ -23,7 +24,6 @@ from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.mapping import Binding, Channel
 from railgrip.fmu.parameters import Values, assignments
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.loop.ports import CInterface
 
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
@@ -49,6 +49,32 @@ class _SetStepGet(ctypes.Structure):
         ("period", ctypes.c_double),
         *((name, ctypes.c_longlong) for name in ("status", "at")),
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CInterface:
+    """A communication step of a plant as C sees it.
+
+    Attributes:
+        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/set_step_get.c` has it.
+        plan: Address of its first argument.
+        inputs: Read by it, shape (Layout.inputs,).
+        outputs: Written by it: those that the plant has.
+        present: Their places among all outputs.
+        input_names, output_names: Of what is in `inputs` and `outputs`.
+        period: Of the step [s].
+        sample: At which the plant is.
+    """
+
+    cross: int
+    plan: int
+    inputs: Vector
+    outputs: Vector
+    present: NDArray[np.intp]
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    period: float
+    sample: int
 
 
 class SetStepGet:

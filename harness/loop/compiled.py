@@ -10,27 +10,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import LoopError
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.fmu import CoSimulation
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.loop.ports import FilterInC, PlantInC
 
 Array = NDArray[np.float64]
 
 KERNEL = files("railgrip.loop") / "kernel" / "run.c"
-
-
-class FilterOfDesign(FilterInC, Protocol):
-    """A filter in C that says what it is about, as `railgrip.estimators.compiled.CompiledFilter`."""
-
-    @property
-    def design(self) -> Any:
-        """Names of states, inputs and outputs, and the period."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +50,7 @@ class Observer:
     """
 
     name: str
-    filter: FilterOfDesign
+    filter: CompiledFilter
     sources: Mapping[str, Source]
 
 
@@ -119,7 +111,7 @@ _KINDS = {"column": 0, "integral": 1}
 
 
 def run(
-    plant: PlantInC,
+    plant: CoSimulation,
     inputs: Array,
     *,
     further: Sequence[str] = (),

@@ -1,15 +1,14 @@
 """Faults between the plant and those who read and command it."""
 
-import ctypes
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.loop.library import kernel
+from railgrip.loop.library import Struct, records
 from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -70,23 +69,12 @@ class CommandFault:
     refill: float = 0.0
 
 
-class _Fault(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_double) for name in ("value", "pressure", "free", "held", "refill", "refilled")),
-        ("past", ctypes.c_void_p),
-        *((name, ctypes.c_longlong) for name in ("kind", "place", "begin", "end", "count")),
-    )
-
-
-class _Faults(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("readings", "commands")),
-        *((name, ctypes.c_longlong) for name in ("reading_count", "command_count", "valves", "noise_every")),
-    )
-
-
 class Faults:
-    """All faults of a stop, in C (`kernel/faults.c`) for the Python loop as for that in C."""
+    """All faults of a stop; their formulas are in `kernel/faults.c`.
+
+    Attributes:
+        struct: `Faults` of faults.h.
+    """
 
     def __init__(
         self,
@@ -106,53 +94,25 @@ class Faults:
             valves: Commands are positions of valves, else pressures.
             noise_every: Samples that a draw of noise lasts.
         """
-        self._keep: list[Any] = []
-        of_readings = [
-            _Fault(
-                kind=get_args(ReadingKind).index(fault.kind), place=fault.place, begin=fault.begin, end=fault.end,
-                value=fault.value, held=math.nan, **self._ring(fault.noise),
-            )
-            for fault in readings
-        ]  # fmt: skip
-        of_commands = [
-            _Fault(
-                kind=get_args(CommandKind).index(fault.kind), place=fault.group, begin=fault.begin, end=fault.end,
-                value=fault.value, held=math.nan, pressure=fault.pressure, free=FREE, refill=fault.refill,
-                **self._ring(np.zeros(fault.delay + 1)),
-            )
-            for fault in commands
-        ]  # fmt: skip
-        arrays = [(_Fault * len(of))(*of) for of in (of_readings, of_commands)]
-        self._keep += arrays
-        self.struct = _Faults(
-            readings=ctypes.addressof(arrays[0]), commands=ctypes.addressof(arrays[1]),
-            reading_count=len(of_readings), command_count=len(of_commands), valves=valves, noise_every=noise_every,
+        self._rings: list[Vector] = []
+        of_readings, of_commands = (records(layout, "Fault", len(faults)) for faults in (readings, commands))
+        for row, fault in zip(of_readings, readings, strict=True):
+            row["kind"], row["place"] = get_args(ReadingKind).index(fault.kind), fault.place
+            if fault.noise is not None:
+                row["past"], row["count"] = self._ring(fault.noise), fault.noise.size
+        for row, fault in zip(of_commands, commands, strict=True):
+            row["kind"], row["place"] = get_args(CommandKind).index(fault.kind), fault.group
+            row["pressure"], row["free"], row["refill"] = fault.pressure, FREE, fault.refill
+            row["past"], row["count"] = self._ring(np.zeros(fault.delay + 1)), fault.delay + 1
+        for rows, faults in ((of_readings, readings), (of_commands, commands)):
+            rows["held"] = math.nan
+            for name in ("begin", "end", "value"):
+                rows[name] = [getattr(fault, name) for fault in faults]
+        self.struct = Struct(
+            layout, "Faults", readings=of_readings, commands=of_commands, reading_count=len(of_readings),
+            command_count=len(of_commands), valves=valves, noise_every=noise_every,
         )  # fmt: skip
-        self._command = np.empty(layout.formation.groups)
-        self._truth = np.empty(layout.outputs)
-        self._library = kernel(layout)
 
-    def _ring(self, values: Vector | None) -> dict[str, int]:
-        if values is None:
-            return {}
-        self._keep.append(np.ascontiguousarray(values))
-        return {"past": self._keep[-1].ctypes.data, "count": values.size}
-
-    def show(self, sample: int, reading: Vector) -> Vector:
-        """Return what the sensors show of a reading at a sample; samples come in order."""
-        values = np.array(reading, dtype=np.float64)
-        self._library.show_faults(ctypes.addressof(self.struct), sample, values.ctypes.data)
-        return values
-
-    def transmit(self, sample: int, truth: Vector, commands: Sequence[float]) -> Vector:
-        """Return the commands that arrive at the plant, of those sent, at a sample with these outputs of the plant."""
-        self._truth[:] = truth
-        command = np.array(commands, dtype=np.float64)
-        self._library.pass_faults(
-            ctypes.addressof(self.struct),
-            sample,
-            self._truth.ctypes.data,
-            command.ctypes.data,
-            self._command.ctypes.data,
-        )
-        return self._command
+    def _ring(self, values: Vector) -> int:
+        self._rings.append(np.ascontiguousarray(values))
+        return self._rings[-1].ctypes.data

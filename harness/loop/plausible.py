@@ -9,18 +9,13 @@ The bound allows for what a plant may not show: rolling resistance of 0.02 m/s2 
 nothing of a plant that brakes less than adhesion allows; `railgrip.assemble.trial` tries one from outside at two levels
 of friction before its stop.
 
-The checks are written once, in C, and called by both engines.
+The checks are in `kernel/plausible.c`.
 """
 
-import ctypes
 from dataclasses import dataclass
 from math import inf
-from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
-from railgrip.loop.library import kernel
+from railgrip.loop.library import Struct
 from railgrip.signals import Layout
 
 _ROLLING = 0.02  # m/s2; freight trains roll with some 2 N/kN, and most of it acts through the wheels
@@ -88,48 +83,25 @@ _CHECKS = (
 _EACH = ("slip", "adhesion")
 
 
-class Plausibility(ctypes.Structure):
-    """The memory of the checks during one stop; as in plausible.h."""
+class Plausibility:
+    """The memory of the checks during one stop.
 
-    _fields_ = (
-        *((name, ctypes.c_double) for name in ("period", "start_speed")),
-        *((name, ctypes.c_double) for name in ("lightest", "heaviest", "constant", "quadratic")),
-        *((name, ctypes.c_double) for name in ("speed", "origin", "travel")),
-        *((name, ctypes.c_double) for name in ("acceleration", "gained", "hardest")),
-        *((name, ctypes.c_double) for name in ("top", "deceleration", "rise", "fall")),
-        *((name, ctypes.c_double) for name in ("value", "least", "most")),
-        *((name, ctypes.c_longlong) for name in ("check", "element")),
-    )
+    Attributes:
+        struct: `Plausibility` of plausible.h.
+    """
 
-    @classmethod
-    def before(cls, period: float, start_speed: float, slowing: Slowing) -> Self:
-        """Return the memory before the first sample: communication period [s], requested start speed [m/s]."""
-        return cls(
-            period=period,
-            start_speed=start_speed,
-            lightest=slowing.lightest,
-            heaviest=slowing.heaviest,
-            constant=slowing.constant,
-            quadratic=slowing.quadratic,
-        )
-
-    def holds(self, layout: Layout, sample: int, truth: NDArray[np.float64], inputs: NDArray[np.float64]) -> bool:
-        """Return whether the outputs of a sample are possible; samples come in order.
-
-        Args:
-            layout: Of truth and inputs.
-            sample: Its number.
-            truth: Outputs of the plant then, contiguous.
-            inputs: That were held until then, contiguous.
-        """
-        return kernel(layout).plausible(ctypes.byref(self), sample, truth.ctypes.data, inputs.ctypes.data) == 1
+    def __init__(self, layout: Layout, period: float, start_speed: float, slowing: Slowing) -> None:
+        """Prepare for the first sample: communication period [s], requested start speed [m/s]."""
+        bounds = {name: getattr(slowing, name) for name in ("lightest", "heaviest", "constant", "quadratic")}
+        self.struct = Struct(layout, "Plausibility", period=period, start_speed=start_speed, **bounds)
 
     def reason(self, time: float) -> str:
         """Return what was wrong at a time [s], and what was expected, in a sentence."""
-        signal, unit, why = _CHECKS[self.check]
-        name = f"{signal}[{self.element + 1}]" if signal in _EACH else signal
-        span = f"{self.least:.6g} to {self.most:.6g}{unit and f' {unit}'}"
-        value = f"{self.value:.6g}{unit and f' {unit}'}"
+        failed = self.struct.pointer
+        signal, unit, why = _CHECKS[failed.check]
+        name = f"{signal}[{failed.element + 1}]" if signal in _EACH else signal
+        span = f"{failed.least:.6g} to {failed.most:.6g}{unit and f' {unit}'}"
+        value = f"{failed.value:.6g}{unit and f' {unit}'}"
         return (
             f"At {time:.3f} s the plant shows {name} = {value}, but {why.format(expected=span)}; look at unit and sign "
             f"of '{signal}' in [vehicle.map], and at [vehicle.parameters]."

@@ -1,142 +1,42 @@
 """What the track does to the train, and what slip does to the track."""
 
-import ctypes
 from collections.abc import Sequence
-from functools import cache
-from typing import Any, Protocol
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
-from railgrip.loop.library import kernel
+from railgrip.loop.library import Struct, kernel, records
+from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.polach import Polach
+from railgrip.scenario.profile import Recovery
+from railgrip.scenario.track import TrackForce
 from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
 
 
-class Profile(Protocol):
-    """Friction on an even grid over time or distance, as `railgrip.scenario.adhesion.Profile`."""
-
-    @property
-    def over_time(self) -> bool:
-        """Whether the grid runs over time [s], else over distance [m]."""
-        ...
-
-    @property
-    def step(self) -> float:
-        """Of the grid."""
-        ...
-
-    @property
-    def mu0_at(self) -> NDArray[np.float64]:
-        """Friction at its points, shape (n, wheelsets)."""
-        ...
-
-    @property
-    def curve_at(self) -> NDArray[np.uint8] | None:
-        """Which creep curve lies there, shape (n, wheelsets); None where there is one."""
-        ...
-
-
-class Sections(Protocol):
-    """A force that is constant or straight between places, as `railgrip.scenario.track.TrackForce`."""
-
-    @property
-    def begins(self) -> tuple[float, ...]:
-        """Where each section begins, the first at −∞ [m]."""
-        ...
-
-    @property
-    def forces(self) -> tuple[float, ...]:
-        """On the train where each section begins, forward positive [N]."""
-        ...
-
-    @property
-    def rates(self) -> tuple[float, ...]:
-        """Change of the force over each section, 0 for the first [N/m]."""
-        ...
-
-
-class Falling(Protocol):
-    """How friction falls with slip speed: to the share A, at the rate B [s/m]."""
-
-    @property
-    def A(self) -> float:  # noqa: N802 (the name in the literature)
-        """Friction at infinite slip speed over that at none."""
-        ...
-
-    @property
-    def B(self) -> float:  # noqa: N802 (the name in the literature)
-        """Decay of friction with slip speed [s/m]."""
-        ...
-
-
-class Clean(Falling, Protocol):
-    """The rail once slip has cleaned it, as `railgrip.scenario.profile.Recovery`."""
-
-    @property
-    def mu0(self) -> float:
-        """Friction at no slip speed."""
-        ...
-
-    @property
-    def rate(self) -> float:
-        """Of the recovery, over the energy of the slip [m/J]."""
-        ...
-
-
 _CELL = 0.1  # m; beside patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
 
 
-@cache
-def _structs(wheelsets: int) -> tuple[type[ctypes.Structure], type[ctypes.Structure], type[ctypes.Structure]]:
-    """Return the structs `Rail`, `Recovery` and `Sand` of rail.h for so many wheelsets."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sander:
+    """Lays sand on both rails in front of a wheelset.
 
-    class Recovery(ctypes.Structure):
-        _fields_ = (
-            *((name, ctypes.c_void_p) for name in ("energy", "position", "group")),
-            *((name, ctypes.c_double) for name in ("origin", "length", "rate")),
-            *((name, ctypes.c_double) for name in ("clean", "clean_A", "clean_B")),
-            *((name, ctypes.c_double * wheelsets) for name in ("A", "B", "place", "loss", "met", "left")),
-            ("cell", ctypes.c_longlong * wheelsets),
-            *((name, ctypes.c_longlong) for name in ("cells", "begun")),
-        )
-
-    class Sand(ctypes.Structure):
-        _fields_ = (
-            *((name, ctypes.c_void_p) for name in ("lying", "position", "sanders")),
-            *((name, ctypes.c_double) for name in ("origin", "length", "mu0", "density", "left")),
-            ("met", ctypes.c_double * wheelsets),
-            ("cell", ctypes.c_longlong * wheelsets),
-            *((name, ctypes.c_longlong) for name in ("count", "cells", "begun")),
-        )
-
-    class Rail(ctypes.Structure):
-        _fields_ = (
-            *((name, ctypes.c_void_p) for name in ("friction", "curves", "curve_at", "begins", "forces", "rates")),
-            *((name, ctypes.c_double) for name in ("grid", "force")),
-            ("mu0", ctypes.c_double * wheelsets),
-            ("curve", ctypes.c_double * (4 * wheelsets)),
-            *((name, ctypes.c_longlong) for name in ("points", "over_time", "sections", "section")),
-            *((name, ctypes.c_void_p) for name in ("recovery", "sand")),
-        )
-
-    return Rail, Recovery, Sand
-
-
-class Sander(ctypes.Structure):
-    """Who lays sand on both rails in front of a wheelset, as in rail.h.
-
-    Fields: rate, on one rail at most [kg/s]; density that is kept while it allows [kg/m], infinite for a fixed rate;
-    begin and end of what comes to the rail [s]; wheelset, from 0 on.
+    Attributes:
+        rate: Most sand on one rail [kg/s].
+        density: That is kept on one rail while `rate` allows [kg/m]; infinite for a fixed rate.
+        begin, end: Of the sand that reaches the rail [s].
+        wheelset: Zero-based.
     """
 
-    _fields_ = (
-        *((name, ctypes.c_double) for name in ("rate", "density", "begin", "end")),
-        ("wheelset", ctypes.c_longlong),
-    )
+    rate: float
+    density: float
+    begin: float
+    end: float
+    wheelset: int
 
 
 class Field:
@@ -157,24 +57,28 @@ class Field:
 
     Limits: creep stiffness (k_A, k_S) stays that of the rail as it lies, and what a wheel cleans of its own tread is in
     τ. W is that of the sample before.
+
+    Attributes:
+        energy: Slip energy left in each cell by the wheelsets that have passed it, per wheel [J/m].
+        origin: Where the first cell begins, behind the last wheelset's start [m].
     """
 
-    def __init__(self, formation: Formation, clean: Clean, falling: Falling, reach: float) -> None:
+    def __init__(self, layout: Layout, clean: Recovery, falling: Polach, reach: float) -> None:
         """Lay a rail that no wheel has cleaned.
 
         Args:
-            formation: Whose wheelsets run on it; it says where they are.
+            layout: Of the vehicle that runs on it; its formation says where the wheelsets are.
             clean: What slip makes of the rail.
             falling: How the plant's contact lets friction fall.
             reach: How far the train may get [m].
         """
+        formation = layout.formation
         position, self.origin, self.energy = _cells(formation, reach)
-        """Of each cell, by the wheelsets that have left it, of one wheel of each [J/m]."""
-        self._keep = position, np.ascontiguousarray(formation.group_of_wheelset, dtype=np.longlong)
-        self.struct: Any = _structs(formation.wheelsets)[1](
-            energy=self.energy.ctypes.data, position=self._keep[0].ctypes.data, group=self._keep[1].ctypes.data,
-            origin=self.origin, length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
-            A=(falling.A,) * formation.wheelsets, B=(falling.B,) * formation.wheelsets, cells=self.energy.size,
+        self.struct = Struct(
+            layout, "Recovery", energy=self.energy, position=position,
+            group=np.ascontiguousarray(formation.group_of_wheelset, dtype=np.longlong), origin=self.origin,
+            length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
+            A=[falling.A] * formation.wheelsets, B=[falling.B] * formation.wheelsets, cells=self.energy.size,
         )  # fmt: skip
 
 
@@ -202,25 +106,25 @@ class SandedRail:
     """
 
     def __init__(
-        self, formation: Formation, sanders: Sequence[Sander], reach: float, *, mu0: float, density: float, left: float
+        self, layout: Layout, sanders: Sequence[Sander], reach: float, *, mu0: float, density: float, left: float
     ) -> None:
         """Lay a rail without sand.
 
         Args:
-            formation: Whose wheelsets run on it; it says where they are.
+            layout: Of the vehicle that runs on it; its formation says where the wheelsets are.
             sanders: Who lays it.
             reach: How far the train may get [m].
             mu0: Friction with plenty of sand, at no slip speed.
             density: Sand on a rail that closes 63 % of the gap to `mu0` [kg/m].
             left: Share of it that a wheelset leaves.
         """
-        position, self.origin, self.lying = _cells(formation, reach)
-        each = (Sander * len(sanders))(*sanders)
-        self._keep = position, each
-        self.struct: Any = _structs(formation.wheelsets)[2](
-            lying=self.lying.ctypes.data, position=position.ctypes.data, sanders=ctypes.addressof(each),
-            origin=self.origin, length=_CELL, mu0=mu0, density=density, left=left,
-            count=len(sanders), cells=self.lying.size,
+        position, self.origin, self.lying = _cells(layout.formation, reach)
+        rows = records(layout, "Sander", len(sanders))
+        for name in ("rate", "density", "begin", "end", "wheelset"):
+            rows[name] = [getattr(sander, name) for sander in sanders]
+        self.struct = Struct(
+            layout, "Sand", lying=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
+            mu0=mu0, density=density, left=left, count=len(sanders), cells=self.lying.size,
         )  # fmt: skip
 
 
@@ -233,16 +137,12 @@ def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
 
 
 class TabulatedRail:
-    """Friction and force along the track; the look-up is in C (`kernel/rail.c`), for this class as for the loop in C.
+    """Friction and force along the track; the look-up is in `kernel/rail.c`.
 
     Attributes:
-        friction: As it lies.
-        sections: Of the force.
         field: Of the energy that slip leaves; None leaves friction as it lies.
         sand: That sanders lay; None where there are none.
         mu0: Maximum friction at each wheelset, shape (wheelsets,), where the train was last.
-        curve: Polach's k_A, k_S, A and B [s/m] of the creep curve at each wheelset, shape (4, wheelsets); nothing where
-            there is one curve.
         struct: `Rail` of rail.h.
     """
 
@@ -250,7 +150,7 @@ class TabulatedRail:
         self,
         layout: Layout,
         friction: Profile,
-        sections: Sections,
+        force: TrackForce,
         field: Field | None = None,
         sand: SandedRail | None = None,
         curves: Vector | None = None,
@@ -260,61 +160,42 @@ class TabulatedRail:
         Args:
             layout: Of the vehicle.
             friction: As it lies, and which creep curve lies where.
-            sections: Of the force.
+            force: Of gradient and curve.
             field: Of the energy that slip leaves.
             sand: That sanders lay.
             curves: Polach's k_A, k_S, A and B [s/m] of each creep curve, shape (curves, 4), if there are several.
         """
-        self.friction, self.sections, self.field, self.sand = friction, sections, field, sand
-        self._truth = np.empty(layout.outputs)
-        self._roll = kernel(layout).roll
-        self._energy_places = [layout.output[name] for name in ("adhesion", "slip", "wheelset_load")]
-        self._keep = tuple(
-            np.ascontiguousarray(table, dtype=np.float64)
-            for table in (friction.mu0_at, sections.begins, sections.forces, sections.rates)
-        )
-        rail, (lying, *force) = _structs(layout.formation.wheelsets)[0], (table.ctypes.data for table in self._keep)
-        self.struct: Any = rail(
-            lying, None, None, *force, grid=friction.step, points=len(friction.mu0_at),
-            over_time=friction.over_time, sections=len(sections.begins),
+        self.field, self.sand, self._kernel = field, sand, kernel(layout)
+        self._energy_places = [layout.output[name] for name in ("adhesion", "wheelset_load")]
+        tables = {"friction": friction.mu0_at, "begins": force.begins, "forces": force.forces, "rates": force.rates}
+        self.struct = Struct(
+            layout, "Rail", grid=friction.step, points=len(friction.mu0_at), over_time=friction.over_time,
+            sections=len(force.begins),
+            **{name: np.ascontiguousarray(table, dtype=np.float64) for name, table in tables.items()},
         )  # fmt: skip
-        self.mu0: Vector = np.ctypeslib.as_array(self.struct.mu0)
-        self.curve: Vector = np.ctypeslib.as_array(self.struct.curve).reshape(4, -1)
+        self.mu0 = self.struct.view("mu0")
         if curves is not None and friction.curve_at is not None:
-            self._curves = np.ascontiguousarray(curves), np.ascontiguousarray(friction.curve_at)
-            self.struct.curves, self.struct.curve_at = (table.ctypes.data for table in self._curves)
-        self._sent = [layout.input[signal.name] for signal in layout.sent_signals[1:]]
-        self.roll(0.0, np.zeros(layout.outputs))
-        if field is not None:
-            self.struct.recovery = ctypes.addressof(field.struct)
-        if sand is not None:
-            self.struct.sand = ctypes.addressof(sand.struct)
+            self.struct.set(curves=np.ascontiguousarray(curves), curve_at=np.ascontiguousarray(friction.curve_at))
+        # Where the train starts, before slip or sand have changed anything.
+        self.advance(0.0, np.zeros(layout.outputs))
+        self.struct.set(recovery=field and field.struct, sand=sand and sand.struct)
 
-    def lay(self, inputs: Vector) -> None:
-        """Write what the plant is sent of the rail where the train was last."""
-        friction, force, *curve = self._sent
-        inputs[friction], inputs[force] = self.mu0, self.force
-        for place, values in zip(curve, self.curve, strict=False):
-            inputs[place] = values
+    def advance(self, time: float, truth: Vector) -> None:
+        """Find friction and force at a time with these outputs of the plant, contiguous; times come in order."""
+        self._kernel.functions.advance_rail(self.struct.pointer, time, self._kernel.doubles(truth))
 
-    @property
-    def force(self) -> float:
-        """Of gradient and curve on the train where it was last, forward positive [N]."""
-        return self.struct.force
+    def write_inputs(self, inputs: Vector) -> None:
+        """Write the plant's inputs of the rail, contiguous, where the train was last; at first where it starts."""
+        self._kernel.functions.write_rail_inputs(self.struct.pointer, self._kernel.doubles(inputs))
 
-    def meet(self, truth: Vector) -> None:
+    def check_plant(self, truth: Vector) -> None:
         """Refuse a plant that, at its start, does not show what the rail depends on.
 
         Raises:
-            ScenarioError: Slip is to change the rail, and the plant has no adhesion, slip or load of its wheelsets.
+            ScenarioError: Slip is to change the rail, and the plant has no adhesion or load of its wheelsets.
         """
         if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(
-                "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion, slip and "
+                "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion and "
                 "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"
             )
-
-    def roll(self, time: float, truth: Vector) -> None:
-        """Find friction and force at a time with these outputs of the plant; times come in order."""
-        self._truth[:] = truth
-        self._roll(ctypes.addressof(self.struct), time, self._truth.ctypes.data)

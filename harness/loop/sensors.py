@@ -1,14 +1,11 @@
 """Sensors: the truth as the train sees it, in readings as `railgrip.signals.Layout` orders them."""
 
-import ctypes
 from dataclasses import dataclass
-from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.loop.library import kernel
+from railgrip.loop.library import Struct
 from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -29,10 +26,6 @@ class IdealSensors:
         """Read a vehicle whose vectors have this layout."""
         places = [layout.output[name] for name in layout.reading]
         self.places = np.concatenate([np.arange(place.start, place.stop) for place in places])
-
-    def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the truth, in the order of a reading."""
-        return truth.take(self.places)
 
 
 class WhiteSensors:
@@ -150,51 +143,17 @@ class ServiceInstruments:
     rail: RoughRail | None = None
 
 
-class _Encoder(ctypes.Structure):
-    _fields_ = (
-        ("teeth", ctypes.c_void_p),
-        *((name, ctypes.c_double) for name in ("pitch", "clock", "period", "silence", "angle", "stamp", "speed")),
-        *((name, ctypes.c_longlong) for name in ("pulses", "count", "missing", "begin", "end")),
-    )
-
-
-class _Course(ctypes.Structure):
-    _fields_ = (
-        ("values", ctypes.c_void_p),
-        *((name, ctypes.c_double) for name in ("begin", "step")),
-        ("count", ctypes.c_longlong),
-    )
-
-
-@cache
-def service_struct(groups: int, wheelsets: int) -> type[ctypes.Structure]:
-    """Return the struct `Service` of sensors.h for so many groups and wheelsets."""
-
-    class Service(ctypes.Structure):
-        _fields_ = (
-            ("encoder", _Encoder * groups),
-            *((name, _Course) for name in ("gravity", "rail")),
-            *((name, ctypes.c_void_p) for name in ("position", "speed_factor")),
-            *((name, ctypes.c_double * size) for name, size in (("shift", 2 * wheelsets), ("forward", 3), ("back", 2))),
-            *((name, ctypes.c_void_p) for name in ("noise", "offset_steps", "past")),
-            *((name, ctypes.c_double) for name in ("period", "acceleration_bias", "pressure_step")),
-            ("pressure_share", ctypes.c_double),
-            ("pressure", ctypes.c_double * groups),
-            *((name, ctypes.c_longlong) for name in ("block", "speed_every", "speed_latency", "speed_factors")),
-        )
-
-    return Service
-
-
-def _course(course: Course) -> _Course:
-    return _Course(values=course.values.ctypes.data, begin=course.begin, step=course.step, count=course.values.size)
-
-
 class ServiceSensors:
     """Pulse-timing wheel encoders, a speed sensor with its rate and latency, accelerometer, travel and pressure.
 
-    They are in C (`kernel/sensors.c`), for this class as for the loop in C. Noise is drawn in blocks from one
-    generator, so that the same seed gives the same readings. Samples are read one after the other, from 0 on.
+    Wheel encoders: each sample the shaft has turned on; every tooth that passed is stamped with its time, on the ticks
+    of the clock. The reading is the nominal angle between the last pulse of this sample and the last pulse before it
+    over the time between the two. Without a new pulse there is no new reading, until so much time has passed that even
+    one pulse now would mean less than the cut-off: then the reading is zero. Where a tooth is missing there is no
+    pulse, which the electronics does not know.
+
+    The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so that the same seed gives the
+    same readings. Samples are read one after the other, from 0 on.
     """
 
     def __init__(
@@ -204,78 +163,50 @@ class ServiceSensors:
         groups = layout.formation.groups
         self._random = random
         whole = (MissingTeeth(),) * groups
-        self._encoders = [Encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or whole]
+        encoders = [_encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or whole]
         self._deviation = np.array(
             [instruments.speed_noise, instruments.acceleration_noise]
             + [instruments.deflection_noise] * layout.formation.wheelsets
         )
         self._noise = np.empty((BLOCK, self._deviation.size))
-        self._past = np.empty(instruments.speed_latency + 1)
-        self._offset_steps = instruments.pressure_offset / instruments.pressure_step
-        self.struct: Any = service_struct(groups, layout.formation.wheelsets)(
-            encoder=(_Encoder * groups)(*(encoder.struct for encoder in self._encoders)),
-            noise=self._noise.ctypes.data, offset_steps=self._offset_steps.ctypes.data, past=self._past.ctypes.data,
-            period=period, acceleration_bias=instruments.acceleration_bias,
-            pressure_step=instruments.pressure_step, pressure_share=period / (instruments.pressure_lag + period),
+        self.struct = Struct(
+            layout, "Service", encoder=encoders, noise=self._noise,
+            offset_steps=instruments.pressure_offset / instruments.pressure_step,
+            past=np.empty(instruments.speed_latency + 1), period=period,
+            acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
+            pressure_share=period / (instruments.pressure_lag + period),
             block=BLOCK, speed_every=instruments.speed_every, speed_latency=instruments.speed_latency,
-            speed_factor=instruments.speed_factor.ctypes.data, speed_factors=instruments.speed_factor.size,
+            speed_factor=instruments.speed_factor, speed_factors=instruments.speed_factor.size,
         )  # fmt: skip
-        self._instruments = instruments
         if instruments.gravity is not None:
-            self.struct.gravity = _course(instruments.gravity)
+            self.struct.set(gravity=_course(layout, instruments.gravity))
         if (rail := instruments.rail) is not None:
-            self.struct.rail, self.struct.position = _course(rail.height), rail.position.ctypes.data
-            self.struct.shift[:], self.struct.forward[:] = rail.state.ravel().tolist(), rail.forward.tolist()
-            self.struct.back[:] = rail.back.tolist()
-        self._truth, self._reading = np.empty(layout.outputs), np.empty(layout.readings)
-        self._address = ctypes.addressof(self.struct)
-        self._places = self._truth.ctypes.data, self._reading.ctypes.data
-        self._read = kernel(layout).read_service
+            self.struct.set(
+                rail=_course(layout, rail.height), position=rail.position, shift=rail.state, forward=rail.forward,
+                back=rail.back,
+            )  # fmt: skip
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
         self._noise[:] = self._random.standard_normal(self._noise.shape) * self._deviation
 
-    def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample."""
-        if sample % BLOCK == 0:
-            self.draw()
-        self._truth[:] = truth
-        self._read(self._address, sample, *self._places)
-        return self._reading.copy()
+
+def _encoder(
+    layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator, missing: MissingTeeth
+) -> Struct:
+    """Return a pole wheel whose pulses are timed, mounted at a random angle."""
+    pitch = 2.0 * np.pi / instruments.pulses
+    # Errors of the tooth positions, not of the gaps: they close after one revolution by construction.
+    teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
+    return Struct(
+        layout, "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
+        period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
+        silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
+        missing=missing.count, begin=missing.begin, end=missing.end,
+    )  # fmt: skip
 
 
-class Encoder:
-    """A pole wheel whose pulses are timed.
-
-    Each sample the shaft has turned on; every tooth that passed is stamped with its time, on the ticks of the clock.
-    The reading is the nominal angle between the last pulse of this sample and the last pulse before it over the time
-    between the two. Without a new pulse there is no new reading, until so much time has passed that even one pulse
-    now would mean less than the cut-off: then the reading is zero. Where a tooth is missing there is no pulse,
-    which the electronics does not know.
-    """
-
-    def __init__(
-        self,
-        layout: Layout,
-        instruments: ServiceInstruments,
-        period: float,
-        random: np.random.Generator,
-        missing: MissingTeeth = MissingTeeth(),
-    ) -> None:
-        """Mount a pole wheel at a random angle."""
-        pitch = 2.0 * np.pi / instruments.pulses
-        # Errors of the tooth positions, not of the gaps: they close after one revolution by construction.
-        self._teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
-        self.struct = _Encoder(
-            teeth=self._teeth.ctypes.data, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
-            period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
-            silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
-            missing=missing.count, begin=missing.begin, end=missing.end,
-        )  # fmt: skip
-        self._address = ctypes.addressof(self.struct)
-        self._read = kernel(layout).read_encoder
-
-    def read(self, sample: int, speed: float) -> float:
-        """Return the reading at a sample [rad/s], from the true speed then; NaN without a new pulse."""
-        return self._read(self._address, sample, speed)
+def _course(layout: Layout, course: Course) -> Struct:
+    return Struct(
+        layout, "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
+    )

@@ -149,11 +149,29 @@ def _read_profile(path: Path, digest: str) -> tuple[NDArray[np.float64], NDArray
     return time, pressures
 
 
+EndOfPhase = Literal["end", "time", "duration", "distance", "speed_below", "speed_above"]
+"""What ends a phase, in the order of the enum in the loop's driver.h; the last phase has no end."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DemandedPhase:
-    """A phase in numbers; see `railgrip.loop.driver.Phase`."""
+    """A phase in numbers.
 
-    until: Literal["end", "time", "duration", "distance", "speed_below", "speed_above"] = "end"
+    Attributes:
+        until: What ends it.
+        limit: Time or duration [s], distance [m] or speed [m/s] that ends it.
+        begin: Time from which pressures change by their slopes [s].
+        pressures: Brake cylinder pressure of each group at `begin` [Pa].
+        slopes: Their change [Pa/s].
+        target: Distance at which to stop [m]; NaN brakes by the pressures.
+        deceleration: Of the braking curve to the target [m/s²].
+        full_deceleration: That the driver expects of full brake [m/s²].
+        force: Greatest force of the traction [N].
+        power: Greatest power of the traction [W]; may be infinite.
+        rate: Greatest change of the force [N/s]; may be infinite.
+    """
+
+    until: EndOfPhase = "end"
     limit: float = nan
     begin: float = 0.0
     pressures: tuple[float, ...]

@@ -14,7 +14,7 @@ from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmu.instance import Instance, unpack
 from railgrip.loop.compiled import run
-from railgrip.loop.ports import Plant
+from railgrip.loop.parts import Plant
 
 PERIOD = 1e-3
 

@@ -18,7 +18,7 @@ from railgrip.fmu import (
     open_plant,
 )
 from railgrip.limits import FmuLimits
-from railgrip.loop.ports import Plant
+from railgrip.loop.parts import Plant
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)

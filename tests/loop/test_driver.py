@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from kernel_calls import drive
 from synthetic import FULL, LAYOUT
 
 from railgrip.loop.driver import Driver
@@ -23,9 +24,9 @@ def driver(*phases):
 def ask(one, sample, speed=20.0, distance=0.0):
     truth = np.zeros(LAYOUT.outputs)
     truth[LAYOUT.output["speed"]], truth[LAYOUT.output["distance"]] = speed, distance
-    one.drive(sample, truth)
-    assert len(set(one.pressure)) == 1
-    return one.pressure[0]
+    pressure = drive(one, sample, truth)
+    assert len(set(pressure)) == 1
+    return pressure[0]
 
 
 def test_times_are_meant_to_the_nearest_sample():
@@ -64,7 +65,7 @@ def test_traction_is_limited_by_force_power_and_rate():
 
     def force(sample, speed):
         ask(one, sample, speed)
-        return one.force
+        return one.struct.pointer.force
 
     assert [force(k, 5.0) for k in range(3)] == pytest.approx([1e3, 2e3, 3e3])
     assert [force(k, 5.0) for k in range(3, 60)][-1] == 5e4

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from kernel_calls import Encoder, show, transmit
 from synthetic import LAYOUT
 from test_sensors import PERIOD, encoder_readings, instruments
 
 from railgrip.loop.faults import FREE, CommandFault, Faults, ReadingFault
-from railgrip.loop.sensors import Encoder, MissingTeeth
+from railgrip.loop.sensors import MissingTeeth
 
 SPEED = LAYOUT.reading["speed"].start
 
@@ -19,7 +20,7 @@ def shown(course, *, valves=True, noise_every=1, **fault):
     for k, speed in enumerate(course):
         reading = np.arange(LAYOUT.readings, dtype=float)
         reading[SPEED] = np.nan if speed == -1 else speed
-        result = faults.show(k, reading)
+        result = show(faults, k, reading)
         assert np.delete(result, SPEED).tolist() == np.delete(reading, SPEED).tolist()
         readings.append(result[SPEED])
     return [-1 if np.isnan(reading) else reading for reading in readings]
@@ -55,7 +56,7 @@ def test_a_sensor_that_is_broken_from_the_start_shows_its_first_reading_only(kin
 def test_faults_of_one_sensor_act_in_their_order():
     scaled, biased = (ReadingFault(kind=k, place=SPEED, begin=0, end=9, value=2.0) for k in ("scaled", "biased"))
     reading = np.full(LAYOUT.readings, 10.0)
-    results = [Faults(LAYOUT, order, [], valves=True, noise_every=1).show(0, reading)[SPEED]
+    results = [show(Faults(LAYOUT, order, [], valves=True, noise_every=1), 0, reading)[SPEED]
                for order in ([scaled, biased], [biased, scaled])]  # fmt: skip
     assert results == [22.0, 24.0]
 
@@ -69,7 +70,7 @@ def passed(commands, *, valves, inside=(0.0,) * 20, air=(0.0,) * 20, **fault):
         truth = np.zeros(LAYOUT.outputs)
         truth[LAYOUT.output["cylinder_pressure"]] = inside[k]
         truth[LAYOUT.output["air_used"]] = air[k]
-        result = faults.transmit(k, truth, (7.0, command, 8.0, 9.0))
+        result = transmit(faults, k, truth, (7.0, command, 8.0, 9.0))
         assert result[[0, 2, 3]].tolist() == [7.0, 8.0, 9.0]
         arrived.append(float(result[1]))
     return arrived
@@ -114,7 +115,7 @@ def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
     """Over a gap of m teeth one pulse comes in the time of m + 1 pitches: ω/(m + 1), once in a revolution; elsewhere ω.
     A pitch lasts 1.3 samples, so that each pulse is a reading of its own."""
     speed = 2 * np.pi / 100 / 1.3e-3
-    encoder = Encoder(LAYOUT, instruments(pitch_error=0.0, clock=1e-9), PERIOD, np.random.default_rng(1),
+    encoder = Encoder(instruments(pitch_error=0.0, clock=1e-9), PERIOD, np.random.default_rng(1),
                       MissingTeeth(missing, 0, 10**9))  # fmt: skip
     read = np.array([encoder.read(k, speed) for k in range(2600)])  # twenty revolutions
     read = read[~np.isnan(read)][5:]
@@ -124,6 +125,6 @@ def test_a_gap_in_a_pole_wheel_reads_slow_once_a_revolution(missing):
 
 
 def test_a_pole_wheel_without_gap_reads_as_ever():
-    encoder = Encoder(LAYOUT, instruments(), PERIOD, np.random.default_rng(1), MissingTeeth(3, 10**6, 10**9))
+    encoder = Encoder(instruments(), PERIOD, np.random.default_rng(1), MissingTeeth(3, 10**6, 10**9))
     _, true, plain = encoder_readings(lambda t: 50 - 2 * t, 2.0)
     assert np.array_equal([encoder.read(k, w) for k, w in enumerate(true)], plain, equal_nan=True)

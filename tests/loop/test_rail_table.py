@@ -30,7 +30,7 @@ def at(distance):
 )
 def test_friction_is_that_of_the_nearest_time_or_place(over_time, place, nearest):
     track = rail(over_time)
-    track.roll(*(place, at(50.0)) if over_time else (50.0, at(place)))
+    track.advance(*(place, at(50.0)) if over_time else (50.0, at(place)))
     assert track.mu0.tolist() == [VALUES[nearest]] * 6
 
 
@@ -38,5 +38,5 @@ def test_the_force_is_that_of_the_section_ahead_and_back():
     """A plant that is reset, or rolls back, comes to sections before."""
     track = rail(over_time=True)
     for distance, force in ((0, 0), (10, 1e3), (29.9, 1e3), (31, -1950), (40, -1500), (29, 1e3), (9.9, 0), (-1, 0)):
-        track.roll(0.0, at(distance))
-        assert track.force == pytest.approx(force), distance
+        track.advance(0.0, at(distance))
+        assert track.struct.pointer.force == pytest.approx(force), distance

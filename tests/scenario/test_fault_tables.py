@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from kernel_calls import show
 from synthetic import LIBRARY
 
 import railgrip as rg
@@ -133,11 +134,12 @@ def test_every_kind_can_be_asked_for():
 
 
 def test_without_place_a_fault_is_everywhere_and_time_is_meant_to_the_nearest_sample():
-    faults = parts(asked({"part": "transducer", "kind": "dead", "begin": 0.57, "end": "0.5701 s"}))
-    assert faults.struct.reading_count == 4
+    scenario = asked({"part": "transducer", "kind": "dead", "begin": 0.57, "end": "0.5701 s"})
+    layout, faults = VehicleData(scenario).layout, parts(scenario)
+    assert faults.struct.pointer.reading_count == 4
     assert set(READ_BY) < set(KINDS)
     reading = np.ones(200)
-    shown = {k: np.isnan(faults.show(k, reading)).sum() for k in (0, 569, 570, 571)}
+    shown = {k: np.isnan(show(faults, k, reading, layout)).sum() for k in (0, 569, 570, 571)}
     assert shown == {0: 0, 569: 0, 570: 4, 571: 0}
 
 

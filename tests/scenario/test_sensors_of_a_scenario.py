@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from kernel_calls import read
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.assemble.sensors import readings_of, sensors_of
@@ -111,7 +112,7 @@ def test_instruments_do_not_know_the_communication_step():
         assert every * scenario.periods.communication == 1e-3
         sensors = sensors_of(scenario, LAYOUT, 0.4)
         truths = np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)
-        readings.append(np.array([sensors.read(k, truth) for k, truth in enumerate(truths)]))
+        readings.append(np.array([read(sensors, k, truth) for k, truth in enumerate(truths)]))
     assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
 
 
@@ -134,7 +135,7 @@ def driven(scenario, speed=20.0, seconds=40.0):
     for k in range(round(seconds / 1e-3)):
         truth = np.zeros(LAYOUT.outputs)
         truth[LAYOUT.output["distance"]], truth[LAYOUT.output["speed"]] = speed * k * 1e-3, speed
-        rows.append(sensors.read(k, truth))
+        rows.append(read(sensors, k, truth))
     return np.array(rows)
 
 

@@ -13,17 +13,15 @@ from railgrip.__main__ import main
 from railgrip.assemble import OwnParties, assembled, run_stop
 from railgrip.assemble.export import controller_fmu
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.engine import Engine
 from railgrip.errors import ScenarioError
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
-from railgrip.loop import compiled_cycle
 from railgrip.scenario.load import installed, load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.outcome import Outcome
-from railgrip.trace.stop import Stop, read_stop, write_stop
+from railgrip.trace.stop import Stop, read_stop
 
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"
@@ -93,7 +91,7 @@ def railgrip(*arguments: str) -> None:
 
 
 @pytest.mark.parametrize("name", TRAINS)
-def test_a_train_runs_to_metrics_and_figures_and_engines_agree_to_the_byte(tmp_path: Path, name: str, monkeypatch):
+def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypatch):
     monkeypatch.chdir(tmp_path)
     counts, (scenario, *overrides) = TRAINS[name]
     if name == "trolley":
@@ -102,25 +100,21 @@ def test_a_train_runs_to_metrics_and_figures_and_engines_agree_to_the_byte(tmp_p
         rest = rest[rest.index("[start]") : rest.index("[controller]")] + rest[rest.index("[periods]") :]
         (tmp_path / scenario).write_text(f"{TROLLEY}\n{rest}")
     changes = [text for override in overrides for text in ("--set", override)]
-    for engine in ("python", "compiled"):
-        railgrip("run", scenario, *changes, "--engine", engine, "--out", engine)
-    one, other = (tmp_path / engine / "trace.nc" for engine in ("python", "compiled"))
-    assert one.read_bytes() == other.read_bytes()
-
-    record = read_stop(tmp_path / "compiled")
+    railgrip("run", scenario, *changes, "--out", "stop")
+    record = read_stop(tmp_path / "stop")
     assert record.outcome is Outcome.STANDSTILL
     _sensible(record.metrics, groups=len(counts))
-    with xarray.open_dataset(other) as trace:
+    with xarray.open_dataset(tmp_path / "stop" / "trace.nc") as trace:
         assert (trace.sizes["group"], trace.sizes["wheelset"]) == (len(counts), sum(counts))
         # Wheelsets of a group turn as one, and every group braked.
         assert bool((trace["cylinder_pressure"].max("time") > 1e5).all())
         distance = np.trapezoid(trace["speed"], trace["time"])
     assert record.metrics.distance == pytest.approx(distance, rel=1e-3)
 
-    railgrip("report", "compiled")
-    with Image.open(tmp_path / "compiled" / "stop.png") as figure:
+    railgrip("report", "stop")
+    with Image.open(tmp_path / "stop" / "stop.png") as figure:
         assert figure.width == 2100
-    assert "<img" in (tmp_path / "compiled" / "index.html").read_text()
+    assert "<img" in (tmp_path / "stop" / "index.html").read_text()
 
 
 def _sensible(metrics: Metrics, groups: int) -> None:
@@ -163,17 +157,13 @@ WAGON = [
 
 
 @pytest.mark.parametrize("further", [[], ["adhesion.mu0=[0.05, 0.08]", "adhesion.kind=constant"]], ids=["rail", "each"])
-def test_a_wagon_of_two_wheelsets_stops_alike_in_both_engines(tmp_path, further):
+def test_a_wagon_of_two_wheelsets_stops(further):
     base = "plain" if further else "trapezoid"
     scenario = load(LIBRARY / f"{base}.toml", [*WAGON, *further])
-    stops = {engine: run_stop(scenario, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)}
-    for engine, stop in stops.items():
-        assert stop.outcome.value == "standstill"
-        assert len(stop.metrics.longest_lock) == len(stop.metrics.utilisation_wheelset) == 2
-        assert 0.5 < stop.metrics.utilisation < 1.0
-        write_stop(stop, tmp_path / engine.value)
-    python, compiled = ((tmp_path / engine.value / "trace.nc").read_bytes() for engine in stops)
-    assert python == compiled
+    stop = run_stop(scenario)
+    assert stop.outcome.value == "standstill"
+    assert len(stop.metrics.longest_lock) == len(stop.metrics.utilisation_wheelset) == 2
+    assert 0.5 < stop.metrics.utilisation < 1.0
 
 
 def test_an_estimator_for_another_vehicle_is_refused():
@@ -301,13 +291,13 @@ def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: s
         return scenario_of(table, directory=Path(scenario).parent, origin=name)
 
     with assembled(with_estimator("compiled", **model)) as parts:
-        ended = compiled_cycle.run(parts.parties)
+        ended = parts.run()
         rows, columns = parts.recorder.rows[: ended.samples], parts.recorder.columns
-        layout, radius = parts.parties.layout, np.array(parts.parties.wheel_radius)
+        layout, radius = parts.parts.layout, np.array(parts.parts.wheel_radius)
         central = [rows[:, columns[f"estimate_{name}"]] for name in ("adhesion", "pad_friction", "slip")]
     readings = np.column_stack([rows[:, columns[signal.name]] for signal in layout.reading_signals])
     with assembled(with_estimator("decentralised")) as parts:
-        ours = parts.parties.state_estimator
+        ours = parts.parts.estimator
     groups = layout.formation.groups
     adhesion, pads, slip = (np.full((ended.samples, groups), np.nan) for _ in range(3))
     latest, pressure = readings[0], layout.reading["cylinder_pressure"]
@@ -374,19 +364,16 @@ def test_one_mass_believed_of_all_wheelsets_is_that_of_each(kind: str):
 PARTLY = {"demand": {"phases": [{"pressure": "2.3 bar"}]}, "start": {"speed": "50 km/h"}}
 
 
-def freight(change: dict[str, Any], engine: Engine = Engine.COMPILED) -> Stop:
+def freight(change: dict[str, Any]) -> Stop:
     path = Path(FREIGHT)
-    return run_stop(
-        scenario_of(merged(read_toml(path), change), directory=path.parent, origin=path.name), engine=engine
-    )
+    return run_stop(scenario_of(merged(read_toml(path), change), directory=path.parent, origin=path.name))
 
 
-def test_wheelsets_behind_give_what_those_in_front_cannot_and_both_engines_agree():
+def test_wheelsets_behind_give_what_those_in_front_cannot():
     """On a rail that wheels clean for those behind them: shorter, never more than the law or the cylinders allow."""
     alone = freight(PARTLY)
     change = merged(PARTLY, {"controller": {"kind": "slip_two_state", "redistribute": True}})
-    together, again = freight(change), freight(change, Engine.PYTHON)
-    assert together.trace.equals(again.trace)
+    together = freight(change)
     assert together.metrics.distance < 0.995 * alone.metrics.distance
     assert float(together.trace["demand"].max()) <= 3.2e5
     assert float(together.trace["demand"].max()) > 2.4e5
@@ -396,8 +383,6 @@ def test_wheelsets_of_a_valve_are_commanded_alike():
     """Two bogies of two wheelsets in each car, each with one valve: longer than with a valve for each wheelset."""
     valves = {"vehicle": {"formation": {"groups_per_valve": [2] * 8}}, "start": {"speed": "40 km/h"}}
     alone, shared = freight({"start": {"speed": "40 km/h"}}), freight(valves)
-    again = freight(valves, Engine.PYTHON)
-    assert shared.trace.equals(again.trace)
     demand = shared.trace["demand"].values
     assert np.array_equal(demand[:, ::2], demand[:, 1::2])
     assert demand.min() == 0.0

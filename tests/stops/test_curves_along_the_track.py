@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from python_parts import run_in_python
 
 from railgrip.assemble import run_stop
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.engine import Engine
 from railgrip.errors import RailgripError, ScenarioError
 from railgrip.scenario.load import load, scenario_of
 from railgrip.signals import CURVE
@@ -24,8 +24,8 @@ def scenario(*overrides):
 
 
 def assert_same(question):
-    """Both engines, to the last bit."""
-    one, other = (run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    """With parts in C and in Python, to the last bit."""
+    one, other = (run(question) for run in (run_in_python, run_stop))
     assert (one.outcome, one.reason) == (other.outcome, other.reason)
     assert list(one.trace.data_vars) == list(other.trace.data_vars)
     for name, values in one.trace.data_vars.items():
@@ -82,7 +82,7 @@ def test_the_curve_changes_in_the_middle_of_the_edges_and_friction_over_them():
         (PATCH, "adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}"),
     ],
 )
-def test_both_engines_with_an_estimator(rail):
+def test_parts_in_python_with_an_estimator(rail):
     stop = assert_same(scenario(*rail, "limits.horizon=6 s"))
     assert set(np.unique(stop.trace["curve_k_A"].values)) >= {0.04, 1.0}
 

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from python_parts import run_in_python
 from synthetic import LIBRARY
 
 import railgrip as rg
 from railgrip.assemble import run_stop
-from railgrip.engine import Engine
 from railgrip.scenario.load import load
 from railgrip.trace.outcome import Outcome
 
@@ -18,8 +18,8 @@ GRIPPY = {
 
 
 def same(scenario):
-    """Return the stop that both engines give, to the last bit."""
-    one, other = (run_stop(scenario, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    """Return the stop with parts in C and in Python, to the last bit."""
+    one, other = (run(scenario) for run in (run_in_python, run_stop))
     assert (one.outcome, one.reason) == (other.outcome, other.reason)
     for name, values in one.trace.data_vars.items():
         assert values.values.tobytes() == other.trace[name].values.tobytes(), name

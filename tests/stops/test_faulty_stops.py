@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from python_parts import run_in_python
 from synthetic import LIBRARY
 
 from railgrip.assemble import run_stop
-from railgrip.engine import Engine
 from railgrip.loop.faults import FREE
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
@@ -22,8 +22,8 @@ def train(*faults, **changes):
 
 
 def same(scenario):
-    """Return the stop that both engines give, to the last bit."""
-    one, other = (run_stop(scenario, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    """Return the stop with parts in C and in Python, to the last bit."""
+    one, other = (run(scenario) for run in (run_in_python, run_stop))
     assert (one.outcome, one.reason) == (other.outcome, other.reason)
     for name, values in one.trace.data_vars.items():
         assert values.values.tobytes() == other.trace[name].values.tobytes(), name
@@ -35,7 +35,7 @@ def healthy():
     return run_stop(train())
 
 
-def test_the_library_s_broken_train_stops_in_both_engines():
+def test_the_library_s_broken_train_stops():
     stop = same(load(LIBRARY / "degraded.toml"))
     assert stop.outcome is Outcome.STANDSTILL
     radar = stop.trace["reading_speed"].values
@@ -106,7 +106,7 @@ def test_a_lighter_train_downhill_is_one():
     assert b == pytest.approx((a * (mass + rotating) - 0.8 * mass * 9.81 * 0.01) / (0.8 * mass + rotating), rel=0.01)
 
 
-def test_sensors_as_they_are_read_the_same_in_both_engines():
+def test_sensors_as_they_are_read_the_same():
     """A radar that drifts and drops out, an accelerometer that feels 1 % uphill, a rail that shakes the suspension."""
     sensors = {
         "speed": {"drift": "0.5 %", "drift_time": "5 s", "dropouts": "20 %", "dropout_time": "0.3 s"},

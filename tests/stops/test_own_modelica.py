@@ -10,7 +10,7 @@ import pytest
 import railgrip
 from railgrip.__main__ import main
 from railgrip.assemble import run_stop
-from railgrip.assemble.controller import actuation_of
+from railgrip.assemble.controller import valve_logic_of
 from railgrip.assemble.files import is_trusted, plant_description
 from railgrip.assemble.ideal import _Tracking
 from railgrip.assemble.vehicle import VehicleData
@@ -237,7 +237,7 @@ def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant
     vehicle = {"model": "Slow", "library": "Slow.mo"}
     slow = with_valves(tmp_path, vehicle)
     other = with_valves(tmp_path, vehicle | {"parameters": {"dead_vent": "120 ms"}}, {"T_fill": "0.6 s"})
-    logic = actuation_of(slow)
+    logic = valve_logic_of(slow)
     assert isinstance(logic, ValveLogic)
     values = dict(zip((quantity.name for quantity in logic.formula.parameters), logic.parameters, strict=True))
     assert (values["fill_time"], values["vent_time"]) == (0.8, 0.5)

@@ -92,7 +92,7 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
     assert "280 m/s" in html
 
 
-def test_the_stop_with_estimator_and_valves_runs_in_the_compiled_engine(monkeypatch, tmp_path):
+def test_the_stop_with_estimator_and_valves_ends(monkeypatch, tmp_path):
     """With two of its four cars, which a coupler holds: half of the train is a quarter of what it takes to build."""
     for name in ("dry.toml", "protected.toml"):
         text = (stops.LIBRARY / name).read_text(encoding="utf-8")

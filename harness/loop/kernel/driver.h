@@ -1,14 +1,9 @@
-/* What a driver asks for, phase by phase; the structs are mirrored in driver.py, field by field. */
+/* What a driver asks for, phase by phase. */
 #ifndef DRIVER_H
 #define DRIVER_H
 
+#include "export.h"
 #include "layout.h"
-
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 enum { AT_END, AT_TIME, AT_DURATION, AT_DISTANCE, AT_SPEED_BELOW, AT_SPEED_ABOVE };   /* what ends a phase */
 

@@ -1,14 +1,9 @@
-/* What is broken on the way from the plant to who reads it, and back; the structs are mirrored in faults.py, field by field. */
+/* What is broken on the way from the plant to who reads it, and back. */
 #ifndef FAULTS_H
 #define FAULTS_H
 
+#include "export.h"
 #include "layout.h"
-
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 enum { DEAD, STUCK, SCALED, BIASED, NOISY };     /* of a reading */
 enum { FIXED, KEPT, LATE, LIMITED };             /* of a command */

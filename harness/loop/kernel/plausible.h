@@ -1,14 +1,9 @@
-/* What a plant shows, held against what was asked and against physics; the struct is mirrored in plausible.py, field by field. */
+/* What a plant shows, held against what was asked and against physics. */
 #ifndef PLAUSIBLE_H
 #define PLAUSIBLE_H
 
+#include "export.h"
 #include "layout.h"
-
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 enum { PLAUSIBLE, START_SPEED, START_DISTANCE, SPEED, ACCELERATION, DISTANCE, SLIP, ADHESION };   /* the check that failed */
 

@@ -96,7 +96,7 @@ static void lay_curves(Rail *its, long long point)
 }
 
 /* Friction and force at a time, with these outputs of the plant; times come in order. */
-EXPORT void roll(Rail *its, double time, const double *truth)
+EXPORT void advance_rail(Rail *its, double time, const double *truth)
 {
     const double distance = truth[OUTPUT_DISTANCE], last = (double)(its->points - 1);
     const double place = fmin(fmax((its->over_time ? time : distance) / its->grid + 0.5, 0.0), last);
@@ -119,4 +119,16 @@ EXPORT void roll(Rail *its, double time, const double *truth)
     its->force = its->forces[section];
     if (its->rates[section] != 0.0)
         its->force += its->rates[section] * (distance - its->begins[section]);
+}
+
+/* Write what the plant is sent of the rail where the train was last. */
+EXPORT void write_rail_inputs(const Rail *its, double *inputs)
+{
+    for (int w = 0; w < WHEELSETS; w++)
+        inputs[INPUT_MU0 + w] = its->mu0[w];
+    inputs[INPUT_TRACK_FORCE] = its->force;
+#ifdef INPUT_CURVE_K_A
+    for (int i = 0; i < 4 * WHEELSETS; i++)
+        inputs[INPUT_CURVE_K_A + i] = its->curve[i];
+#endif
 }

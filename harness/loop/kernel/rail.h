@@ -1,14 +1,9 @@
-/* What the track does to the train; the structs are mirrored in rail.py, field by field. */
+/* What the track does to the train. */
 #ifndef RAIL_H
 #define RAIL_H
 
+#include "export.h"
 #include "layout.h"
-
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 typedef struct {
     double *energy;                              /* of each cell: what slip has dissipated in it, of one wheel of each pair [J/m] */
@@ -54,6 +49,7 @@ typedef struct {
     Sand *sand;                                  /* null: nobody lays any */
 } Rail;
 
-void roll(Rail *its, double time, const double *truth);
+void advance_rail(Rail *its, double time, const double *truth);
+void write_rail_inputs(const Rail *its, double *inputs);
 
 #endif

@@ -1,14 +1,9 @@
-/* Instruments as a train in service may have them; the structs are mirrored in sensors.py, field by field. */
+/* Instruments as a train in service may have them. */
 #ifndef SENSORS_H
 #define SENSORS_H
 
+#include "export.h"
 #include "layout.h"
-
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
 
 enum { NOISES = 2 + WHEELSETS };                 /* train speed, acceleration, one per deflection */
 

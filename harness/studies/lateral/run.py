@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from railgrip.estimation.run import Kind
 from railgrip.estimators.belief import Array
-from railgrip.estimators.compiled import CompiledFilter
 from railgrip.loop.compiled import Beliefs, Record, run
 from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, literal_density, party
 from railgrip.studies.lateral.wheelset import (
@@ -95,7 +94,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         begin = time.perf_counter()
         for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
             for one in parties:
-                if one.name == "literal" and isinstance(one.filter, CompiledFilter):  # the only one that is told
+                if one.name == "literal":  # the only one that is told
                     one.filter.retune(literal_density(condition))
             records.append(
                 run(

@@ -17,7 +17,6 @@ from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Vector
 from railgrip.files import scratch
 from railgrip.fmus.build import build_class
-from railgrip.loop import compiled_cycle
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import BrakePipe, Train
@@ -135,7 +134,7 @@ def _build_seconds(train: Train) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProtectedStop:
-    """What a stop with valves, sensors, estimator and slip control costs in the compiled engine.
+    """What a stop with valves, sensors, estimator and slip control costs.
 
     Attributes:
         estimator_period: [s].
@@ -157,7 +156,7 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     """Stop the four-car train on a poor rail as `library/protected.toml` has it.
 
     Raises:
-        ScenarioError: It does not come to stand, or the compiled engine cannot run it.
+        ScenarioError: It does not come to stand.
     """
     service = read_toml(EQUIPMENT / "service.toml")
     del service["vehicle"]
@@ -169,7 +168,7 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     for _ in range(_ROUNDS):
         with assembled(scenario) as parts:
             begin = process_time()
-            result = compiled_cycle.run(parts.parties)
+            result = parts.run()
             times.append(process_time() - begin)
         if result.outcome is not Outcome.STANDSTILL:
             raise ScenarioError(f"{scenario.name}: ended with {result.outcome.value}: {result.reason}")

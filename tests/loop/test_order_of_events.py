@@ -1,17 +1,16 @@
-"""Both engines where a real train does not get in seconds: at the seams of a block of samples, and where a party fails.
+"""The order of events in a stop: the loop against `reference`, to the last bit.
 
-Plant and estimator are Python on both sides; C calls them back. What is compared is every bit of the rows, what the
-plant was given, the words of the end, and what is left in the law.
+Also where parts fail, and where blocks of samples end.
 """
 
-import ctypes
-from bisect import bisect_right
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from kernel_calls import holds
+from reference import brake
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip import signals
@@ -21,15 +20,12 @@ from railgrip.controllers.sampled import choose
 from railgrip.controllers.slip_based import SlipBased
 from railgrip.controllers.tuning import PAPER_LEVELS
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.errors import Failure, PlantFailed
-from railgrip.loop import compiled_cycle, cycle
-from railgrip.loop.actuation import Direct
+from railgrip.errors import Failure, LoopError, PlantFailed
 from railgrip.loop.driver import Driver
-from railgrip.loop.ending import Clock
 from railgrip.loop.faults import CommandFault, Faults, ReadingFault
-from railgrip.loop.parties import Parties
+from railgrip.loop.loop import Loop
+from railgrip.loop.parts import Clock, Parts, StateEstimator
 from railgrip.loop.plausible import Plausibility, Slowing, slowing_of
-from railgrip.loop.ports import CInterface
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.loop.sensors import (
     BLOCK,
@@ -40,11 +36,11 @@ from railgrip.loop.sensors import (
     ServiceSensors,
     WhiteSensors,
 )
-from railgrip.loop.watch import StateEstimator
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
+from railgrip.scenario.track import TrackForce
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 
@@ -76,7 +72,7 @@ TRAIN = slowing_of(84e3, is_known=True)
 
 
 class Plant:
-    """Slows down evenly, rolls back a little at first, slides now and then; noisy, and C can step it.
+    """Slows down evenly, rolls back a little at first, slides now and then; noisy.
 
     `wrong` is a function of sample and truth that changes what it shows.
     """
@@ -88,8 +84,6 @@ class Plant:
         for name in lacks:
             here[LAYOUT.output[name]] = False
         self.present = np.flatnonzero(here)
-        self.taken, self.shown = np.zeros(LAYOUT.inputs), np.zeros(self.present.size)
-        self._cross = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, ctypes.c_int, ctypes.c_double)(self._set_step_get)
 
     def start(self, inputs):
         return self._truth(inputs)
@@ -98,23 +92,6 @@ class Plant:
         if self._moves(inputs):
             return self._truth(inputs)
         raise self._failure()
-
-    def c_interface(self):
-        address = ctypes.cast(self._cross, ctypes.c_void_p).value
-        return CInterface(
-            cross=address, plan=0, inputs=self.taken, outputs=self.shown, present=self.present,
-            input_names=(), output_names=(), period=1e-3, sample=0,
-        )  # fmt: skip
-
-    def note_steps(self, steps, code):
-        if code:
-            raise self._failure()
-
-    def _set_step_get(self, plan, what, time):
-        if time != self.sample * 1e-3 or not self._moves(self.taken):
-            return 2
-        self.shown[:] = self._truth(self.taken)[self.present]
-        return 0
 
     def _moves(self, inputs):
         self.given.append(inputs.copy())
@@ -144,40 +121,26 @@ class Plant:
 
 
 class Filter:
-    """Counts, remembers what it is shown, and fails, or believes in a negative variance, at a call; C can step it."""
+    """Counts, remembers what it is shown, and fails, or believes in a negative variance, at a call."""
 
     def __init__(self, fails_at=None, negative_at=None):
         self.fails_at, self.negative_at, self.calls = fails_at, negative_at, 0
         self.mean, self.covariance = 0.1 * np.arange(1.0, 14.0), np.eye(13)
-        self.inputs, self.readings, self.selection, self._squared = np.zeros(5), np.zeros(6), np.zeros(6), np.zeros(1)
-        self._step = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p)(self._stepped)
-
-    @property
-    def entry(self):
-        return ctypes.cast(self._step, ctypes.c_void_p).value, 0, self._squared.ctypes.data
+        self.inputs, self.readings, self.selection = np.zeros(5), np.zeros(6), np.zeros(6)
 
     @property
     def squared_innovation(self):
-        return float(self._squared[0])
+        return 0.1 * self.calls
 
     def advance(self):
-        if self._stepped(None):
-            raise ArithmeticError(self.failure(2))
-
-    def failure(self, outcome):
-        return {2: "Made up: no."}[outcome]
-
-    def _stepped(self, block):
         self.calls += 1
         if self.calls == self.fails_at:
-            return 2
+            raise ArithmeticError("Made up: no.")
         known = np.where(np.isnan(self.readings), -1.0, self.readings)
         self.selection[:] = ~np.isnan(self.readings)
-        self._squared[0] = 0.1 * self.calls
         self.mean[:6] += 1e-3 * (known - self.mean[:6])
         self.mean[6:10] += 1e-9 * self.inputs[:4]
         self.covariance[12, 12] = -1.0 if self.calls == self.negative_at else 2.0
-        return 0
 
 
 def state_estimator(filter_):
@@ -204,15 +167,7 @@ def speechless(calls):
     return Law(law("Speechless", "Gives up", 4, demand_with), GROUPS, {})
 
 
-class Steps:
-    begins = (-np.inf, 0.5, 3.0, 3.0001)
-    forces = (0.0, 1e3, -2e3, 5e2)
-    rates = (0.0, 0.0, 7e3, -3e2)
-
-    def at(self, distance):
-        section = bisect_right(self.begins, distance) - 1
-        rate = self.rates[section]
-        return self.forces[section] + rate * (distance - self.begins[section]) if rate else self.forces[section]
+STEPS = TrackForce(begins=(-np.inf, 0.5, 3.0, 3.0001), forces=(0.0, 1e3, -2e3, 5e2), rates=(0.0, 0.0, 7e3, -3e2))
 
 
 SLIP = lambda: SlipBased(GROUPS, PAPER_LEVELS)
@@ -233,11 +188,10 @@ SENSORS = {
 }
 
 
-def brake(
-    engine, plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(), keep=None,
+def parts_of(
+    plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(),
     field=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
 ):  # fmt: skip
-    plant, controller, filter_ = plant(), controller(), filter_() if filter_ else None
     recorder = Recorder(
         (
             *(*signals.PLANT, *signals.SENT, *signals.READINGS, *signals.DEMANDED),
@@ -248,14 +202,14 @@ def brake(
         samples + 1,
     )
     friction = np.random.default_rng(3).uniform(0.02, 0.2, (200, 6))
-    parties = Parties(
+    return Parts(
         layout=LAYOUT,
         plant=plant,
-        rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), Steps(), field()),
+        rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), STEPS, field()),
         sensors=SENSORS[sensors](),
-        state_estimator=state_estimator(filter_) if filter_ else None,
+        estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
-        actuation=ValveLogic([3.4e5] * 4, VALVES) if valves else Direct(),
+        valves=ValveLogic([3.4e5] * 4, VALVES) if valves else None,
         driver=Driver(LAYOUT, 1e-3, full=FULL, touching=np.full(4, 3e4), phases=phases),
         faults=Faults(LAYOUT, *broken, valves=valves, noise_every=1) if any(broken) else None,
         wheel_radius=RADIUS,
@@ -265,24 +219,48 @@ def brake(
         stop_speed=0.1,
         recorder=recorder,
     )
+
+
+class InPython:
+    """A law that the loop does not call from C."""
+
+    def __init__(self, law):
+        self.law = law
+
+    def decide(self, observation):
+        return self.law.decide(observation)
+
+
+def by_the_loop(parts):
     try:
-        end = engine.run(parties)
-        how = end.outcome, end.reason, end.samples
+        end = Loop(parts).run()
     except PlantFailed as failed:
-        how = Outcome.PLANT_FAILED, str(failed), recorder.written
-    assert how[2] == recorder.written
-    if keep:
-        keep(recorder)
-    rows = recorder.rows[: recorder.written].tobytes()
-    return how, rows, np.array(plant.given).tobytes(), controller.state.tobytes()
+        return Outcome.PLANT_FAILED, str(failed), parts.recorder.written
+    assert end.samples == parts.recorder.written
+    return end.outcome, end.reason, end.samples
 
 
-def same(plant=Plant, controller=SLIP, filter_=None, **changed):
-    """Return how it ended, with either engine."""
+def same(plant=Plant, controller=SLIP, filter_=None, keep=None, **changed):
+    """Return how a stop ends: by the loop with its law in C, with it in Python, and by the reference."""
     setup = dict(samples=BLOCK + 40, sensors="service", valves=False, every=(1, 1), over_time=True) | changed
-    one, other = (brake(engine, plant, controller, filter_, **setup) for engine in (compiled_cycle, cycle))
-    assert one == other
-    return one[0]
+    ends, bits = [], []
+    for run, wrap in ((by_the_loop, lambda law: law), (by_the_loop, InPython), (brake, lambda law: law)):
+        train, law = plant(), controller()
+        parts = parts_of(train, wrap(law), filter_() if filter_ else None, **setup)
+        ends.append(run(parts))
+        recorder, written = parts.recorder, ends[-1][-1]
+        # The estimated slip is derived from the rows at the end of the loop.
+        columns = [place for name, place in recorder.columns.items() if name != "estimate_slip"]
+        bits.append(
+            [recorder.rows[:written, place].tobytes() for place in columns]
+            + [np.array(train.given).tobytes(), law.state.tobytes()]
+        )
+        if keep and run is not brake:
+            keep(recorder)
+    assert ends[0] == ends[1]
+    assert (ends[0][0], ends[0][2]) == ends[2]
+    assert bits[0] == bits[1] == bits[2]
+    return ends[0]
 
 
 @pytest.mark.parametrize("samples", [1, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK])
@@ -328,8 +306,8 @@ def test_a_filter_that_diverges(call, way):
     ("controller", "valves", "every", "over_time"),
     [(SLIP, False, (1, 1), False), (HOLD, True, (5, 10), True), (HOLD, False, (2, 3), False)],
 )
-def test_mixes_of_parties(lacks, sensors, filter_, controller, valves, every, over_time):
-    """Sensors without a new reading, outputs that a plant lacks, parties at periods of their own; into the second
+def test_mixes_of_parts(lacks, sensors, filter_, controller, valves, every, over_time):
+    """Sensors without a new reading, outputs that a plant lacks, parts at periods of their own; into the second
     block, and over the end of the friction's table, which is 1 s or 1 m long."""
     outcome, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, lacks=lacks), controller, filter_,
@@ -350,7 +328,7 @@ def test_a_rail_that_slip_changes(reach):
     clean, rows = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1e-2), []
     ended, _, _ = same(
         lambda: Plant(speed=12.0, slowing=10.6, wrong=slides), samples=BLOCK + 300,
-        field=lambda: Field(TWO_PART_TRAIN, clean, LAID, reach),
+        field=lambda: Field(LAYOUT, clean, LAID, reach),
         keep=lambda recorder: rows.append(recorder.rows[: recorder.written, recorder.columns["mu0"]].copy()),
     )  # fmt: skip
     assert ended is Outcome.STANDSTILL
@@ -382,7 +360,7 @@ broken_brakes = st.builds(
     filter_=st.sampled_from([None, Filter]),
     sensing=st.integers(1, 3),
 )
-def test_any_faults_are_the_same_in_both_engines(broken, sensors, valves, filter_, sensing):
+def test_any_faults(broken, sensors, valves, filter_, sensing):
     same(
         lambda: Plant(speed=12.0, slowing=8.0), filter_=filter_, sensors=sensors, valves=valves, every=(2, 5),
         broken=broken, sensing=sensing, samples=3 * BLOCK + 40,
@@ -415,7 +393,7 @@ def driven(draw):
 @settings(max_examples=40)
 @given(phases=driven(), every=st.sampled_from([(1, 1), (2, 3)]))
 def test_what_is_sent_is_never_more_than_the_driver_demands(phases, every):
-    """Whatever the phases; and both engines ask the same, to the last bit."""
+    """Whatever the phases."""
     rows, columns = [], {}
 
     def keep(recorder):
@@ -507,13 +485,13 @@ def test_an_honest_plant_is_never_implausible(speed, slowing, late, grid, roundi
         truth[LAYOUT.output["speed"]] = rounding * round(shown / rounding) if rounding else shown
         truth[LAYOUT.output["distance"]] = grid * round(gone / grid) if grid else gone
 
-    plausibility = Plausibility.before(1e-3, speed, ANY_TRAIN)
+    plausibility = Plausibility(LAYOUT, 1e-3, speed, ANY_TRAIN)
     truth, inputs = np.full(LAYOUT.outputs, np.nan), np.zeros(LAYOUT.inputs)
     for k in range(400):
         honest(k, truth)
         if truth[LAYOUT.output["speed"]][0] <= 0.1 and k:
             break
-        assert plausibility.holds(LAYOUT, k, truth, inputs), plausibility.reason(1e-3 * k)
+        assert holds(plausibility, k, truth, inputs), plausibility.reason(1e-3 * k)
 
 
 def outputs_of(speed, distance, acceleration):
@@ -528,10 +506,10 @@ def braked(deceleration, *, friction=0.1, force=0.0, bounds=TRAIN, speed=20.0, p
     """Brake to 0.2 m/s with a deceleration of speed; return how far that came before it was implausible, 0 to 1."""
     inputs = np.zeros(LAYOUT.inputs)
     inputs[LAYOUT.input["mu0"]], inputs[LAYOUT.input["track_force"]] = friction, force
-    plausibility, v, s, k = Plausibility.before(period, speed, bounds), speed, 0.0, 0
+    plausibility, v, s, k = Plausibility(LAYOUT, period, speed, bounds), speed, 0.0, 0
     a = -deceleration(speed)
     while v > 0.2:
-        if not plausibility.holds(LAYOUT, k, outputs_of(v, s, shown * a), inputs):
+        if not holds(plausibility, k, outputs_of(v, s, shown * a), inputs):
             assert plausibility.reason(k * period).startswith(f"At {k * period:.3f} s the plant shows ")
             return (speed - v) / speed
         a = -deceleration(v)
@@ -583,8 +561,8 @@ def test_a_speed_that_jumps_a_little_at_every_sample_is_implausible(jump):
 
 @pytest.mark.parametrize(("share", "fits"), [(0.9992, True), (1.0008, True), (0.998, False), (1.002, False)])
 def test_a_start_speed_is_what_was_asked_to_0_1_percent(share, fits):
-    plausibility = Plausibility.before(1e-3, 20.0, TRAIN)
-    assert plausibility.holds(LAYOUT, 0, outputs_of(20.0 * share, 0.0, 0.0), np.zeros(LAYOUT.inputs)) is fits
+    plausibility = Plausibility(LAYOUT, 1e-3, 20.0, TRAIN)
+    assert holds(plausibility, 0, outputs_of(20.0 * share, 0.0, 0.0), np.zeros(LAYOUT.inputs)) is fits
 
 
 @settings(max_examples=30)
@@ -595,14 +573,14 @@ def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
     def wrong(k, truth):
         truth[LAYOUT.output["distance"]] = scale * truth[LAYOUT.output["distance"]] + offset
 
-    plausibility, plant = Plausibility.before(1e-3, 20.0, ANY_TRAIN), Plant(slowing=8.0, wrong=wrong)
+    plausibility, plant = Plausibility(LAYOUT, 1e-3, 20.0, ANY_TRAIN), Plant(slowing=8.0, wrong=wrong)
     inputs = np.zeros(LAYOUT.inputs)
-    rows = [plausibility.holds(LAYOUT, 0, plant.start(inputs), inputs)]
-    rows += [plausibility.holds(LAYOUT, k, plant.step(inputs), inputs) for k in range(1, 2480)]
+    rows = [holds(plausibility, 0, plant.start(inputs), inputs)]
+    rows += [holds(plausibility, k, plant.step(inputs), inputs) for k in range(1, 2480)]
     assert not all(rows)
 
 
 def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
-    with pytest.raises(TypeError, match="the controller is not for 4 groups"):
+    with pytest.raises(LoopError, match="takes 8 inputs, and 26 belong to 4 groups"):
         same(controller=lambda: SlipBased(GROUPS[:1], PAPER_LEVELS), sensors="ideal")

@@ -1,14 +1,14 @@
-"""The loop in C against the loop in Python: the same stop, to the last bit."""
+"""Plants, filters and laws that the loop calls in C, against the same that it returns to Python for: the same stop."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
+from python_parts import hidden, run_in_python
 
 from railgrip.assemble import assembled, braking_distance, run_stop
-from railgrip.engine import Engine
-from railgrip.errors import ScenarioError
 from railgrip.fmus.build import fmu
+from railgrip.loop.loop import Loop
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.scenario.merge import merged
@@ -23,7 +23,7 @@ CAMPAIGNS = LIBRARY.parent / "campaigns"
 
 def both(scenario: str, *overrides: str):
     question = load(LIBRARY / f"{scenario}.toml", list(overrides))
-    return [run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)]
+    return [run(question) for run in (run_in_python, run_stop)]
 
 
 def assert_same(one, other):
@@ -36,44 +36,26 @@ def assert_same(one, other):
 @pytest.mark.parametrize(
     ("controller", "others"),
     [
-        ("full_brake", WITHOUT),
-        ("slip_two_state", WITHOUT),
         ("slip_three_state", WITHOUT),
         ("wheel_reference", WITHOUT),
-        ("constant_slip", WITHOUT),
-        ("constant_slip", ()),
         ("extremum_seeking", ()),
-        ("adhesion_literal", ()),
-        ("adhesion_based", ()),
         ("adhesion_based", ("periods.estimator=2 ms", "periods.controller=5 ms")),
         ("adhesion_based", ("estimator.model=TrainPredictionReduced",)),
     ],
 )
-def test_laws_with_ideal_parties(controller, others):
+def test_laws_with_ideal_parts(controller, others):
     assert_same(*both("trapezoid", f"controller.kind={controller}", *SHORT, *others))
 
 
-@pytest.mark.parametrize(
-    "controller", ["slip_two_state", "slip_three_state", "adhesion_literal", "adhesion_based", "slope_seeking"]
-)
+@pytest.mark.parametrize("controller", ["slip_three_state", "adhesion_literal", "slope_seeking"])
 def test_laws_with_valves_and_service_sensors(controller):
     stops = load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
     (question,) = (stop.scenario for stop in stops if stop.name == f"random-service-{controller}")
-    assert_same(*(run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)))
-
-
-@pytest.mark.parametrize("controller", ["wheel_reference", "constant_slip", "extremum_seeking"])
-def test_baselines_with_valves_and_service_sensors(controller):
-    (question,) = (
-        stop.scenario
-        for stop in load_campaign(CAMPAIGNS / "table1.toml", (*SHORT, f"controller.kind={controller}")).stops
-        if stop.name == "random-service-adhesion_based"
-    )
-    assert_same(*(run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED)))
+    assert_same(*(run(question) for run in (run_in_python, run_stop)))
 
 
 def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
-    """The law must know of it in both: it follows the other wheelsets then."""
+    """The law must know of it: it follows the other wheelsets then."""
     (question,) = (
         stop.scenario
         for stop in load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
@@ -88,7 +70,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
         "limits": {"horizon": "7 s"},
     }
     question = Scenario.model_validate(merged(question.resolved(), changes))
-    one, other = (run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    one, other = (run(question) for run in (run_in_python, run_stop))
     assert_same(one, other)
     # What the radar shows from 4 s on is believed until it cannot be.
     speed = one.trace["speed"].values
@@ -115,7 +97,7 @@ def test_wheels_that_stand_in_for_a_silent_radar():
     }
     alone = Scenario.model_validate(merged(question.resolved(), changes))
     helped = Scenario.model_validate(merged(alone.resolved(), {"estimator": {"free_wheels": True}}))
-    one, other = (run_stop(helped, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    one, other = (run(helped) for run in (run_in_python, run_stop))
     assert_same(one, other)
 
     def error(stop):
@@ -154,34 +136,24 @@ def test_friction_and_forces_that_lie_on_the_track():
 
 @pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
 def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
-    """Slip follows from the speeds it shows, in either engine."""
+    """Slip follows from the speeds it shows."""
     rest = (LIBRARY / "foreign_train.toml").read_text(encoding="utf-8")
     without = "\n".join(line for line in rest.splitlines() if not line.startswith("slip = "))
     path = tmp_path / "foreign_train.toml"
     path.write_text(without.replace("../../../build/fmus/ForeignTrain.fmu", str(fmu("ForeignTrain"))))
     question = load(path, ["vehicle.trust=true", f"controller.kind={controller}", *SHORT])
-    one, other = (run_stop(question, engine=engine) for engine in (Engine.PYTHON, Engine.COMPILED))
+    one, other = (run(question) for run in (run_in_python, run_stop))
     assert not np.isnan(one.trace["slip"].values).any()
     assert_same(one, other)
 
 
-def test_what_cannot_be_called_from_c_is_said():
-    question = load(
-        LIBRARY / "trapezoid.toml", ["estimator={kind='python', model='TrainPrediction', noise='ideal'}", *SHORT]
-    )
-    with pytest.raises(
-        ScenarioError, match=r"trapezoid: the compiled engine .*: the estimator is not a compiled filter"
-    ):
-        run_stop(question, engine=Engine.COMPILED)
-
-
-@pytest.mark.parametrize("engine", [Engine.PYTHON, Engine.COMPILED])
-def test_a_stop_that_keeps_two_samples_ends_where_one_that_keeps_all_does(engine):
+@pytest.mark.parametrize("wrap", [hidden, lambda parts: parts], ids=["python", "c"])
+def test_a_stop_that_keeps_two_samples_ends_where_one_that_keeps_all_does(wrap):
     question = load(LIBRARY / "plain.toml", ["start.speed=20 km/h"])
     with assembled(question, capacity=2) as parts:
-        ending = parts.run(engine=engine)
+        ending = Loop(wrap(parts.parts)).run()
         rows = parts.recorder.rows
-    whole = run_stop(question, engine=engine)
+    whole = run_stop(question)
     assert rows.shape[0] == parts.recorder.written == 2
     assert (ending.reason, ending.samples) == (whole.reason, whole.trace.sizes["time"])
     for name in ("distance", "speed", "estimate_slip", "estimate_adhesion_sd"):

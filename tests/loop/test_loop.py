@@ -1,4 +1,4 @@
-"""The loop on plants and parties of a few lines: who acts when, and how it ends."""
+"""The loop on parts of a few lines: which acts when, and how it ends."""
 
 from dataclasses import replace
 
@@ -7,13 +7,15 @@ import pytest
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip import signals
-from railgrip.loop.cycle import run
+from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.loop.driver import Driver
-from railgrip.loop.ending import Clock
-from railgrip.loop.parties import Parties
+from railgrip.loop.loop import Loop
+from railgrip.loop.parts import Clock, Parts, StateEstimator
 from railgrip.loop.plausible import UNBOUNDED
+from railgrip.loop.rail import TabulatedRail
 from railgrip.loop.sensors import IdealSensors
-from railgrip.loop.watch import StateEstimator
+from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.track import TrackForce
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
 
@@ -45,17 +47,11 @@ class Block:
         return truth
 
 
-class Rail:
-    mu0, force = np.full(6, 0.1), 5.0
-
-    def lay(self, inputs):
-        inputs[LAYOUT.input["mu0"]], inputs[LAYOUT.input["track_force"]] = self.mu0, self.force
-
-    def meet(self, truth):
-        pass
-
-    def roll(self, time, truth):
-        self.mu0 = np.full(6, 0.1 + float(truth[LAYOUT.output["distance"]][0]) * 1e-6)
+def rail():
+    """Friction that rises by 1e-6 a metre, and a force."""
+    friction = np.linspace(0.1, 0.1 + 1e-4, 101)[:, None].repeat(6, axis=1)
+    force = TrackForce(begins=(-np.inf,), forces=(5.0,), rates=(0.0,))
+    return TabulatedRail(LAYOUT, Profile(over_time=False, step=1.0, mu0_at=friction), force)
 
 
 class Constant:
@@ -67,35 +63,30 @@ class Constant:
         return (self.demand,) * 4
 
 
-class Direct:
-    def command(self, demands, measured):
-        return demands
-
-
 def brake(
     plant,
     controller=None,
     *,
     sensors=None,
-    state_estimator=None,
+    estimator=None,
     samples=5000,
     every=(1, 1),
     stop_speed=0.05,
-    actuation=None,
+    valves=None,
 ):
     recorder = Recorder(
-        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if state_estimator else ())),
+        (*signals.PLANT, *signals.SENT, *signals.READINGS, *(signals.ESTIMATES if estimator else ())),
         TWO_PART_TRAIN,
         samples + 1,
     )
-    parties = Parties(
+    parts = Parts(
         layout=LAYOUT,
         plant=plant,
-        rail=Rail(),
+        rail=rail(),
         sensors=sensors or IdealSensors(LAYOUT),
-        state_estimator=state_estimator,
+        estimator=estimator,
         controller=controller or Constant(),
-        actuation=actuation or Direct(),
+        valves=valves,
         driver=Driver(LAYOUT, PERIOD, full=FULL, touching=np.zeros(4)),
         wheel_radius=(0.4,) * 4,
         clock=Clock(period=PERIOD, estimator=every[0], controller=every[1], samples=samples),
@@ -104,7 +95,7 @@ def brake(
         stop_speed=stop_speed,
         recorder=recorder,
     )
-    return run(parties), recorder
+    return Loop(parts).run(), recorder
 
 
 def test_a_block_stops_after_the_textbook_distance():
@@ -129,15 +120,13 @@ def test_a_command_acts_in_the_period_after_the_decision():
     _, recorder = brake(plant, samples=3)
     assert recorder.rows[0, recorder.columns["command"]].tolist() == [0.0] * 4
     assert plant.seen[0][LAYOUT.input["command"]].tolist() == [1e5] * 4
-    assert plant.seen[1][LAYOUT.input["mu0"]][0] == pytest.approx(0.1 + 0.1 * 1e-6, rel=1e-6)
+    assert plant.seen[1][LAYOUT.input["mu0"]][0] == 0.1
 
 
-def test_a_demand_that_is_none_is_not_hidden_by_the_actuation():
-    class Holding:
-        def command(self, demands, measured):
-            return (0.0,) * 4
-
-    ended, _ = brake(Block(10.0), Constant(float("nan")), actuation=Holding())
+def test_a_demand_that_is_none_is_not_hidden_by_the_valves():
+    """Valve logic would take it for a wish to hold."""
+    model = ValveModel(period=PERIOD, dead_time=0.0, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
+    ended, _ = brake(Block(10.0), Constant(float("nan")), valves=ValveLogic([3.4e5] * 4, model))
     assert ended.outcome is Outcome.CONTROLLER_FAILED
 
 
@@ -199,7 +188,7 @@ def test_a_reading_is_used_once_and_never_lost():
     """Estimator every two samples, train speed every three: 3, 9, 15 … fall between its steps and still arrive, at the
     next one; a step without a new reading sees NaN."""
     spy = Spy()
-    brake(Block(10.0), state_estimator=state_estimator(spy), sensors=Sparse(), samples=24, every=(2, 1))
+    brake(Block(10.0), estimator=state_estimator(spy), sensors=Sparse(), samples=24, every=(2, 1))
     speeds = [seen[0] for _, seen in spy.given]
     assert [s for s in speeds if not np.isnan(s)] == [3, 6, 9, 12, 15, 18, 21, 24]
     assert np.isnan(speeds[0])
@@ -207,19 +196,19 @@ def test_a_reading_is_used_once_and_never_lost():
 
 def test_the_filter_predicts_under_the_pressures_read_a_step_before():
     spy = Spy()
-    brake(Block(10.0), state_estimator=state_estimator(spy), sensors=Sparse(), samples=10)
+    brake(Block(10.0), estimator=state_estimator(spy), sensors=Sparse(), samples=10)
     assert [held[0] for held, _ in spy.given] == list(range(10))
     assert all(held[4] == 0.0 for held, _ in spy.given)
 
 
 def test_the_estimate_in_a_row_is_that_of_its_sample():
-    _, recorder = brake(Block(10.0), state_estimator=state_estimator(Spy()), samples=10)
+    _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), samples=10)
     assert recorder.rows[:11, recorder.at["estimate_speed"]].tolist() == [float(k) for k in range(11)]
 
 
 def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
     """Steps every two samples; the train speed, one of six readings, comes every three and waits for the next step."""
-    _, recorder = brake(Block(10.0), state_estimator=state_estimator(Spy()), sensors=Sparse(), samples=6, every=(2, 1))
+    _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), sensors=Sparse(), samples=6, every=(2, 1))
     rows = recorder.rows[:7]
     assert rows[:, recorder.at["estimate_nis"]].tolist() == [0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.5]
     assert rows[:, recorder.at["estimate_readings"]].tolist() == [0.0, 0.0, 5.0, 5.0, 6.0, 6.0, 6.0]
@@ -227,7 +216,7 @@ def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
 
 def test_slip_and_deviations_follow_from_the_belief():
     """Its wheels turn twice as many rad/s as the train does m/s, on radii of 0.4 m: slip 0.2, but none at rest."""
-    _, recorder = brake(Block(10.0), state_estimator=state_estimator(Spy()), samples=3)
+    _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), samples=3)
     slips = recorder.rows[:4, recorder.columns["estimate_slip"]]
     assert slips == pytest.approx(np.array([[0.0] * 4] + [[0.2] * 4] * 3))
     assert recorder.rows[:4, recorder.at["estimate_adhesion_sd"]].tolist() == [1.0, 2.0, 2.0, 2.0]
@@ -238,7 +227,7 @@ def test_a_load_that_nobody_weighed_counts_in_the_deviation_of_adhesion():
     spy = Spy()
     spy.mean[9:13] = [0.04, 3.0, 0.0, -3.0]
     believing = replace(state_estimator(spy), load_deviation=0.5)
-    _, recorder = brake(Block(10.0), state_estimator=believing, samples=3)
+    _, recorder = brake(Block(10.0), estimator=believing, samples=3)
     deviations = recorder.rows[:4, recorder.columns["estimate_adhesion_sd"]]
     others = [np.hypot(1.0, 1.5), 1.0, np.hypot(1.0, 1.5)]
     assert deviations[:, 0] == pytest.approx(np.hypot([1.0, 2.0, 2.0, 2.0], 0.02), rel=1e-12)
@@ -251,13 +240,13 @@ def test_a_variance_below_zero_is_an_outcome():
             super().advance()
             self.covariance[5, 5] = -1e-9
 
-    ended, _ = brake(Block(10.0), state_estimator=state_estimator(Broken()))
+    ended, _ = brake(Block(10.0), estimator=state_estimator(Broken()))
     assert ended.outcome is Outcome.DIVERGED
     assert "a variance is negative" in ended.reason
 
 
 def test_a_filter_that_diverges_is_an_outcome():
-    ended, _ = brake(Block(10.0), state_estimator=state_estimator(Spy(fail_at=7)))
+    ended, _ = brake(Block(10.0), estimator=state_estimator(Spy(fail_at=7)))
     assert ended.outcome is Outcome.DIVERGED
     assert ended.reason == "Filter: the predicted v is not a finite number. At 0.070 s."
     assert ended.samples == 7

@@ -1,0 +1,108 @@
+"""The order of events in a stop, in Python: what the loop in C is compared with, to the last bit.
+
+Parts are a plant, a filter and a law in Python; sensors, driver, faults and rail are those of the loop.
+"""
+
+import math
+
+import numpy as np
+from kernel_calls import drive, holds, read, show, transmit
+from synthetic import LAYOUT
+
+from railgrip.controllers.observation import Observation
+from railgrip.errors import PlantFailed
+from railgrip.loop.plausible import Plausibility
+from railgrip.signals import BELIEVED, INNOVATION, SPREAD
+from railgrip.trace.outcome import Outcome
+
+AT, READ = LAYOUT.output, LAYOUT.reading
+
+
+def brake(parts):
+    """Run a stop; return its outcome and the number of its rows, which are in the recorder."""
+    clock, recorder, belief = parts.clock, parts.recorder, parts.estimator
+    columns = recorder.columns
+    keep = lambda k, name, values: recorder.rows[k].__setitem__(columns[name], values)
+    inputs, demand, command, asked = np.zeros(LAYOUT.inputs), np.zeros(4), np.zeros(4), np.zeros(4)
+    parts.rail.write_inputs(inputs)
+    truth = parts.plant.start(inputs)
+    plausibility = Plausibility(LAYOUT, clock.period, parts.start_speed, parts.slowing)
+    latest = fresh = None
+    innovation, moved, pressure = (0.0, 0.0), False, parts.driver.full
+    for k in range(clock.samples + 1):
+        try:
+            truth = parts.plant.step(inputs) if k else truth
+        except PlantFailed:
+            return Outcome.PLANT_FAILED, k
+        if not holds(plausibility, k, truth, inputs):
+            return Outcome.IMPLAUSIBLE, k
+        recorder.rows[k, recorder.block(LAYOUT.plant_signals)] = truth
+        recorder.rows[k, recorder.block(LAYOUT.sent_signals)] = inputs
+        keep(k, "demand", demand)
+        if parts.driver.has_phases:
+            keep(k, "driver_demand", asked)
+            pressure = drive(parts.driver, k, truth)
+        due = k % clock.sensors == 0
+        reading = read(parts.sensors, k // clock.sensors, truth) if due else np.full(LAYOUT.readings, np.nan)
+        reading = show(parts.faults, k, reading) if parts.faults else reading
+        recorder.rows[k, recorder.block(LAYOUT.reading_signals)] = reading
+        new = ~np.isnan(reading)
+        if belief and latest is None:
+            belief.filter.inputs[:4] = reading[READ["cylinder_pressure"]]
+        elif belief:
+            fresh = reading if fresh is None else np.where(new, reading, fresh)
+        latest = reading if latest is None else np.where(new, reading, latest)
+        if belief and k and k % clock.estimator == 0:
+            belief.filter.readings[:] = fresh[belief.reading_places]
+            try:
+                belief.filter.advance()
+            except ArithmeticError:
+                return Outcome.DIVERGED, k
+            innovation = belief.filter.squared_innovation, belief.filter.selection.sum()
+            belief.filter.inputs[:4], fresh = latest[READ["cylinder_pressure"]], None
+            if np.diagonal(belief.filter.covariance)[[*belief.adhesion, *belief.pad_friction]].min() < 0.0:
+                return Outcome.DIVERGED, k
+        if belief:
+            mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
+            of_groups = [belief.wheelset_speed, belief.adhesion, belief.pad_friction]
+            recorder.rows[k, recorder.block(BELIEVED)] = mean[np.concatenate([[belief.speed], *of_groups])]
+            recorder.rows[k, recorder.block(SPREAD)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
+            recorder.rows[k, recorder.block(INNOVATION)] = innovation
+        if k % clock.controller == 0:
+            demand = parts.controller.decide(observation(parts, k, latest, pressure))
+            if not math.isfinite(sum(demand)):
+                return Outcome.CONTROLLER_FAILED, k + 1
+            asked = pressure.copy() if parts.driver.has_phases else asked
+            limited = np.minimum(demand, pressure) if parts.driver.has_phases else demand
+            measured = latest[READ["cylinder_pressure"]]
+            command = limited if parts.valves is None else parts.valves.command(limited, measured)
+            inputs[LAYOUT.input["command"]] = command
+        if parts.faults:
+            inputs[LAYOUT.input["command"]] = transmit(parts.faults, k, truth, command)
+        speed = float(truth[AT["speed"]][0])
+        moved = moved or speed > parts.stop_speed
+        if speed <= parts.stop_speed and (moved or pressure.any()):
+            return Outcome.STANDSTILL, k + 1
+        parts.rail.advance(k * clock.period, truth)
+        parts.rail.write_inputs(inputs)
+        if parts.driver.has_phases:
+            inputs[LAYOUT.input["track_force"]] += parts.driver.struct.pointer.force
+    return Outcome.HORIZON, clock.samples + 1
+
+
+def observation(parts, k, latest, pressure):
+    """Return what a law is shown, by the filter or else as it is read."""
+    belief, time = parts.estimator, k * parts.clock.period
+    acceleration, measured = float(latest[READ["acceleration"]][0]), latest[READ["cylinder_pressure"]]
+    if belief is None:
+        speed, wheels, estimates = float(latest[READ["speed"]][0]), latest[READ["wheelset_speed"]], (None, None)
+        shown = wheels
+    else:
+        mean, variance = belief.filter.mean, np.diagonal(belief.filter.covariance)
+        speed, wheels = float(mean[belief.speed]), mean[belief.wheelset_speed]
+        estimates = mean[belief.adhesion], mean[belief.pad_friction]
+        lost = variance[belief.wheelset_speed] > (1.0 / np.array(belief.wheel_radius)) ** 2
+        shown = np.where(lost, np.nan, wheels)
+    radius = np.array(parts.wheel_radius if belief is None else belief.wheel_radius)
+    slip = np.zeros(4) if speed < 0.05 else 1.0 - radius * wheels / speed
+    return Observation(time, speed, acceleration, shown, slip, belief is not None, *estimates, measured, pressure)

@@ -1,0 +1,41 @@
+"""A stop whose plant, filter and law the loop does not find in C: it must be the same, to the last bit."""
+
+from dataclasses import replace
+
+from railgrip.assemble import assembled
+from railgrip.loop.parts import StateEstimator
+
+
+class _Plant:
+    def __init__(self, plant):
+        self.start, self.step = plant.start, plant.step
+
+
+class _Filter:
+    def __init__(self, own):
+        self.mean, self.covariance, self.advance = own.mean, own.covariance, own.advance
+        self.inputs, self.readings, self.selection, self._own = own.inputs, own.readings, own.selection, own
+
+    @property
+    def squared_innovation(self):
+        return self._own.squared_innovation
+
+
+class _Law:
+    def __init__(self, law):
+        self.decide = law.decide
+
+
+def hidden(parts):
+    """Return parts of which the loop calls none in C but its own."""
+    estimator = parts.estimator
+    if isinstance(estimator, StateEstimator):
+        estimator = replace(estimator, filter=_Filter(estimator.filter))
+    return replace(parts, plant=_Plant(parts.plant), estimator=estimator, controller=_Law(parts.controller))
+
+
+def run_in_python(scenario):
+    """Return the stop of a scenario, with its parts hidden."""
+    with assembled(scenario) as whole:
+        whole = replace(whole, parts=hidden(whole.parts))
+        return whole.stop(whole.run())
