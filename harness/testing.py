@@ -13,6 +13,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from railgrip.assemble.plant import NEEDED
 from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, findings, tried
@@ -194,11 +195,10 @@ def formations() -> Iterator[Formation]:
 def observations(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
     """Yield what is shown of a train that nobody has read yet, then of one that brakes from 30 m/s to standstill."""
     groups = formation.groups
-    unread, values = np.full(groups, np.nan), np.full(groups, 0.05)
+    unread, values, pressure = np.full(groups, np.nan), np.full(groups, 0.05), np.zeros(groups)
+    _lock(unread, values, pressure)
     estimates = (values, 7 * values) if estimated else (None, None)
-    yield Observation(
-        0.0, np.nan, np.nan, unread, unread, estimated, *estimates, np.zeros(groups), formation.pressure_max
-    )
+    yield Observation(0.0, np.nan, np.nan, unread, unread, estimated, *estimates, pressure, formation.pressure_max)
     yield from _courses(formation, estimated=estimated)
 
 
@@ -213,9 +213,14 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
         pressure = formation.pressure_max * (0.5 + 0.5 * np.sin(3.0 * time))
         adhesion = 0.1 * slip / (0.02 + slip)
         estimates = (adhesion, np.full(groups, 0.35)) if estimated else (None, None)
-        for values in (wheels, slip, pressure, adhesion):
-            values.flags.writeable = False  # as in the loop
+        _lock(wheels, slip, pressure, adhesion)
         yield Observation(time, speed, -10.0, wheels, slip, estimated, *estimates, pressure, formation.pressure_max)
+
+
+def _lock(*arrays: NDArray[np.float64]) -> None:
+    """Let nobody write into what is shown, as the loop does."""
+    for values in arrays:
+        values.flags.writeable = False
 
 
 def _require_pressures(law: object, formation: Formation, demands: Sequence[float]) -> None:

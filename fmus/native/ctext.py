@@ -3,10 +3,8 @@
 Text from outside (names, messages, places) enters C only as a string literal made by `string_literal`.
 """
 
-import ctypes
 import string
 from collections.abc import Iterable, Sequence
-from typing import Any, cast
 
 
 def table(type_: str, name: str, values: Sequence[float]) -> str:
@@ -54,12 +52,3 @@ def string_literal(text: str) -> str:
     octets = text.replace("\0", "\ufffd").encode(errors="replace")
     # Three digits always: a digit that follows in the text is not read as part of the escape.
     return '"' + "".join(c if (c := chr(octet)) in _PLAIN else f"\\{octet:03o}" for octet in octets) + '"'
-
-
-_C_TYPES = {"P": "void *", "q": "long long ", "l": "long long ", "d": "double "}
-
-
-def struct(type_: type[ctypes.Structure]) -> str:
-    """Return the C declaration of a ctypes struct of pointers, 64-bit integers and doubles, under its own name."""
-    fields = "".join(f"    {_C_TYPES[of._type_]}{name};\n" for name, of in cast(Any, type_)._fields_)
-    return f"typedef struct {{\n{fields}}} {type_.__name__.lstrip('_')};\n"

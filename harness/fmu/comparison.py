@@ -135,7 +135,7 @@ def seconds_in_c(
             fmu.enter_initialization()
             fmu.exit_initialization()
             arguments = [
-                *(fmu.address(name) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
+                *(ctypes.c_void_p(fmu.address(name)) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
                 ctypes.c_void_p(fmu.component),
                 *_pointer_and_size(channels_in.references),
                 ctypes.c_void_p(u.ctypes.data),

@@ -23,32 +23,15 @@ from railgrip.fmu.description import Description
 from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.mapping import Binding, Channel
 from railgrip.fmu.parameters import Values, assignments
-from railgrip.fmus.native.toolchain import shared_library
+from railgrip.fmus.native.c_library import CLibrary
 
 Vector = NDArray[np.float64]
 Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
 
-KERNEL: Final = files("railgrip.fmu") / "kernel" / "set_step_get.c"
+KERNEL: Final = files("railgrip.fmu") / "kernel"
 
 _SET, _STEP, _GET = 1, 2, 4
 _OUTCOMES: Final[tuple[Outcome, ...]] = ("fine", "setting", "stepping", "getting", "not finite")
-
-
-class _Channel(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("exchange", "references", "positions", "gain", "shift", "buffer")),
-        *((name, ctypes.c_longlong) for name in ("count", "whole")),
-    )
-
-
-class _SetStepGet(ctypes.Structure):
-    _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("fmu", "step", "senders", "receivers")),
-        *((name, ctypes.c_longlong) for name in ("n_senders", "n_receivers", "n_outputs")),
-        *((name, ctypes.c_void_p) for name in ("inputs", "outputs")),
-        ("period", ctypes.c_double),
-        *((name, ctypes.c_longlong) for name in ("status", "at")),
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,7 +39,7 @@ class CInterface:
     """A communication step of a plant as C sees it.
 
     Attributes:
-        cross: Address of `int cross(void *plan, int what, double time)`, as `harness/fmu/kernel/set_step_get.c` has it.
+        cross: Address of `int cross(void *plan, int what, double time)`, as `kernel/set_step_get.c` has it.
         plan: Address of its first argument.
         inputs: Read by it, shape (Layout.inputs,).
         outputs: Written by it: those that the plant has.
@@ -100,38 +83,34 @@ class SetStepGet:
             "setting": tuple(channel.carrier for channel in sending.channels),
             "getting": tuple(channel.carrier for channel in receiving.channels),
         }
-        senders = [self._channel(instance, "Set", c, c.positions) for c in sending.channels]
-        receivers = [
-            self._channel(instance, "Get", c, np.searchsorted(self.present, c.positions)) for c in receiving.channels
-        ]
-        to, of = (_Channel * len(senders))(*senders), (_Channel * len(receivers))(*receivers)
-        self._keep += [to, of]
-        self._plan = _SetStepGet(
-            fmu=instance.component, step=instance.address("fmi2DoStep"),
-            senders=ctypes.addressof(to), receivers=ctypes.addressof(of),
-            n_senders=len(senders), n_receivers=len(receivers), n_outputs=self.outputs.size,
-            inputs=self.inputs.ctypes.data, outputs=self.outputs.ctypes.data, period=period,
+        library = _library()
+        to, of = (library.records("Channel", len(side.channels)) for side in (sending, receiving))
+        for row, channel in zip(to, sending.channels, strict=True):
+            self._fill(row, channel, instance.address(f"fmi2Set{channel.carrier}"), channel.positions)
+        for row, channel in zip(of, receiving.channels, strict=True):
+            places = np.searchsorted(self.present, channel.positions)
+            self._fill(row, channel, instance.address(f"fmi2Get{channel.carrier}"), places)
+        self._struct = library.struct(
+            "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), senders=to, receivers=of,
+            n_senders=len(to), n_receivers=len(of), n_outputs=self.outputs.size, inputs=self.inputs,
+            outputs=self.outputs, period=period,
         )  # fmt: skip
-        self._cross = _library().cross
-        self._address = ctypes.c_void_p(ctypes.addressof(self._plan))
+        self._plan = self._struct.pointer
+        self._cross = _cross()
+        self._address = ctypes.c_void_p(self._struct.address)
 
-    def _channel(self, instance: Instance, verb: str, channel: Channel, positions: NDArray[np.intp]) -> _Channel:
+    def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
+        """Write a channel whose values stand at `positions` into its struct."""
         whole = channel.carrier != "Real"
         buffer = np.zeros(len(channel.references), dtype=np.intc if whole else np.float64)
         places = np.ascontiguousarray(positions, dtype=np.longlong)
-        has_conversion = bool(np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0))
-        gain, shift = (np.ascontiguousarray(factor) for factor in (channel.gain, channel.shift))
-        self._keep += [buffer, places, gain, shift, channel.references]
-        return _Channel(
-            exchange=instance.address(f"fmi2{verb}{channel.carrier}"),
-            references=channel.references.ctypes.data,
-            positions=places.ctypes.data,
-            gain=gain.ctypes.data if has_conversion else None,
-            shift=shift.ctypes.data if has_conversion else None,
-            buffer=buffer.ctypes.data,
-            count=buffer.size,
-            whole=whole,
-        )
+        arrays = {"references": channel.references, "positions": places, "buffer": buffer}
+        if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
+            arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
+        self._keep += arrays.values()
+        row["exchange"], row["count"], row["whole"] = exchange, buffer.size, whole
+        for name, array in arrays.items():
+            row[name] = array.ctypes.data
 
     @property
     def status(self) -> int:
@@ -182,13 +161,21 @@ def outcome(number: int) -> Outcome:
 
 
 @cache
-def _library() -> ctypes.CDLL:
-    path = shared_library({"set_step_get.c": KERNEL.read_text(encoding="utf-8")}, "set_step_get")
-    # The interpreter lock is kept: handing it over and back would cost as much as the rest of the call.
-    library = ctypes.PyDLL(str(path))
-    library.cross.argtypes = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double]
-    library.cross.restype = ctypes.c_int
-    return library
+def _library() -> CLibrary:
+    names = "set_step_get.c", "set_step_get.h"
+    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
+    return CLibrary(sources, "set_step_get", names[1:])
+
+
+@cache
+def _cross() -> Any:
+    """Return the library's function for calls from Python.
+
+    It keeps the interpreter lock: handing it over and back would cost as much as the rest of the call.
+    """
+    cross = ctypes.PyDLL(str(_library().path)).cross
+    cross.argtypes, cross.restype = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double], ctypes.c_int
+    return cross
 
 
 class CoSimulation:

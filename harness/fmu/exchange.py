@@ -24,8 +24,7 @@ from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmu.description import Description, Variable
 from railgrip.fmu.instance import Instance, unpack
 from railgrip.fmu.parameters import Values, assignments
-from railgrip.fmus.native.ctext import struct
-from railgrip.fmus.native.toolchain import shared_library
+from railgrip.fmus.native.c_library import CLibrary, Struct
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
@@ -43,43 +42,20 @@ CALLS: Final = (
 _VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
 
 
-class _Jacobian(ctypes.Structure):
-    """One sparse Jacobian by the states, its columns in groups; entries of a group stand together.
-
-    For each column, by groups: the state (`state`) and its value reference (`known`). For each entry, by groups: its
-    column, its row, the value reference of the row (`unknown`), and its place by rows.
-    """
-
-    _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("first_column", "known", "state")),
-        *((name, ctypes.c_void_p) for name in ("first_entry", "unknown", "column", "row", "place", "ahead", "behind")),
-        *((name, ctypes.c_longlong) for name in ("n_groups", "n_entries")),
-    )
-
-
-class _ModelExchange(ctypes.Structure):
-    """An instance, its functions, and the buffers of an evaluation."""
-
-    _fields_ = (
-        *((name, ctypes.c_void_p) for name in ("fmu", "set_states", "set_real", "get_derivatives", "get_real")),
-        ("get_directional", ctypes.c_void_p),
-        *((name, ctypes.c_void_p) for name in ("input_references", "output_references", "place_of_state")),
-        *((name, ctypes.c_void_p) for name in ("states", "derivatives", "moved", "ones", "nominal")),
-        *((name, ctypes.c_void_p) for name in ("by_state", "of_output")),
-        *((name, ctypes.c_longlong) for name in ("n_states", "n_inputs", "n_outputs")),
-        *((name, ctypes.c_longlong) for name in ("status", "call", "is_output", "at")),
-        ("relative_step", ctypes.c_double),
-    )
+@cache
+def _library() -> CLibrary:
+    names = "model_exchange.c", "model_exchange.h"
+    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
+    return CLibrary(sources, "model_exchange", names[1:])
 
 
 @cache
-def _library() -> ctypes.PyDLL:
-    sources = {
-        "model_exchange.c": (KERNEL / "model_exchange.c").read_text(encoding="utf-8"),
-        "model_exchange.h": struct(_Jacobian) + struct(_ModelExchange),
-    }
-    # The interpreter lock is kept: handing it over and back would cost as much as an evaluation.
-    library = ctypes.PyDLL(str(shared_library(sources, "model_exchange")))
+def _functions() -> ctypes.PyDLL:
+    """Return the library's functions for calls from Python.
+
+    They keep the interpreter lock: handing it over and back would cost as much as an evaluation.
+    """
+    library = ctypes.PyDLL(str(_library().path))
     for function in (library.derivative, library.output):
         function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
     return library
@@ -237,26 +213,26 @@ class FmuPrediction:
         nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
         nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
         unknowns = _references(self._description.variables[name] for name in self._derivatives)
-        self._plan = _ModelExchange(
-            fmu=instance.component,
+        self._struct = _library().struct(
+            "ModelExchange", fmu=instance.component,
             set_states=instance.address("fmi2SetContinuousStates"), set_real=instance.address("fmi2SetReal"),
             get_derivatives=instance.address("fmi2GetDerivatives"), get_real=instance.address("fmi2GetReal"),
             get_directional=(
                 instance.address("fmi2GetDirectionalDerivative") if self.has_directional_derivatives else None
             ),
-            input_references=self._at(inputs), output_references=self._at(outputs), place_of_state=self._at(places),
-            states=self._at(np.zeros(n)), derivatives=self._at(np.zeros(n)), moved=self._at(np.zeros(n)),
-            ones=self._at(np.ones(n)), nominal=self._at(nominal),
+            input_references=inputs, output_references=outputs, place_of_state=places,
+            states=np.zeros(n), derivatives=np.zeros(n), moved=np.zeros(n), ones=np.ones(n), nominal=nominal,
             by_state=self._jacobian(self._derivative_pattern, unknowns),
             of_output=self._jacobian(self._output_pattern, outputs),
             n_states=n, n_inputs=inputs.size, n_outputs=outputs.size, relative_step=_RELATIVE_STEP,
         )  # fmt: skip
-        library, self._address = _library(), ctypes.addressof(self._plan)
-        addresses = [ctypes.cast(call, ctypes.c_void_p).value for call in (library.derivative, library.output)]
+        self._plan, self._address = self._struct.pointer, self._struct.address
+        functions = _functions()
+        addresses = [ctypes.cast(call, ctypes.c_void_p).value for call in (functions.derivative, functions.output)]
         self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
 
-    def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> int:
-        """Return the address of a Jacobian's groups, kept as long as the instance."""
+    def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> Struct:
+        """Return a Jacobian's groups."""
         n, groups = len(self.states), column_groups(pattern, len(self.states))
         starts = np.cumsum([0, *map(len, pattern)])
         entries = [
@@ -271,22 +247,13 @@ class FmuPrediction:
         size = np.bincount(columns, minlength=n)
         counts = [int(size[members].sum()) for members in groups]
         buffer = max(len(pattern), *counts, 1) if counts else max(len(pattern), 1)
-        jacobian = _Jacobian(
-            first_column=self._at(np.cumsum([0, *map(len, groups)], dtype=np.longlong)),
-            known=self._at(self._references[0][of]), state=self._at(of),
-            first_entry=self._at(np.cumsum([0, *counts], dtype=np.longlong)), unknown=self._at(unknowns[rows]),
-            column=self._at(columns), row=self._at(rows), place=self._at(places),
-            ahead=self._at(np.zeros(buffer)), behind=self._at(np.zeros(buffer)),
-            n_groups=len(groups), n_entries=len(entries),
+        return _library().struct(
+            "Jacobian", first_column=np.cumsum([0, *map(len, groups)], dtype=np.longlong),
+            known=np.ascontiguousarray(self._references[0][of]), state=of,
+            first_entry=np.cumsum([0, *counts], dtype=np.longlong), unknown=np.ascontiguousarray(unknowns[rows]),
+            column=np.ascontiguousarray(columns), row=np.ascontiguousarray(rows), place=np.ascontiguousarray(places),
+            ahead=np.zeros(buffer), behind=np.zeros(buffer), n_groups=len(groups), n_entries=len(entries),
         )  # fmt: skip
-        self._keep.append(jacobian)
-        return ctypes.addressof(jacobian)
-
-    def _at(self, array: NDArray[Any]) -> int:
-        """Return where an array lies, and keep it as long as the instance."""
-        array = np.ascontiguousarray(array)
-        self._keep.append(array)
-        return array.ctypes.data
 
     def _read(self, instance: Instance, call: str) -> Vector:
         """Return a value of each state, shape (n,)."""
@@ -357,7 +324,7 @@ class FmuPrediction:
         value = np.zeros(len(self.states if what == "derivative" else self.outputs))
         x, u = (np.ascontiguousarray(part, dtype=np.float64) for part in (x, u))
         arrays = x, u, value
-        code = getattr(_library(), what)(
+        code = getattr(_functions(), what)(
             self._address, *(a.ctypes.data for a in arrays), None if entries is None else entries.ctypes.data
         )
         self._require_fine(code)

@@ -226,9 +226,9 @@ class Instance:
         prototype = ctypes.PYFUNCTYPE(ctypes.c_int, *argument_types)
         return cast(Callable[..., int], prototype(_address(getattr(self._library, name))))
 
-    def address(self, name: str) -> ctypes.c_void_p:
+    def address(self, name: str) -> int:
         """Return where an FMI function is, for a caller in C."""
-        return ctypes.c_void_p(_address(getattr(self._library, name)))
+        return _address(getattr(self._library, name))
 
     def call(self, name: str, *arguments: Any, time: float, doing: str = "") -> None:
         """Call an FMI function of this instance off the hot path.

@@ -6,7 +6,7 @@ from typing import get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.loop.library import Struct, records
+from railgrip.loop.library import kernel
 from railgrip.scenario.demand import DemandedPhase, EndOfPhase
 from railgrip.signals import Layout
 
@@ -58,13 +58,12 @@ class Driver:
             name: phases[name] if isinstance(phases, np.ndarray) else [getattr(phase, name) for phase in phases]
             for name in (*_NUMBERS, "until", "pressures", "slopes")
         }
-        rows = records(layout, "Phase", len(phases))
+        rows = kernel(layout).records("Phase", len(phases))
         for name in _NUMBERS:
             rows[name] = columns[name]
         code = {until: number for number, until in enumerate(get_args(EndOfPhase))}
         rows["until"] = [code[until] for until in columns["until"]]
         tables = {name: np.ascontiguousarray(columns[name], dtype=np.float64) for name in ("pressures", "slopes")}
-        self.struct = Struct(
-            layout, "Driver", phases=rows, count=len(rows), period=period, binding=binding,
+        self.struct = kernel(layout).struct("Driver", phases=rows, count=len(rows), period=period, binding=binding,
             touching=np.array(touching), full=np.array(full), **tables,
         )  # fmt: skip

@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.loop.library import Struct, records
+from railgrip.loop.library import kernel
 from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -95,7 +95,7 @@ class Faults:
             noise_every: Samples that a draw of noise lasts.
         """
         self._rings: list[Vector] = []
-        of_readings, of_commands = (records(layout, "Fault", len(faults)) for faults in (readings, commands))
+        of_readings, of_commands = (kernel(layout).records("Fault", len(faults)) for faults in (readings, commands))
         for row, fault in zip(of_readings, readings, strict=True):
             row["kind"], row["place"] = get_args(ReadingKind).index(fault.kind), fault.place
             if fault.noise is not None:
@@ -108,8 +108,8 @@ class Faults:
             rows["held"] = math.nan
             for name in ("begin", "end", "value"):
                 rows[name] = [getattr(fault, name) for fault in faults]
-        self.struct = Struct(
-            layout, "Faults", readings=of_readings, commands=of_commands, reading_count=len(of_readings),
+        self.struct = kernel(layout).struct(
+            "Faults", readings=of_readings, commands=of_commands, reading_count=len(of_readings),
             command_count=len(of_commands), valves=valves, noise_every=noise_every,
         )  # fmt: skip
 

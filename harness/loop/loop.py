@@ -12,7 +12,8 @@ from railgrip.controllers.sampled import Sampled
 from railgrip.errors import ControllerFailed, EstimatorFailed, LoopError, SensorsFailed
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmu import CoSimulation
-from railgrip.loop.library import Struct, address_of, kernel
+from railgrip.fmus.native.c_library import Struct
+from railgrip.loop.library import address_of, kernel
 from railgrip.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
@@ -290,8 +291,7 @@ def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
     layout, clock, driver, recorder, law = parts.layout, parts.clock, parts.driver, parts.recorder, parts.law
     free_wheel = parts.estimator.free_wheel if isinstance(parts.estimator, StateEstimator) else None
     groups = layout.formation.groups
-    struct = Struct(
-        layout, "Cycle", plausibility=plausibility.struct, rail=parts.rail.struct,
+    struct = kernel(layout).struct("Cycle", plausibility=plausibility.struct, rail=parts.rail.struct,
         driver=driver.struct if driver.has_phases else None, full=np.array(driver.full, dtype=np.float64),
         faults=parts.faults and parts.faults.struct, radius=np.array(parts.wheel_radius, dtype=np.float64),
         law=_formula(layout, parts.controller, 2 + len(_OBSERVED) * groups),
@@ -318,14 +318,14 @@ def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
         LoopError: It is for another number of groups.
     """
     if not isinstance(formula, Sampled):
-        return Struct(layout, "Formula")
+        return kernel(layout).struct("Formula")
     if formula.step.numel_in(1) != inputs:
         raise LoopError(
             f"{formula.formula.name}: takes {formula.step.numel_in(1)} inputs, and {inputs} belong to "
             f"{layout.formation.groups} groups."
         )
     address = address_of(formula.step)
-    return Struct(layout, "Formula", call=address, state=formula.state, parameter=formula.parameters)
+    return kernel(layout).struct("Formula", call=address, state=formula.state, parameter=formula.parameters)
 
 
 def _step_from_c(struct: Struct, plant: CoSimulation) -> None:

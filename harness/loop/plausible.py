@@ -15,7 +15,7 @@ The checks are in `kernel/plausible.c`.
 from dataclasses import dataclass
 from math import inf
 
-from railgrip.loop.library import Struct
+from railgrip.loop.library import kernel
 from railgrip.signals import Layout
 
 _ROLLING = 0.02  # m/s2; freight trains roll with some 2 N/kN, and most of it acts through the wheels
@@ -93,7 +93,7 @@ class Plausibility:
     def __init__(self, layout: Layout, period: float, start_speed: float, slowing: Slowing) -> None:
         """Prepare for the first sample: communication period [s], requested start speed [m/s]."""
         bounds = {name: getattr(slowing, name) for name in ("lightest", "heaviest", "constant", "quadratic")}
-        self.struct = Struct(layout, "Plausibility", period=period, start_speed=start_speed, **bounds)
+        self.struct = kernel(layout).struct("Plausibility", period=period, start_speed=start_speed, **bounds)
 
     def reason(self, time: float) -> str:
         """Return what was wrong at a time [s], and what was expected, in a sentence."""

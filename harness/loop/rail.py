@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from railgrip.errors import ScenarioError
 from railgrip.formation import Formation
-from railgrip.loop.library import Struct, kernel, records
+from railgrip.loop.library import kernel
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
@@ -74,8 +74,7 @@ class Field:
         """
         formation = layout.formation
         position, self.origin, self.energy = _cells(formation, reach)
-        self.struct = Struct(
-            layout, "Recovery", energy=self.energy, position=position,
+        self.struct = kernel(layout).struct("Recovery", energy=self.energy, position=position,
             group=np.ascontiguousarray(formation.group_of_wheelset, dtype=np.longlong), origin=self.origin,
             length=_CELL, rate=clean.rate, clean=clean.mu0, clean_A=clean.A, clean_B=clean.B,
             A=[falling.A] * formation.wheelsets, B=[falling.B] * formation.wheelsets, cells=self.energy.size,
@@ -119,11 +118,11 @@ class SandedRail:
             left: Share of it that a wheelset leaves.
         """
         position, self.origin, self.lying = _cells(layout.formation, reach)
-        rows = records(layout, "Sander", len(sanders))
+        rows = kernel(layout).records("Sander", len(sanders))
         for name in ("rate", "density", "begin", "end", "wheelset"):
             rows[name] = [getattr(sander, name) for sander in sanders]
-        self.struct = Struct(
-            layout, "Sand", lying=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
+        self.struct = kernel(layout).struct(
+            "Sand", lying=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
             mu0=mu0, density=density, left=left, count=len(sanders), cells=self.lying.size,
         )  # fmt: skip
 
@@ -168,8 +167,8 @@ class TabulatedRail:
         self.field, self.sand, self._kernel = field, sand, kernel(layout)
         self._energy_places = [layout.output[name] for name in ("adhesion", "wheelset_load")]
         tables = {"friction": friction.mu0_at, "begins": force.begins, "forces": force.forces, "rates": force.rates}
-        self.struct = Struct(
-            layout, "Rail", grid=friction.step, points=len(friction.mu0_at), over_time=friction.over_time,
+        self.struct = kernel(layout).struct(
+            "Rail", grid=friction.step, points=len(friction.mu0_at), over_time=friction.over_time,
             sections=len(force.begins),
             **{name: np.ascontiguousarray(table, dtype=np.float64) for name, table in tables.items()},
         )  # fmt: skip

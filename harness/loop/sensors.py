@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.loop.library import Struct
+from railgrip.fmus.native.c_library import Struct
+from railgrip.loop.library import kernel
 from railgrip.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -169,8 +170,7 @@ class ServiceSensors:
             + [instruments.deflection_noise] * layout.formation.wheelsets
         )
         self._noise = np.empty((BLOCK, self._deviation.size))
-        self.struct = Struct(
-            layout, "Service", encoder=encoders, noise=self._noise,
+        self.struct = kernel(layout).struct("Service", encoder=encoders, noise=self._noise,
             offset_steps=instruments.pressure_offset / instruments.pressure_step,
             past=np.empty(instruments.speed_latency + 1), period=period,
             acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
@@ -198,8 +198,8 @@ def _encoder(
     pitch = 2.0 * np.pi / instruments.pulses
     # Errors of the tooth positions, not of the gaps: they close after one revolution by construction.
     teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
-    return Struct(
-        layout, "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
+    return kernel(layout).struct(
+        "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
         period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
         silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
         missing=missing.count, begin=missing.begin, end=missing.end,
@@ -207,6 +207,6 @@ def _encoder(
 
 
 def _course(layout: Layout, course: Course) -> Struct:
-    return Struct(
-        layout, "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
+    return kernel(layout).struct(
+        "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
     )

@@ -1,6 +1,6 @@
 /* A Model Exchange FMU as the functions dx/dt = f(x, u) and y = h(x, u) with sparse Jacobians, by functions of FMI 2.0.
 
-   model_exchange.h is generated from the structs of exchange.py. States and their derivatives are in our order here and
+   States and their derivatives are in our order here and
    in the FMU's in `states` and `derivatives`; entries of Jacobians are by rows. */
 
 #include <math.h>
@@ -13,12 +13,6 @@
 #else
 #define EXPORT __attribute__((visibility("default")))
 #endif
-
-typedef int SetStates(void *, const double *, size_t);
-typedef int GetDerivatives(void *, double *, size_t);
-typedef int SetReal(void *, const unsigned *, size_t, const double *);
-typedef int GetReal(void *, const unsigned *, size_t, double *);
-typedef int GetDirectional(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
 
 /* Which call ended an evaluation; `CALLS` in exchange.py. */
 enum { FINE, SETTING_STATES, SETTING_INPUTS, GETTING_DERIVATIVES, GETTING_OUTPUTS, DIFFERENTIATING, VALUE_NOT_FINITE, ENTRY_NOT_FINITE };
@@ -38,14 +32,14 @@ static int set_states(ModelExchange *m, const double *x)
 
     for (long long i = 0; i < m->n_states; i++)
         states[place[i]] = x[i];
-    return failed(m, ((SetStates *)m->set_states)(m->fmu, states, (size_t)m->n_states), SETTING_STATES);
+    return failed(m, m->set_states(m->fmu, states, (size_t)m->n_states), SETTING_STATES);
 }
 
 static int set_inputs(ModelExchange *m, const double *u)
 {
     if (!u || !m->n_inputs)
         return FINE;
-    return failed(m, ((SetReal *)m->set_real)(m->fmu, m->input_references, (size_t)m->n_inputs, u), SETTING_INPUTS);
+    return failed(m, m->set_real(m->fmu, m->input_references, (size_t)m->n_inputs, u), SETTING_INPUTS);
 }
 
 static int get_derivatives(ModelExchange *m, double *dx)
@@ -53,7 +47,7 @@ static int get_derivatives(ModelExchange *m, double *dx)
     const long long *place = m->place_of_state;
     const double *derivatives = m->derivatives;
 
-    if (failed(m, ((GetDerivatives *)m->get_derivatives)(m->fmu, m->derivatives, (size_t)m->n_states), GETTING_DERIVATIVES))
+    if (failed(m, m->get_derivatives(m->fmu, m->derivatives, (size_t)m->n_states), GETTING_DERIVATIVES))
         return m->call;
     for (long long i = 0; i < m->n_states; i++)
         dx[i] = derivatives[place[i]];
@@ -62,7 +56,7 @@ static int get_derivatives(ModelExchange *m, double *dx)
 
 static int get_outputs(ModelExchange *m, double *y)
 {
-    return failed(m, ((GetReal *)m->get_real)(m->fmu, m->output_references, (size_t)m->n_outputs, y), GETTING_OUTPUTS);
+    return failed(m, m->get_real(m->fmu, m->output_references, (size_t)m->n_outputs, y), GETTING_OUTPUTS);
 }
 
 /* Entries at the FMU's present point: one call for the columns of a group, of which no two have an entry in one row. */
@@ -73,8 +67,8 @@ static int directional(ModelExchange *m, const Jacobian *j, double *entries)
 
     for (long long g = 0; g < j->n_groups; g++) {
         const long long count = first[g + 1] - first[g];
-        const int status = ((GetDirectional *)m->get_directional)(
-            m->fmu, (const unsigned *)j->unknown + first[g], (size_t)count, (const unsigned *)j->known + column[g],
+        const int status = m->get_directional(
+            m->fmu, j->unknown + first[g], (size_t)count, j->known + column[g],
             (size_t)(column[g + 1] - column[g]), m->ones, j->ahead);
         if (failed(m, status, DIFFERENTIATING))
             return m->call;
@@ -105,7 +99,7 @@ static int differences(ModelExchange *m, const Jacobian *j, const double *x, Val
         for (long long k = first[g]; k < first[g + 1]; k++) {
             const double at = x[of[k]], step = m->relative_step * fmax(fabs(at), nominal[of[k]]);
             /* The difference of the rounded points, not twice the step that was meant. */
-            entries[((const long long *)j->place)[k]] = (ahead[row[k]] - behind[row[k]]) / ((at + step) - (at - step));
+            entries[j->place[k]] = (ahead[row[k]] - behind[row[k]]) / ((at + step) - (at - step));
         }
     }
     return FINE;

@@ -1,10 +1,9 @@
-/* One communication step of a co-simulation FMU in one call: values in, the step, values out.
-
-   Our vectors hold doubles in our units and order; a channel knows where its values stand there, their factors, and which
-   fmi2Set or fmi2Get carries them. The structs are mirrored in set_step_get.py, field by field. */
+/* One communication step of a co-simulation FMU in one call: values in, the step, values out. */
 
 #include <math.h>
 #include <stddef.h>
+
+#include "set_step_get.h"
 
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
@@ -12,31 +11,8 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-typedef int Exchange(void *, const unsigned *, size_t, void *);
-typedef int DoStep(void *, double, double, int);
-
 enum { SET = 1, STEP = 2, GET = 4 };                         /* what to do */
 enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };       /* where it ended */
-
-typedef struct {
-    Exchange *exchange;
-    const unsigned *references;
-    const long long *positions;                              /* in our vector */
-    const double *gain, *shift;                              /* null when units agree */
-    void *buffer;                                            /* count doubles, or count ints when `whole` */
-    long long count, whole;
-} Channel;
-
-typedef struct {
-    void *fmu;
-    DoStep *step;
-    Channel *senders, *receivers;
-    long long n_senders, n_receivers, n_outputs;
-    const double *inputs;
-    double *outputs;                                         /* those that the FMU has */
-    double period;
-    long long status, at;                                    /* of the call that ended it; its channel, or the output */
-} SetStepGet;
 
 /* Whether a status is neither fmi2OK nor fmi2Warning: a number that is no status at all is an error, too. */
 static int failed(long long status)

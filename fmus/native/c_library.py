@@ -1,0 +1,114 @@
+"""A shared library of our C with the structs of its headers, each written there and nowhere else."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
+
+import numpy as np
+from cffi import FFI
+from numpy.typing import NDArray
+
+from railgrip.fmus.native.toolchain import shared_library
+
+_FORMATS: Final = {"double": "f8", "long long": "i8", "int": "i4"}
+
+
+class CLibrary:
+    """C sources, compiled or found compiled, with the functions, structs and enums that their headers declare.
+
+    Attributes:
+        path: Of the shared library.
+        functions: Those declared, and their enums.
+    """
+
+    def __init__(
+        self,
+        sources: Mapping[str, str],
+        name: str,
+        headers: Sequence[str],
+        constants: str = "",
+        *,
+        flags: Sequence[str] = (),
+    ) -> None:
+        """Compile `sources`, file name to text, as for `shared_library`.
+
+        Args:
+            headers: Those of the sources that declare what is used from here, in the order they need one another.
+            constants: Lines `#define NAME integer` that they use for sizes.
+
+        Raises:
+            railgrip.errors.CompilerMissing: There is no C compiler.
+        """
+        self.path = shared_library(sources, name, flags=flags)
+        self._ffi: Any = FFI()
+        # cffi reads declarations and sizes, and knows no other preprocessor.
+        lines = [line for header in headers for line in sources[header].splitlines() if not line.startswith("#")]
+        self._ffi.cdef(constants + "\n".join(lines))
+        self.functions: Any = self._ffi.dlopen(str(self.path))
+
+    def doubles(self, array: NDArray[np.float64]) -> Any:
+        """Return the address of a contiguous array that outlives the call."""
+        return self._ffi.cast("double *", array.ctypes.data)
+
+    def struct(self, name: str, **fields: Any) -> "Struct":
+        """Return a struct of a type of the headers; `fields` are as for `Struct.set`, others are zero."""
+        return Struct(self._ffi, name, fields)
+
+    def records(self, name: str, count: int) -> NDArray[np.void]:
+        """Return zeros as an array of so many structs of a type of the headers; pointers in it are addresses."""
+        fields = self._ffi.typeof(name).fields
+        dtype = np.dtype(
+            {
+                "names": [field for field, _ in fields],
+                "formats": [_FORMATS.get(description.type.cname, "u8") for _, description in fields],
+                "offsets": [description.offset for _, description in fields],
+                "itemsize": self._ffi.sizeof(name),
+            }
+        )
+        return np.zeros(count, dtype=dtype)
+
+
+class Struct:
+    """A struct in C; what its fields point to lives as long as it does.
+
+    Attributes:
+        pointer: To it, for functions of the library; its fields are read as `pointer.name`.
+    """
+
+    def __init__(self, ffi: Any, name: str, fields: Mapping[str, Any]) -> None:
+        """See `CLibrary.struct`."""
+        self._ffi = ffi
+        self._types = {field: description.type for field, description in ffi.typeof(name).fields}
+        self._targets: dict[str, Any] = {}
+        self.pointer: Any = ffi.new(f"{name} *")
+        self.set(**fields)
+
+    @property
+    def address(self) -> int:
+        """Of the struct."""
+        return int(self._ffi.cast("uintptr_t", self.pointer))
+
+    def set(self, **fields: Any) -> None:
+        """Set fields.
+
+        A pointer takes a contiguous array of what it points to, a Struct, an address, or None; an array or a struct
+        within takes an array, a Struct or a list of these, which are copied; what is left takes a number.
+        """
+        for name, value in fields.items():
+            self._targets[name] = value
+            setattr(self.pointer, name, self._converted(self._types[name], value))
+
+    def view(self, name: str) -> NDArray[np.float64]:
+        """Return a field that is an array of doubles, sharing its memory."""
+        return np.frombuffer(self._ffi.buffer(getattr(self.pointer, name)), dtype=np.float64)
+
+    def _converted(self, kind: Any, value: Any) -> Any:
+        if kind.kind not in ("pointer", "function"):
+            if isinstance(value, list):
+                return [self._converted(kind.item, each) for each in value]
+            if isinstance(value, Struct):
+                return value.pointer[0]
+            return value.ravel().tolist() if isinstance(value, np.ndarray) else value
+        if isinstance(value, Struct):
+            return value.pointer
+        address = value.ctypes.data if isinstance(value, np.ndarray) else value
+        return self._ffi.cast(kind, address or 0)

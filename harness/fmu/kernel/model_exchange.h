@@ -1,0 +1,46 @@
+/* A Model Exchange FMU with what an evaluation of it needs. */
+#ifndef MODEL_EXCHANGE_H
+#define MODEL_EXCHANGE_H
+
+#include <stddef.h>
+
+typedef int SetStates(void *, const double *, size_t);
+typedef int GetDerivatives(void *, double *, size_t);
+typedef int SetReal(void *, const unsigned *, size_t, const double *);
+typedef int GetReal(void *, const unsigned *, size_t, double *);
+typedef int GetDirectional(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
+
+/* One sparse Jacobian by the states, its columns in groups; entries of a group stand together. */
+typedef struct {
+    const long long *first_column;                       /* of each group, and one beyond the last */
+    const unsigned *known;                               /* value reference of each column's state, by groups */
+    const long long *state;                              /* of each column, by groups */
+    const long long *first_entry;                        /* of each group, and one beyond the last */
+    const unsigned *unknown;                             /* value reference of each entry's row, by groups */
+    const long long *column, *row, *place;               /* of each entry, by groups; its place by rows */
+    double *ahead, *behind;                              /* buffers */
+    long long n_groups, n_entries;
+} Jacobian;
+
+typedef struct {
+    void *fmu;
+    SetStates *set_states;
+    SetReal *set_real;
+    GetDerivatives *get_derivatives;
+    GetReal *get_real;
+    GetDirectional *get_directional;                     /* null: the FMU has none */
+    const unsigned *input_references, *output_references;
+    const long long *place_of_state;                     /* of each of our states among the FMU's */
+    double *states, *derivatives;                        /* in the FMU's order */
+    double *moved;
+    const double *ones, *nominal;
+    const Jacobian *by_state, *of_output;
+    long long n_states, n_inputs, n_outputs;
+    long long status, call, is_output, at;               /* of the call that ended an evaluation */
+    double relative_step;
+} ModelExchange;
+
+int derivative(ModelExchange *m, const double *x, const double *u, double *dx, double *entries);
+int output(ModelExchange *m, const double *x, const double *u, double *y, double *entries);
+
+#endif

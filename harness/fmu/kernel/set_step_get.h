@@ -1,0 +1,33 @@
+/* One communication step of a co-simulation FMU.
+
+   Our vectors hold doubles in our units and order; a channel knows where its values stand there, their factors, and which
+   fmi2Set or fmi2Get carries them. */
+#ifndef SET_STEP_GET_H
+#define SET_STEP_GET_H
+
+#include <stddef.h>
+
+typedef int Exchange(void *, const unsigned *, size_t, void *);
+typedef int DoStep(void *, double, double, int);
+
+typedef struct {
+    Exchange *exchange;
+    const unsigned *references;
+    const long long *positions;                              /* in our vector */
+    const double *gain, *shift;                              /* null when units agree */
+    void *buffer;                                            /* count doubles, or count ints when `whole` */
+    long long count, whole;
+} Channel;
+
+typedef struct {
+    void *fmu;
+    DoStep *step;
+    Channel *senders, *receivers;
+    long long n_senders, n_receivers, n_outputs;
+    const double *inputs;
+    double *outputs;                                         /* those that the FMU has */
+    double period;
+    long long status, at;                                    /* of the call that ended it; its channel, or the output */
+} SetStepGet;
+
+#endif
