@@ -3,6 +3,7 @@
 import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,6 +37,7 @@ class Estimates:
         expectation: Readings, before they were seen, shape (k, m).
         squared_innovation: Normalised innovation squared, shape (k,).
         degrees: How many readings were used, its degrees, shape (k,).
+        covariance: Shape (k, n, n); empty where it was not asked for.
     """
 
     mean: Matrix
@@ -43,6 +45,7 @@ class Estimates:
     expectation: Matrix
     squared_innovation: Vector
     degrees: Vector
+    covariance: Matrix
 
 
 class StepInC:
@@ -149,7 +152,7 @@ class CompiledFilter(StepInC):
         part("LIMIT_SQUARED")[:] = design.outlier_limit**2
 
         self._run = self.load(code.sources).run
-        self._run.argtypes = [ctypes.c_void_p, ctypes.c_int] + [ctypes.c_void_p] * 8
+        self._run.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 10]
         self._run.restype = ctypes.c_int
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
         self._last: Estimate | None = None
@@ -194,7 +197,16 @@ class CompiledFilter(StepInC):
         self._spread[:] = design.spread
         self._reading_noise[:] = design.reading_noise
 
-    def follow(self, prior: Estimate, inputs: Matrix, readings: Matrix) -> Estimates:
+    def follow(
+        self,
+        prior: Estimate,
+        inputs: Matrix,
+        readings: Matrix,
+        *,
+        every: int = 1,
+        integrals: Mapping[str, str] = MappingProxyType({}),
+        with_covariance: bool = False,
+    ) -> Estimates:
         """Return the beliefs over many steps from `prior`, in one call to C.
 
         Other threads run meanwhile; a filter must not be used by two at once.
@@ -203,40 +215,48 @@ class CompiledFilter(StepInC):
             prior: Belief before the first of them.
             inputs: Inputs of every step, shape (k, nu).
             readings: Readings of every step, shape (k, m).
+            every: Steps from one row of the results to the next.
+            integrals: Input → state that it is the integral of (forward Euler), from the value in `inputs` of this
+                filter on; its column of the argument is not used.
+            with_covariance: Whether the covariances are kept.
 
         Raises:
-            EstimatorError: Wrong shapes.
+            EstimatorError: Wrong shapes or names.
             FilterDiverged: As `step`, saying after how many steps.
         """
         input_rows, reading_rows = (np.ascontiguousarray(rows, dtype=np.float64) for rows in (inputs, readings))
-        count, n = len(input_rows), self.mean.size
-        if input_rows.shape != (count, self.inputs.size) or reading_rows.shape != (count, self.readings.size):
+        count, n, m = len(input_rows), self.mean.size, self.readings.size
+        if input_rows.shape != (count, self.inputs.size) or reading_rows.shape != (count, m):
             raise EstimatorError(
-                f"follow: wants k rows of {self.inputs.size} inputs and {self.readings.size} readings, "
+                f"follow: wants k rows of {self.inputs.size} inputs and {m} readings, "
                 f"got shapes {np.shape(inputs)} and {np.shape(readings)}."
             )
+        states, names = list(self.design.states), self.design.inputs
+        unknown = sorted((integrals.keys() - {*names}) | ({*integrals.values()} - {*states}))
+        if unknown or every < 1:
+            problem = (
+                f"there is no input or state {unknown[0]}" if unknown else f"every is {every}, wanted is 1 or more"
+            )
+            raise EstimatorError(f"follow: {problem}.")
+        sources = [states.index(integrals[name]) if name in integrals else -1 for name in names]
         self.hold(prior)
+        rows = count // every
         estimates = Estimates(
-            mean=np.empty((count, n)),
-            variance=np.empty((count, n)),
-            expectation=np.empty((count, self.readings.size)),
-            squared_innovation=np.empty(count),
-            degrees=np.empty(count),
+            mean=np.empty((rows, n)),
+            variance=np.empty((rows, n)),
+            expectation=np.empty((rows, m)),
+            squared_innovation=np.empty(rows),
+            degrees=np.empty(rows),
+            covariance=np.empty((rows if with_covariance else 0, n, n)),
         )
-        outcome = ctypes.c_int(0)
-        results = (
-            estimates.mean,
-            estimates.variance,
-            estimates.expectation,
-            estimates.squared_innovation,
+        outcome, integral_of = ctypes.c_int(0), np.array([*sources, 0], dtype=np.intc)
+        arrays = (
+            integral_of, input_rows, reading_rows, estimates.mean, estimates.variance,
+            estimates.covariance if with_covariance else None, estimates.expectation, estimates.squared_innovation,
             estimates.degrees,
-        )
-        steps = self._run(
-            self._address,
-            count,
-            *(ctypes.c_void_p(rows.ctypes.data) for rows in (input_rows, reading_rows, *results)),
-            ctypes.byref(outcome),
-        )
+        )  # fmt: skip
+        pointers = [None if array is None else ctypes.c_void_p(array.ctypes.data) for array in arrays]
+        steps = self._run(self._address, count, every, *pointers, ctypes.byref(outcome))
         if outcome.value:
             raise FilterDiverged(self.failure(outcome.value), after=int(steps))
         return estimates

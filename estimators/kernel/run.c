@@ -9,29 +9,39 @@
 
 int dispatch(double *block);
 
-/* Advance `block` by `count` periods with row k of `held` and `seen`; rows k of the results say what is believed then.
-   Returns the number of steps that succeeded; what stopped it, if anything did, is in `outcome`. */
-EXPORT int run(double *block, int count, const double *held, const double *seen, double *mean, double *variance,
-               double *expected, double *squared, double *used, int *outcome)
+/* Advance `block` by `count` periods with row k of `held` and `seen`. An input with a state in `integral_of`, else -1, is the
+   integral of that state instead, moved on before the step, so that what is expected at its end belongs to its end. Every
+   `every`-th step leaves a row in the results; covariances only where there is room for them. Returns the number of steps
+   that succeeded; what stopped it, if anything did, is in `outcome`. */
+EXPORT int run(double *block, int count, int every, const int *integral_of, const double *held, const double *seen, double *mean,
+               double *variance, double *covariance, double *expected, double *squared, double *used, int *outcome)
 {
     *outcome = 0;
     for (int k = 0; k < count; k++) {
         for (int i = 0; i < INPUTS; i++)
-            block[HELD + i] = held[k * INPUTS + i];
+            if (integral_of[i] < 0)
+                block[HELD + i] = held[k * INPUTS + i];
+            else
+                block[HELD + i] += block[PERIOD] * block[MEAN + integral_of[i]];
         for (int i = 0; i < M; i++)
             block[SEEN + i] = seen[k * M + i];
         *outcome = dispatch(block);
         if (*outcome)
             return k;
+        if ((k + 1) % every)
+            continue;
+        const int row = (k + 1) / every - 1;
         for (int i = 0; i < N; i++) {
-            mean[k * N + i] = block[MEAN + i];
-            variance[k * N + i] = block[COVARIANCE + i * WIDTH + i];
+            mean[row * N + i] = block[MEAN + i];
+            variance[row * N + i] = block[COVARIANCE + i * WIDTH + i];
+            for (int j = 0; covariance && j < N; j++)
+                covariance[(row * N + i) * N + j] = block[COVARIANCE + i * WIDTH + j];
         }
-        squared[k] = block[SQUARED];
-        used[k] = 0.0;
+        squared[row] = block[SQUARED];
+        used[row] = 0.0;
         for (int i = 0; i < M; i++) {
-            used[k] += block[USED + i];
-            expected[k * M + i] = block[EXPECTED + i];
+            used[row] += block[USED + i];
+            expected[row * M + i] = block[EXPECTED + i];
         }
     }
     return count;

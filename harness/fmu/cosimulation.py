@@ -44,9 +44,6 @@ class CInterface:
         inputs: Read by it, shape (Layout.inputs,).
         outputs: Written by it: those that the plant has.
         present: Their places among all outputs.
-        input_names, output_names: Of what is in `inputs` and `outputs`.
-        period: Of the step [s].
-        sample: At which the plant is.
     """
 
     cross: int
@@ -54,10 +51,6 @@ class CInterface:
     inputs: Vector
     outputs: Vector
     present: NDArray[np.intp]
-    input_names: tuple[str, ...]
-    output_names: tuple[str, ...]
-    period: float
-    sample: int
 
 
 class SetStepGet:
@@ -128,18 +121,14 @@ class SetStepGet:
             return "fmi2DoStep"
         return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
 
-    def c_interface(self, sample: int) -> CInterface:
-        """Return this communication step as C sees it, of a plant that is at a sample."""
+    def c_interface(self) -> CInterface:
+        """Return this communication step as C sees it."""
         return CInterface(
             cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
             plan=self._address.value or 0,
             inputs=self.inputs,
             outputs=self.outputs,
             present=self.present,
-            input_names=self._binding.inputs.elements,
-            output_names=tuple(self._binding.outputs.elements[place] for place in self.present),
-            period=self._plan.period,
-            sample=sample,
         )
 
     def send(self) -> Outcome:
@@ -153,6 +142,17 @@ class SetStepGet:
     def step(self, time: float) -> int:
         """Set the inputs, step from `time` [s] and get the outputs; return 0, or the number of the outcome."""
         return self._cross(self._address, _SET | _STEP | _GET, time)
+
+    def follow(self, inputs: Vector, sample: int) -> tuple[Vector, int, int]:
+        """Step through rows of inputs from a sample on.
+
+        Returns:
+            Rows of outputs, the number of steps that succeeded, and 0 or the number of the outcome that ended them.
+        """
+        library, outputs = _library(), np.empty((len(inputs), self.outputs.size))
+        rows = library.doubles(inputs), inputs.shape[1], library.doubles(outputs)
+        code = library.functions.follow(self._plan, len(inputs), sample, *rows)
+        return outputs, self._plan.done, code
 
 
 def outcome(number: int) -> Outcome:
@@ -296,11 +296,29 @@ class CoSimulation:
         self._sample += 1
         return set_step_get.outputs.copy() if self._present is None else self._spread()
 
+    def follow(self, inputs: Vector) -> Vector:
+        """Hold each row of inputs, shape (k, nu), over one period; return the outputs that the FMU has, shape (k, ny).
+
+        Raises:
+            FmuError: The shape is another one, or a value is not a finite number.
+            PlantFailed: As `step`.
+        """
+        if not self._ready:
+            raise self._not_ready()
+        rows, set_step_get = np.ascontiguousarray(inputs, dtype=np.float64), self._set_step_get
+        width = set_step_get.inputs.size
+        if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
+            found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
+            raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
+        outputs, steps, code = set_step_get.follow(rows, self._sample)
+        self.note_steps(steps, code)
+        return outputs
+
     def c_interface(self) -> CInterface:
         """Return what a loop in C steps this plant by; it then reports to `note_steps`."""
         if not self._ready:
             raise self._not_ready()
-        return self._set_step_get.c_interface(self._sample)
+        return self._set_step_get.c_interface()
 
     def note_steps(self, steps: int, code: int) -> None:
         """Take note of steps done by `c_interface`, and of the number of the outcome that ended them, 0 for none.

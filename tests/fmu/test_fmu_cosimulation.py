@@ -13,7 +13,6 @@ from tiny_fmu import GUID, tiny, xml
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmu.instance import Instance, unpack
-from railgrip.loop.compiled import run
 from railgrip.loop.parts import Plant
 
 PERIOD = 1e-3
@@ -146,11 +145,11 @@ def test_a_number_that_is_no_status_is_an_error(foundry: Path, protests: Path):
     assert protests.read_text() == "freed\n"
 
 
-def test_a_number_that_is_no_status_ends_a_loop_in_c(foundry: Path):
+def test_a_number_that_is_no_status_ends_many_steps(foundry: Path):
     with opened(tiny(foundry, "NO_STATUS")) as plant:
         plant.start(np.zeros(1))
         with pytest.raises(PlantFailed, match=r"at 0\.003 s fmi2DoStep returned a number that is no fmi2Status \(-5\)"):
-            run(plant, np.zeros((9, 1)), readings=(), noise=np.zeros((9, 0)))
+            plant.follow(np.zeros((9, 1)))
 
 
 def test_an_output_that_is_no_number_is_named(foundry: Path):

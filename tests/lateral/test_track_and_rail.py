@@ -5,7 +5,6 @@ import pytest
 from scipy.signal import welch
 
 from railgrip.fmus.native.dae import LIBRARY
-from railgrip.loop.compiled import run
 from railgrip.studies.lateral.filters import prediction
 from railgrip.studies.lateral.run import Case
 from railgrip.studies.lateral.wheelset import (
@@ -32,7 +31,7 @@ def recording_of_case(case):
     realisation = course(case.test, case.seed, case.irregularity)
     with wheelset(case.speed, PLANTS[case.plant].parameters) as plant:
         plant.start(realisation.inputs[0])
-        outputs = run(plant, realisation.inputs, readings=tuple(READINGS), noise=realisation.noise).outputs
+        outputs = plant.follow(realisation.inputs)
     states = {"y": "lateral_position", "dy": "lateral_velocity", "psi": "yaw_angle", "dpsi": "yaw_rate"}
     units = {"y": "m", "dy": "m/s", "psi": "rad", "dpsi": "rad/s"}
     places = output_columns((*READINGS, *states.values(), "speed"))

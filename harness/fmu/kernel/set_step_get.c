@@ -68,3 +68,19 @@ EXPORT int cross(SetStepGet *c, int what, double time)
     }
     return FINE;
 }
+
+/* Step through `count` rows of inputs from sample `first` on, with a row of outputs at the end of each step. */
+EXPORT int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width, double *outputs)
+{
+    for (c->done = 0; c->done < count; c->done++) {
+        const double *row = inputs + c->done * width;
+        for (long long i = 0; i < width; i++)
+            c->inputs[i] = row[i];
+        const int outcome = cross(c, SET | STEP | GET, (double)(first + c->done) * c->period);
+        if (outcome)
+            return outcome;
+        for (long long i = 0; i < c->n_outputs; i++)
+            outputs[c->done * c->n_outputs + i] = c->outputs[i];
+    }
+    return FINE;
+}

@@ -24,10 +24,14 @@ typedef struct {
     DoStep *step;
     Channel *senders, *receivers;
     long long n_senders, n_receivers, n_outputs;
-    const double *inputs;
+    double *inputs;
     double *outputs;                                         /* those that the FMU has */
     double period;
+    long long done;                                          /* steps of `follow` that succeeded */
     long long status, at;                                    /* of the call that ended it; its channel, or the output */
 } SetStepGet;
+
+int cross(SetStepGet *c, int what, double time);
+int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width, double *outputs);
 
 #endif

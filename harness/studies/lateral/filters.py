@@ -6,6 +6,7 @@ unknown_track  as before, and of the track only its spectrum
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cache
 from math import log
 from typing import Final, Literal, get_args
@@ -13,17 +14,13 @@ from typing import Final, Literal, get_args
 import numpy as np
 
 from railgrip.estimation.run import Kind, prediction_of
-from railgrip.estimators.belief import Vector
+from railgrip.estimators.belief import Estimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import PredictionInC
-from railgrip.loop.compiled import Observer, Source
 from railgrip.studies.lateral.wheelset import PAPER_SENSORS, PERIOD, Condition, Irregularity
 
 Name = Literal["literal", "known_track", "unknown_track"]
 NAMES: Final[tuple[Name, ...]] = get_args(Name)
-
-FURTHER: Final = ("track_rate", "speed")
-"""Columns that filters may see and the plant does not need."""
 
 READING_NOISE: Final = (PAPER_SENSORS[0] ** 2, PAPER_SENSORS[1] ** 2)
 
@@ -61,6 +58,25 @@ CLASSES: Final[Mapping[Name, str]] = {
 }
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Observer:
+    """A filter at its start.
+
+    Attributes:
+        name: Of the filter.
+        filter: Its outputs are the readings.
+        first: Belief at the start.
+        columns: Column of the run's table for each input of the filter; "" for an integral.
+        integrals: Input of the filter → state that it is the integral of.
+    """
+
+    name: Name
+    filter: CompiledFilter
+    first: Estimate
+    columns: tuple[str, ...]
+    integrals: Mapping[str, str] = field(default_factory=dict)
+
+
 @cache
 def prediction(name: Name, kind: Kind = "fmu") -> PredictionInC:
     """Return the model inside a filter, with the parameters of Table 1."""
@@ -72,7 +88,7 @@ def literal_density(condition: Condition) -> Vector:
     return np.array(LITERAL_NOISE[condition.name]) / PERIOD
 
 
-def party(
+def observer(
     name: Name,
     first: Condition,
     irregularity: Irregularity,
@@ -89,27 +105,19 @@ def party(
     """
     model = prediction(name, kind)
     noise = np.square(sensors)
-    column = {source: Source(kind="column", name=source) for source in ("track", *FURTHER)}
     if name == "literal":
         filter_ = CompiledFilter(model, literal_density(first), noise, PERIOD, order=1)
         # The paper gives no covariance for the start; one step of its process noise, since all is known.
-        filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
+        start = filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.inputs[:] = 0.0
-        sources = {
-            "lateral_position": Source(kind="integral", name="dy"),
-            "yaw_angle": Source(kind="integral", name="dpsi"),
-            **column,
-            **{variable: Source(kind="column", name=variable) for variable in ("mu0", "A_falling", "B_falling")},
-        }
-    else:
-        unknown = name == "unknown_track"
-        density = [*MOTION_NOISE, FRICTION_NOISE]
-        mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
-        if unknown:
-            density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
-            mean += [0.0, 0.0]
-            variance += [1e-5**2, 1e-5**2]
-        filter_ = CompiledFilter(model, density, noise, PERIOD)
-        filter_.start(mean, variance)
-        sources = {"speed": column["speed"], **({} if unknown else {"track": column["track"]})}
-    return Observer(name=name, filter=filter_, sources=sources)
+        integrals = {"lateral_position": "dy", "yaw_angle": "dpsi"}
+        columns = tuple("" if input_ in integrals else input_ for input_ in filter_.design.inputs)
+        return Observer(name=name, filter=filter_, first=start, columns=columns, integrals=integrals)
+    density = [*MOTION_NOISE, FRICTION_NOISE]
+    mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
+    if name == "unknown_track":
+        density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
+        mean += [0.0, 0.0]
+        variance += [1e-5**2, 1e-5**2]
+    filter_ = CompiledFilter(model, density, noise, PERIOD)
+    return Observer(name=name, filter=filter_, first=filter_.start(mean, variance), columns=filter_.design.inputs)

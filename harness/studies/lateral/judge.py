@@ -14,9 +14,8 @@ from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along
 from railgrip.fmus.native import lower
-from railgrip.loop.compiled import Beliefs
 from railgrip.studies.lateral.filters import Name, prediction
-from railgrip.studies.lateral.run import EVERY, Trace
+from railgrip.studies.lateral.run import EVERY, Beliefs, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
 
 QUANTITIES: Final[Mapping[str, str]] = {
@@ -152,7 +151,7 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
 def _loss(trace: Trace, belief: Beliefs) -> float | None:
     row = loss_step(belief.squared_innovation, np.full(len(trace.time), len(READINGS)))
     instants = [] if row is None else [float(trace.time[row])]
-    if belief.failure:
+    if belief.failure_sample is not None:
         instants.append(belief.failure_sample * trace.period / EVERY)
     return min(instants, default=None)
 

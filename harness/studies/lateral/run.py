@@ -1,19 +1,22 @@
-"""One run of the lateral study: the plant and its filters, side by side in C."""
+"""One run of the lateral study: the plant, and then its filters on what was read."""
 
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.errors import FilterDiverged
 from railgrip.estimation.run import Kind
-from railgrip.estimators.belief import Array
-from railgrip.loop.compiled import Beliefs, Record, run
-from railgrip.studies.lateral.filters import FURTHER, NAMES, Name, literal_density, party
+from railgrip.estimators.belief import Array, seal
+from railgrip.studies.lateral.filters import NAMES, Name, Observer, literal_density, observer
 from railgrip.studies.lateral.wheelset import (
     CONDITIONS,
+    INPUTS,
+    OUTPUTS,
     PERIOD,
     PLANTS,
     READINGS,
@@ -51,6 +54,23 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Beliefs:
+    """What a filter believed at the recorded instants; NaN after it diverged.
+
+    Attributes:
+        mean: Shape (k, n).
+        covariance: Shape (k, n, n).
+        squared_innovation: NIS, shape (k,).
+        failure_sample: Sample of 50 µs at which it diverged; None if it did not.
+    """
+
+    mean: Array
+    covariance: Array
+    squared_innovation: Array
+    failure_sample: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
     """What happened, at every recorded instant.
 
@@ -62,7 +82,7 @@ class Trace:
         condition: Number of the true condition in `CONDITIONS`, shape (k,).
         track: Position [m], shape (k,).
         changes: Instants at which a condition begins [s].
-        wall: Seconds that the loop took.
+        wall: Seconds that plant and filters took.
     """
 
     case: Case
@@ -85,69 +105,70 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     """
     vehicle = PLANTS[case.plant]
     realisation = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
-    table = np.column_stack([realisation.inputs, realisation.track_rate, np.full(len(realisation.inputs), case.speed)])
-    first_condition, kind = realisation.conditions[0], case.prediction
-    parties = [party(name, first_condition, case.irregularity, sensors=vehicle.sensors, kind=kind) for name in names]
-    records: list[Record] = []
+    table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
+    table |= {"track_rate": realisation.track_rate, "speed": np.full(len(realisation.inputs), case.speed)}
+    observers = [
+        observer(name, realisation.conditions[0], case.irregularity, sensors=vehicle.sensors, kind=case.prediction)
+        for name in names
+    ]
+    begin = time.perf_counter()
     with wheelset(case.speed, vehicle.parameters) as plant:
         plant.start(realisation.inputs[0])
-        begin = time.perf_counter()
-        for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
-            for one in parties:
-                if one.name == "literal":  # the only one that is told
-                    one.filter.retune(literal_density(condition))
-            records.append(
-                run(
-                    plant,
-                    table[first:last],
-                    further=FURTHER,
-                    readings=tuple(READINGS),
-                    noise=realisation.noise[first:last],
-                    observers=[one for one in parties if _alive(records, one.name)],
-                    every=EVERY,
-                )
-            )
-        wall = time.perf_counter() - begin
-    return _trace(case, realisation, records, names, wall)
-
-
-def _alive(records: Sequence[Record], name: str) -> bool:
-    return all(name in record.beliefs and not record.beliefs[name].failure for record in records)
-
-
-def _trace(case: Case, realisation: Course, records: Sequence[Record], names: Sequence[Name], wall: float) -> Trace:
-    outputs = np.concatenate([record.outputs for record in records])
-    sample = np.concatenate([record.sample for record in records])
-    places = output_columns(
-        ("yaw_rate", "lateral_position", "lateral_velocity", "yaw_angle", "creep", "creep_force",
-         "friction")
-    )  # fmt: skip
-    inputs = realisation.inputs[sample - 1]
+        outputs = plant.follow(realisation.inputs)
+    places = output_columns(tuple(OUTPUTS))
+    readings = np.column_stack([outputs[:, places[name]] for name in READINGS]) + realisation.noise
+    beliefs: dict[Name, Beliefs] = {one.name: _followed(one, table, readings, realisation) for one in observers}
+    wall = time.perf_counter() - begin
+    sample = np.concatenate(
+        [first + EVERY * np.arange(1, (last - first) // EVERY + 1) for first, last in realisation.segments]
+    )
+    inputs, shown = realisation.inputs[sample - 1], outputs[sample - 1]
     numbers = [CONDITIONS.index(condition) for condition in realisation.conditions]
+    true = ("yaw_rate", "lateral_position", "lateral_velocity", "yaw_angle", "creep", "creep_force", "friction")
     return Trace(
         case=case,
         time=PERIOD * sample.astype(np.float64),
         period=EVERY * PERIOD,
-        truth={name: outputs[:, place].mean(axis=1) for name, place in places.items()},
+        truth={name: shown[:, places[name]].mean(axis=1) for name in true},
         mu0=inputs[:, 1],
-        condition=np.concatenate([np.full(len(r.sample), n) for r, n in zip(records, numbers, strict=True)]),
+        condition=np.concatenate(
+            [
+                np.full((last - first) // EVERY, number)
+                for (first, last), number in zip(realisation.segments, numbers, strict=True)
+            ]
+        ),
         track=inputs[:, 0],
         changes=tuple(first * PERIOD for first, _ in realisation.segments),
-        beliefs={name: _join(records, name) for name in names},
+        beliefs=beliefs,
         wall=wall,
     )
 
 
-def _join(records: Sequence[Record], name: str) -> Beliefs:
-    """Return the beliefs of all stretches in a row; NaN where the filter no longer ran."""
-    beliefs = [record.beliefs[name] for record in records if name in record.beliefs]
-    n = beliefs[0].mean.shape[1]
-    missing = sum(len(record.sample) for record in records if name not in record.beliefs)
-    last = beliefs[-1]
-    return Beliefs(
-        mean=np.concatenate([*(b.mean for b in beliefs), np.full((missing, n), np.nan)]),
-        covariance=np.concatenate([*(b.covariance for b in beliefs), np.full((missing, n, n), np.nan)]),
-        squared_innovation=np.concatenate([*(b.squared_innovation for b in beliefs), np.full(missing, np.nan)]),
-        failure=last.failure,
-        failure_sample=last.failure_sample,
-    )
+def _followed(one: Observer, table: Mapping[str, Array], readings: Array, realisation: Course) -> Beliefs:
+    """Return what a filter believes of the readings, stretch by stretch of one condition."""
+    filter_, n = one.filter, one.filter.mean.size
+    inputs = np.column_stack([table[column] if column else np.zeros(len(readings)) for column in one.columns])
+    prior, failure_sample = one.first, None
+    parts: list[tuple[Array, Array, Array]] = []
+    for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
+        rows = (last - first) // EVERY
+        mean, covariance, nis = np.full((rows, n), np.nan), np.full((rows, n, n), np.nan), np.full(rows, np.nan)
+        parts.append((mean, covariance, nis))
+        if failure_sample is not None:
+            continue
+        if one.name == "literal":  # the only one that is told
+            filter_.retune(literal_density(condition))
+        last_good, start = last, filter_.inputs.copy()
+        follow = partial(filter_.follow, prior, every=EVERY, integrals=one.integrals, with_covariance=True)
+        try:
+            followed = follow(inputs[first:last], readings[first:last])
+        except FilterDiverged as diverged:
+            last_good = first + diverged.after
+            failure_sample = last_good + 1
+            filter_.inputs[:] = start
+            followed = follow(inputs[first:last_good], readings[first:last_good])
+        done = (last_good - first) // EVERY
+        mean[:done], covariance[:done], nis[:done] = followed.mean, followed.covariance, followed.squared_innovation
+        prior = seal(filter_.mean.copy(), filter_.covariance.copy())
+    means, covariances, squares = (np.concatenate(values) for values in zip(*parts, strict=True))
+    return Beliefs(mean=means, covariance=covariances, squared_innovation=squares, failure_sample=failure_sample)

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any, Final
 
 import railgrip.estimators
-import railgrip.loop.compiled
 from railgrip.campaign.store import digest_of, results_of
 from railgrip.campaign.workers import workers as processes
 from railgrip.estimation.run import Kind
@@ -84,8 +83,7 @@ def conduct(
         *(function.serialize().encode() for model in models for function in (model.derivative, model.output)),
         repr([(p.name, p.start) for model in models for p in model.parameters]).encode(),
         Path(railgrip.estimators.__file__ or "").parent,
-        Path(railgrip.loop.compiled.__file__).with_name("kernel"),
-        *(railgrip.loop.compiled, filters, run, judge, wheelset),
+        *(filters, run, judge, wheelset),
     )
     with processes(workers) as pool:
         measures = results_of("lateral-runs", plan.cases, one, pool, rests_on, tell)
