@@ -1,4 +1,8 @@
-"""The C of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on it."""
+"""The C of a filter for one model: the fixed files in `kernel`, and shape.h with everything that depends on it.
+
+Generated whole by CasADi, as scalar code of 70 000 operations, the step for 25 states and 12 readings takes two to four
+times as long as the rows of `kernel/step.h`, although both leave out the zeros of the Jacobians.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""One stop, step by step: plant, sensors, estimator, controller and actuation, each at its own period.
+"""One stop, sample by sample: plant, sensors, estimator, controller and valves, each at its own period.
 
-The loop knows protocols, not parties: whoever offers `start`, `step`, `read`, `decide` or `act` may take part.
+`Loop` runs `kernel/cycle.c`, which calls parts in C and returns for those in Python; `parts` says what each part is.
 """
