@@ -116,6 +116,7 @@ check: $(DEV)
 	$(RUN) -m ruff format --check .
 	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
 	$(RUN) -m pyright
+	cd build/typed && $(abspath $(VENV))/bin/lint-imports --config $(CURDIR)/.importlinter --no-logo --no-cache
 
 ESTIMATIONS := harness/estimation/library
 

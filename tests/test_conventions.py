@@ -1,0 +1,22 @@
+"""What of the project's conventions no linter knows; imports between packages are checked by .importlinter."""
+
+import ast
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+MODULES = [path for room in ("fmus", "estimators", "controllers", "harness") for path in (ROOT / room).rglob("*.py")]
+
+
+def test_all_errors_for_users_are_one_tree():
+    roots = {ROOT / "harness" / "errors.py", ROOT / "harness" / "interrupted.py"}  # a signal is no error
+    assert not [
+        f"{path}: {node.name}"
+        for path in set(MODULES) - roots
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+        and any(ast.unparse(base).endswith(("Error", "Exception")) for base in node.bases)
+    ]
+
+
+def test_modules_are_named_for_what_they_hold():
+    assert not [path for path in MODULES if {"core", "common", "utils"} & {path.stem, path.parent.name}]
