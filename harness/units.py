@@ -17,7 +17,8 @@ from typing import Any
 
 from railgrip.errors import UnitError
 
-_DEFINITIONS = Path(__file__).with_name("units.txt")
+DEFINITIONS = Path(__file__).with_name("units.txt")
+"""All units, as pint reads them."""
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """Base units of FMI 2.0 (§2.2.2), in the order of `Unit.exponents`."""
@@ -235,7 +236,7 @@ def _registry() -> Any:
 
     without_defaults: Any = None
     registry = pint.UnitRegistry(without_defaults)
-    registry.load_definitions(_DEFINITIONS)
+    registry.load_definitions(DEFINITIONS)
     return registry
 
 

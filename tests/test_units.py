@@ -42,6 +42,8 @@ from railgrip.units import Unit, conversion, to_si, unit
         ("N m", "kg.m2.s-2", 1.0),
         ("°", "rad", math.pi / 180),
         ("W.s/(K.m)", "kg.m.s-2.K-1", 1.0),
+        ("W/degC", "kg.m2.s-3.K-1", 1.0),
+        ("kW.h", "kg.m2.s-2", 3.6e6),
     ],
 )
 def test_a_unit_string_means_what_it_says(text: str, dimension: str, factor: float):

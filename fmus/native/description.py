@@ -8,11 +8,12 @@ from xml.sax.saxutils import escape
 
 import casadi as ca
 
+from railgrip.errors import UnitError
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
 from railgrip.fmus.native.system import System, column
-from railgrip.fmus.native.units import BASE, parse
 from railgrip.fmus.native.variables import Scalar
+from railgrip.units import BASE, unit
 
 TYPE = {"integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
 
@@ -286,15 +287,16 @@ def _unit_definitions(names: Iterable[str]) -> list[str]:
     """Return the lines of UnitDefinitions for Modelica unit strings; what is not understood gets its name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
-        unit = parse(name)
-        if unit is None:
+        try:
+            known = unit(name)
+        except UnitError:
             out.append(f"    <Unit{attributes_text({'name': name})}/>")
             continue
-        base = {b: str(e) for b, e in zip(BASE, unit.exponents, strict=True) if e}
-        if unit.factor != 1.0:
-            base["factor"] = repr(unit.factor)
-        if unit.offset:
-            base["offset"] = repr(unit.offset)
+        base = {b: str(e) for b, e in zip(BASE, known.exponents, strict=True) if e}
+        if known.factor != 1.0:
+            base["factor"] = repr(known.factor)
+        if known.offset:
+            base["offset"] = repr(known.offset)
         out.append(f"    <Unit{attributes_text({'name': name})}><BaseUnit{attributes_text(base)}/></Unit>")
     return [*out, "  </UnitDefinitions>"]
 

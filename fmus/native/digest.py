@@ -6,6 +6,8 @@ from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
+from railgrip import units
+
 
 def digest(parts: Iterable[str]) -> str:
     """Return the SHA-256 of texts and of where each ends."""
@@ -20,4 +22,5 @@ def compiler_digest() -> str:
     """Return a digest over the built-in compiler itself and the packages it rests on."""
     here = Path(__file__).parent
     files = sorted(file for file in here.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
+    files += [Path(units.__file__), units.DEFINITIONS]
     return digest([version("rumoca"), version("casadi"), *(file.read_text() for file in files)])

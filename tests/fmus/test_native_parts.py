@@ -16,39 +16,8 @@ from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.elimination import MOST_ENTRIES, MOST_PRODUCTS, eliminate
 from railgrip.fmus.native.straight import LONGEST, straight
 from railgrip.fmus.native.tape import interpreter, tape
-from railgrip.fmus.native.units import BASE, parse
 
 LARGEST_REAL = sys.float_info.max
-
-
-@pytest.mark.parametrize(
-    ("text", "exponents", "factor"),
-    [
-        ("N.m/s2", {"kg": 1, "m": 2, "s": -4}, 1.0),
-        ("W/(m2.K)", {"kg": 1, "s": -3, "K": -1}, 1.0),
-        ("km/h", {"m": 1, "s": -1}, 1000 / 3600),
-        ("rad/s", {"rad": 1, "s": -1}, 1.0),
-        ("bar", {"kg": 1, "m": -1, "s": -2}, 1e5),
-        ("kW.h", {"kg": 1, "m": 2, "s": -2}, 3.6e6),
-        ("1/s", {"s": -1}, 1.0),
-        ("1", {}, 1.0),
-        ("deg", {"rad": 1}, math.pi / 180),
-    ],
-)
-def test_a_unit_string_is_its_si_exponents_and_factor(text, exponents, factor):
-    unit = parse(text)
-    assert unit is not None
-    assert {b: e for b, e in zip(BASE, unit.exponents, strict=True) if e} == exponents
-    assert unit.factor == pytest.approx(factor)
-
-
-def test_degrees_celsius_have_an_offset_only_alone():
-    assert parse("degC").offset == 273.15
-    assert parse("W/degC").offset == 0.0
-
-
-def test_an_unknown_unit_is_none_rather_than_wrong():
-    assert parse("furlong/s") is None
 
 
 POINTER = ctypes.POINTER(ctypes.c_double)
