@@ -92,17 +92,26 @@ def workers_start(_, process):
 
 
 def plant_runs(place, _):
-    return len(list((place / "temporary").rglob("modelDescription.xml"))) > 0
+    try:
+        return any((place / "temporary").rglob("modelDescription.xml"))
+    except FileNotFoundError:  # a folder went while it was searched
+        return False
 
 
 RUN, CAMPAIGN = ("run", "foreign.toml", "--out", "out"), ("campaign", "pair.toml", "--out", "out")
 
 
-@pytest.mark.parametrize(("number", "to_all"), [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGTERM, True)])
 @pytest.mark.parametrize(
-    ("arguments", "moment"),
-    [(RUN, loading), (RUN, plant_runs), (CAMPAIGN, workers_start), (CAMPAIGN, plant_runs)],
-    ids=["run-loading", "run-plant", "campaign-workers", "campaign-plant"],
+    ("arguments", "moment", "number", "to_all"),
+    [
+        (RUN, loading, signal.SIGINT, True),
+        (RUN, loading, signal.SIGTERM, False),
+        (RUN, plant_runs, signal.SIGTERM, True),
+        (CAMPAIGN, workers_start, signal.SIGINT, True),
+        (CAMPAIGN, workers_start, signal.SIGTERM, False),
+        (CAMPAIGN, plant_runs, signal.SIGINT, True),
+        (CAMPAIGN, plant_runs, signal.SIGTERM, False),
+    ],
 )
 def test_a_signal_ends_the_program_with_a_sentence_and_leaves_nothing(place, arguments, moment, number, to_all):
     """Workers do not go on: two seconds on an idle machine, a tenfold of that where others compute, too."""

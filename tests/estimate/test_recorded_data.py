@@ -374,8 +374,8 @@ def test_a_damaged_mdf_file_ends_in_a_sentence_wherever_the_damage_is(tmp_path):
     write_mf4(tmp_path / "whole.mf4", stop().iloc[:50])
     whole = (tmp_path / "whole.mf4").read_bytes()
     path, refusals = tmp_path / "run.mf4", list[str]()
-    damaged = [whole[:end] for end in range(0, len(whole), len(whole) // 40)]
-    for at in range(0, len(whole) - 16, len(whole) // 60):
+    damaged = [whole[:end] for end in range(0, len(whole), len(whole) // 20)]
+    for at in range(0, len(whole) - 16, len(whole) // 30):
         damaged += [whole[:at] + block + whole[at + 16 :] for block in (bytes(16), b"\xff" * 16)]
     for content in damaged:
         path.write_bytes(content)

@@ -50,17 +50,22 @@ def short(monkeypatch: pytest.MonkeyPatch):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux")
 @pytest.mark.parametrize("text", REFUSED)
-@pytest.mark.parametrize("ask", ["build", "lower"])
-def test_it_ends_in_a_sentence(tmp_path: Path, text: str, ask: str, capfd: pytest.CaptureFixture[str]):
+def test_it_ends_in_a_sentence(tmp_path: Path, text: str, capfd: pytest.CaptureFixture[str]):
     modelica, sentence = REFUSED[text]
     file = tmp_path / "M.mo"
     file.write_text(modelica)
     name = "P.M" if modelica.startswith("package P") else "M"
     with pytest.raises(InputError, match=sentence) as refusal:
-        build_class(name, file, compiler="native") if ask == "build" else lower(name, file)
+        build_class(name, file, compiler="native")
     assert name in str(refusal.value)
     assert "\n  File" not in str(refusal.value)
     assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_class_for_a_filter_is_confined_too(tmp_path: Path):
+    (tmp_path / "M.mo").write_text(REFUSED["50,000 terms"][0])
+    with pytest.raises(InputError, match="M has an expression that is too long"):
+        lower("M", tmp_path / "M.mo")
 
 
 @pytest.mark.parametrize("library", [False, True], ids=["file", "library"])
