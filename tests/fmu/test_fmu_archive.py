@@ -143,13 +143,3 @@ def test_a_blemish_that_changes_nothing_is_told_and_run(foundry: Path, change: t
     assert plain.blemishes == ""
     assert [*description.variables] == [*plain.variables]
     assert description.states == plain.states
-
-
-def test_empty_folders_are_no_binaries(tmp_path: Path):
-    file = tmp_path / "hollow.fmu"
-    with zipfile.ZipFile(file, "w") as archive:
-        archive.writestr("modelDescription.xml", xml())
-        for folder in ("binaries/", "binaries/linux32/", "binaries/win64/"):
-            archive.writestr(folder, "")
-    with pytest.raises(FmuError, match="it has no binaries at all"):
-        describe(file)

@@ -8,28 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
-from tiny_fmu import GUID, tiny, xml
+from tiny_fmu import GUID, tied, tiny, xml
 
 from railgrip.errors import FmuError, PlantFailed
-from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
+from railgrip.fmu import CoSimulation, describe
 from railgrip.fmu.instance import Instance, unpack
 from railgrip.loop.parts import Plant
 
 PERIOD = 1e-3
 
 
-def binding(description: Description) -> Binding:
-    plain = {"unit": "1", "size": 0, "needed": True}
-    return bind(
-        description,
-        inputs=[Signal(name="u", **plain)],
-        outputs=[Signal(name="x", **plain), Signal(name="y", **plain)],
-    )
-
-
 def opened(file: Path, **parameters: object) -> CoSimulation:
     description = describe(file)
-    return CoSimulation(description, binding(description), period=PERIOD, parameters=parameters)
+    return CoSimulation(description, tied(description), period=PERIOD, parameters=parameters)
 
 
 def closed_form(t: float, rate: float, gain: float, u: float, x: float = 1.0) -> float:
@@ -119,14 +110,27 @@ def test_fmi2_error_ends_the_stop_with_the_fmus_own_words(foundry: Path, protest
     assert protests.read_text() == "freed\n"
 
 
+@pytest.mark.parametrize(
+    ("misbehaviour", "sentence"),
+    [
+        ("ENDS", "at 0.003 s the FMU asked to end the simulation"),
+        ("PENDING", "asynchronous FMUs are not supported"),
+        # Not "at most a warning".
+        ("NO_STATUS", "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."),
+        ("NAN_OUTPUT", "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."),
+    ],
+)
+def test_a_step_that_fails_says_when_and_how(foundry: Path, protests: Path, misbehaviour: str, sentence: str):
+    failure = failing(tiny(foundry, misbehaviour))
+    assert sentence in str(failure)
+    assert failure.failure.variable == ("y" if misbehaviour == "NAN_OUTPUT" else "")
+    assert misbehaviour != "NO_STATUS" or protests.read_text() == "freed\n", "after an error only freeing is legal"
+
+
 def test_a_discarded_step_tells_how_far_it_came(foundry: Path):
     failure = failing(tiny(foundry, "DISCARD")).failure
     assert (failure.reason, failure.call) == ("discard", "fmi2DoStep")
     assert failure.reached == pytest.approx(0.0035)
-
-
-def test_an_fmu_may_ask_to_end(foundry: Path):
-    assert "at 0.003 s the FMU asked to end the simulation" in str(failing(tiny(foundry, "ENDS")))
 
 
 def test_after_fmi2_fatal_nothing_is_called(foundry: Path, protests: Path):
@@ -134,28 +138,11 @@ def test_after_fmi2_fatal_nothing_is_called(foundry: Path, protests: Path):
     assert protests.read_text() == ""
 
 
-def test_an_asynchronous_fmu_is_not_supported(foundry: Path):
-    assert "asynchronous FMUs are not supported" in str(failing(tiny(foundry, "PENDING")))
-
-
-def test_a_number_that_is_no_status_is_an_error(foundry: Path, protests: Path):
-    """Not "at most a warning", and nothing but freeing follows."""
-    failure = failing(tiny(foundry, "NO_STATUS"))
-    assert str(failure) == "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."
-    assert protests.read_text() == "freed\n"
-
-
 def test_a_number_that_is_no_status_ends_many_steps(foundry: Path):
     with opened(tiny(foundry, "NO_STATUS")) as plant:
         plant.start(np.zeros(1))
         with pytest.raises(PlantFailed, match=r"at 0\.003 s fmi2DoStep returned a number that is no fmi2Status \(-5\)"):
             plant.follow(np.zeros((9, 1)))
-
-
-def test_an_output_that_is_no_number_is_named(foundry: Path):
-    failure = failing(tiny(foundry, "NAN_OUTPUT"))
-    assert failure.failure.variable == "y"
-    assert str(failure) == "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."
 
 
 def test_large_finite_outputs_are_not_mistaken_for_infinite_ones(foundry: Path):
@@ -268,7 +255,7 @@ def test_the_start_value_of_a_state_can_be_set(foundry: Path):
 def test_a_period_is_a_positive_time(foundry: Path, period: float):
     description = describe(tiny(foundry))
     with pytest.raises(FmuError, match="the communication period is a positive time"):
-        CoSimulation(description, binding(description), period=period, parameters={})
+        CoSimulation(description, tied(description), period=period, parameters={})
 
 
 # --- what is left behind ---------------------------------------------------------------------------------------

@@ -4,16 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tiny_fmu import tiny
+from tiny_fmu import tied, tiny
 
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu import (
-    Binding,
     CoSimulation,
-    Description,
     IsolatedCoSimulation,
-    Signal,
-    bind,
     describe,
     open_plant,
 )
@@ -25,18 +21,9 @@ AT_LEISURE = FmuLimits(patience=100.0)
 SOON = 0.5  # s of real time; only an FMU that never returns waits this long
 
 
-def binding(description: Description) -> Binding:
-    plain = {"unit": "1", "size": 0, "needed": True}
-    return bind(
-        description,
-        inputs=[Signal(name="u", **plain)],
-        outputs=[Signal(name="x", **plain), Signal(name="y", **plain)],
-    )
-
-
 def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -> IsolatedCoSimulation:
     description = describe(file)
-    return IsolatedCoSimulation(description, binding(description), period=PERIOD, parameters=parameters, limits=limits)
+    return IsolatedCoSimulation(description, tied(description), period=PERIOD, parameters=parameters, limits=limits)
 
 
 def test_the_numbers_are_those_of_the_same_process(foundry: Path):
@@ -44,7 +31,7 @@ def test_the_numbers_are_those_of_the_same_process(foundry: Path):
     inputs = np.random.default_rng(7).normal(size=(20, 1))
     outputs: list[np.ndarray] = []
     for kind in (CoSimulation, IsolatedCoSimulation):
-        with kind(description, binding(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
+        with kind(description, tied(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
             assert isinstance(plant, Plant)
             rows = [plant.start(inputs[0])]
             rows += [plant.step(u) for u in inputs]
@@ -115,7 +102,7 @@ def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
     for trust, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
         plant = open_plant(
             description,
-            binding(description),
+            tied(description),
             period=PERIOD,
             parameters={},
             trusted=trust,

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import fmpy
 
+from railgrip.fmu import Binding, Description, Signal, bind
 from railgrip.fmus.native.toolchain import shared_library
 
 GUID = "{7d1c6f0e-tiny}"
@@ -128,6 +129,16 @@ def tiny(
         archive.writestr("modelDescription.xml", description or xml())
         archive.write(library, f"binaries/{platform}/tiny{fmpy.sharedLibraryExtension}")
     return file
+
+
+def tied(description: Description) -> Binding:
+    """Return the binding of u, x and y under their own names."""
+    plain = {"unit": "1", "size": 0, "needed": True}
+    return bind(
+        description,
+        inputs=[Signal(name="u", **plain)],
+        outputs=[Signal(name="x", **plain), Signal(name="y", **plain)],
+    )
 
 
 CURVED_STATES = ("a", "b", "c")

@@ -66,17 +66,6 @@ def test_an_input_that_jumps_triggers_its_event_at_once(feature, run):
     assert instance.get("x") == before
 
 
-def test_a_model_that_chatters_is_reported(modelica, run):
-    fmu = modelica(
-        "model M Real x(start=0.1,fixed=true); Boolean b(start=false,fixed=true);"
-        " equation b = x > 0; der(x) = if b then -1 else 1; end M;"
-    )
-    instance = run(fmu)
-    with pytest.raises(Exception, match="fmi2DoStep"):
-        instance.steps(1, 1.0)
-    assert any("chatters" in m for m in instance.messages)
-
-
 COUNTER = """model M
   Boolean odd(start=false, fixed=true);
   discrete Real line[3](each start=0, each fixed=true);

@@ -1,4 +1,4 @@
-"""The filter that evaluates a prediction FMU is the filter that has its equations compiled, in each step of Table 1."""
+"""The filter that evaluates a prediction FMU is the filter that has its equations compiled, in each step of a stop."""
 
 import ctypes
 from pathlib import Path
@@ -65,8 +65,9 @@ def test_table_1_predicts_with_fmus():
     assert {stop.scenario.estimator.kind for stop in CAMPAIGN.stops} == {"none", "fmu"}
 
 
-@pytest.mark.parametrize("name", STOPS)
+@pytest.mark.parametrize("name", sorted(STOPS)[::4])
 def test_each_step_is_that_of_the_compiled_filter(name, monkeypatch):
+    """Every fourth of the thirty: each rail, outfit and controller takes part."""
     monkeypatch.setattr(estimator, "CompiledFilter", BothFilters)
     stop = run_stop(STOPS[name])
     both = BothFilters.last.both
