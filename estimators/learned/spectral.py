@@ -18,7 +18,6 @@ from railgrip.estimators.belief import Array
 
 Pair = tuple[Any, Any]
 
-WHEELSETS: Final = 4
 PRODUCTS: Final = 10
 """Means kept per band and bogie."""
 SLOWEST: Final = 1.0

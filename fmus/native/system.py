@@ -38,7 +38,7 @@ class System:
     """A class made explicit. Every expression is in `time`, the symbols below, and nothing else.
 
     Attributes:
-        states, inputs, algebraics, discretes, free, dependent, structural: Its scalar variables.
+        states, inputs, algebraics, discretes, free, dependent: Its scalar variables.
         derivative: Of `states`, one per state.
         algebraic: Values of `algebraics`.
         dependent_values: Of `dependent`, in `free` only.

@@ -61,8 +61,8 @@ class Variables:
     Attributes:
         free: Parameters that may be set.
         dependent: Parameters computed from `free` by `dependent_values`.
-        structural: Parameters whose value is compiled in: everything that is not Real, and final numbers.
-        constants: Symbols and values of constants and structural parameters.
+        constants: Symbols and values of constants and structural parameters, whose value is compiled in: everything
+            that is not Real, and final numbers.
     """
 
     of_id: dict[int, list[Scalar]]
@@ -74,7 +74,6 @@ class Variables:
     free: list[Scalar]
     dependent: list[Scalar]
     dependent_values: list[SX]
-    structural: list[Scalar]
     constants: tuple[SX, SX]
     derivatives: list[SX]
     previous: list[SX]
@@ -170,7 +169,6 @@ def settle(
         free=free,
         dependent=dependent,
         dependent_values=dependent_values,
-        structural=[p for p in by_kind["parameter"] if _is_structural(p)],
         constants=constants,
         derivatives=[s for (store, _), own in symbols.items() if store == "derivative" for s in own.flat],
         previous=[s for (store, _), own in symbols.items() if store == "pre" for s in own.flat],

@@ -17,6 +17,8 @@ import xarray
 from railgrip.errors import EstimationError
 from railgrip.estimation.run import model_of, units_of
 from railgrip.estimation.spec import CourseTable, Specification, check_mass
+from railgrip.estimation.stop import recording_of_stop
+from railgrip.estimation.track.braking import braking_of
 from railgrip.scenario.quantity import in_units
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.read import FileRecording, recorded
@@ -51,9 +53,6 @@ def recording_of_estimation(
     if data is not None:
         recording = recording_for(specification, data).recording
     else:
-        # Imported when needed: a stop brings the FMU compiler, and reading a file needs none of it.
-        from railgrip.estimation.stop import recording_of_stop
-
         source = specification.simulated()
         seed = source.seed if seed is None else seed
         recording = recording_of_stop(scenario or source.scenario, seed, source.noise, import_from)
@@ -67,9 +66,6 @@ def with_track_force(run: xarray.Dataset, course: CourseTable) -> xarray.Dataset
     Raises:
         EstimationError: A reading is missing, nobody braked, or the train was driven until then.
     """
-    # Imported when asked for: recovering a track takes SciPy's splines, a rig or wagon has none.
-    from railgrip.estimation.track.braking import braking_of
-
     return braking_of(
         run, course.mass, curve_law=course.curve_law, low_pass=course.low_pass, trust=course.trust
     ).recording

@@ -187,13 +187,6 @@ class FmuPrediction:
         interface = self._description.model_exchange
         return interface is not None and interface.directional_derivatives
 
-    @property
-    def directional_calls(self) -> tuple[int, int]:
-        """How many directional derivatives give the Jacobians of derivatives and of outputs."""
-        patterns = self._derivative_pattern, self._output_pattern
-        by_state, of_output = (len(column_groups(pattern, len(self.states))) for pattern in patterns)
-        return by_state, of_output
-
     def _pattern(self, unknowns: Sequence[str]) -> Pattern:
         """Return which states each unknown depends on, as the FMU's ModelStructure says; on all where it is silent."""
         known = self._description.dependencies

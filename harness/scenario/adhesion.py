@@ -257,13 +257,12 @@ def _inside(patch: Patch, places: Array) -> Array:
 
 def _markov(draws: np.random.Generator, persistence: float, count: int, start: float | None = None) -> Array:
     """Return `count` values of unit variance, the first being `start` or drawn."""
+    from scipy.signal import lfilter  # half a second to load, which most rails need not spend
+
     white = draws.standard_normal(count)
-    values = np.empty(count)
-    values[0] = white[0] if start is None else start
-    fresh = np.sqrt(1 - persistence**2)
-    for k in range(1, count):
-        values[k] = persistence * values[k - 1] + fresh * white[k]
-    return values
+    fresh = np.sqrt(1 - persistence**2) * white
+    fresh[0] = white[0] if start is None else start
+    return np.asarray(lfilter([1.0], [1.0, -persistence], fresh), dtype=np.float64)
 
 
 def _from_curve(curve: Curve, places: Array) -> Array:

@@ -17,9 +17,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.io import loadmat
 
 from railgrip.errors import EstimationError, UnitError
 from railgrip.scenario.file import is_file
@@ -113,9 +115,6 @@ def _parquet(path: Path, columns: Sequence[str]) -> Mapping[str, Any]:
 
 def _mat(path: Path) -> Mapping[str, Any]:
     """Return the vectors of a MATLAB file; those inside structures as `structure.field`."""
-    import h5py
-    from scipy.io import loadmat
-
     variables: dict[str, Any] = {}
 
     def collect(name: str, value: Any) -> None:

@@ -11,6 +11,7 @@ from math import exp, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import stdtrit
 
 Array = NDArray[np.float64]
 
@@ -79,8 +80,6 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     Raises:
         ValueError: Less than two stops of a kind, or one shorter than the equivalent time alone.
     """
-    from scipy.stats import t
-
     means: list[float] = []
     variances: list[float] = []
     freedom: list[int] = []
@@ -99,5 +98,5 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     half = 0.0
     if both > 0.0:
         count = both**2 / sum(one**2 / n for one, n in zip(variances, freedom, strict=True))
-        half = float(t.ppf((1 + confidence) / 2, count)) * sqrt(both)
+        half = float(stdtrit(count, (1 + confidence) / 2)) * sqrt(both)
     return Interval(value, value * exp(-half), value * exp(half))

@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Annotated, Any, Self, cast, get_type_hints
 
+import numpy as np
 import xarray
 
 from railgrip.estimators.consistency import FAR
-from railgrip.trace import adhesion_use, effort, estimation, motion, slide
+from railgrip.trace import adhesion_use, estimation, motion, slide
 from railgrip.trace.outcome import Outcome
 
 Each = tuple[float, ...]
@@ -178,8 +179,8 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         tread_energy=slide.tread_energy(trace),
         tread_power_peak=tuple(map(float, slide.tread_power(trace).max(axis=0))),
         disc_temperature_peak=tuple(map(float, trace["disc_temperature"].values.max(axis=0))),
-        air_used=effort.air_used(trace),
-        actuations=effort.actuations(trace, actuation),
+        air_used=air_used(trace),
+        actuations=actuations(trace, actuation),
         adhesion_rmse=errors.rmse if errors else None,
         adhesion_bias=errors.bias if errors else None,
         adhesion_error_95=errors.within_95 if errors else None,
@@ -204,3 +205,27 @@ def _tupled(value: Any) -> Any:
     if not isinstance(value, list):
         return float("nan") if value is None else value
     return tuple(_tupled(element) for element in cast("list[Any]", value))
+
+
+def air_used(trace: xarray.Dataset) -> float:
+    """Return the free air taken from the reservoir since the brake demand [m3]."""
+    air = trace["air_used"].values
+    return float(air[-1] - air[0])
+
+
+def actuations(trace: xarray.Dataset, actuation: str) -> tuple[int, ...]:
+    """Return how often the brake of each group was switched.
+
+    Pneumatic: changes of the commanded valve position (dump, hold, fill; thresholds at ±0.5). Ideal: turns of
+    the commanded pressure from rising to falling or back, holds between them left out.
+    """
+    command = trace["command"].values
+    if actuation == "pneumatic":
+        position = np.where(command > 0.5, 1, np.where(command < -0.5, -1, 0))
+        return tuple(int(np.count_nonzero(np.diff(column))) for column in position.T)
+    return tuple(_turns(np.diff(column)) for column in command.T)
+
+
+def _turns(change: np.ndarray[tuple[int], np.dtype[np.float64]]) -> int:
+    directions = np.sign(change[change != 0])
+    return int(np.count_nonzero(np.diff(directions)))

@@ -5,9 +5,9 @@ import pytest
 from scipy.stats import chi2
 from synthetic import BRAKE, LOAD, parabola, uniform_stop
 
-from railgrip.trace import adhesion_use, effort, estimation, motion, slide
+from railgrip.trace import adhesion_use, estimation, motion, slide
 from railgrip.trace.bound import with_bound
-from railgrip.trace.metrics import Metrics, meanings, measure
+from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
 from railgrip.trace.outcome import Outcome
 
 
@@ -62,19 +62,19 @@ def test_valve_strokes_are_changes_of_position():
     time = uniform_stop()["time"].values
     command = np.select([time < 5, time < 10, time < 15], [0.9, 0.0, -1.0], 0.2)
     trace = uniform_stop(command=np.stack([command, np.ones_like(time), 0.4 * np.sin(time), command], axis=1))
-    assert effort.actuations(trace, "pneumatic") == (3, 0, 0, 3)
+    assert actuations(trace, "pneumatic") == (3, 0, 0, 3)
 
 
 def test_pressure_turns_are_counted_without_the_holds_between():
     time = uniform_stop()["time"].values
     command = np.interp(time, [0, 2, 4, 6, 8, 20], [0, 3e5, 3e5, 1e5, 2e5, 2e5])
     trace = uniform_stop(command=np.stack([command, 0 * time, time, -time], axis=1))
-    assert effort.actuations(trace, "ideal") == (2, 0, 0, 0)
+    assert actuations(trace, "ideal") == (2, 0, 0, 0)
 
 
 def test_air_is_counted_from_the_demand():
     time = uniform_stop()["time"].values
-    assert effort.air_used(uniform_stop(air_used=3.0 + 0.01 * time)) == pytest.approx(0.2)
+    assert air_used(uniform_stop(air_used=3.0 + 0.01 * time)) == pytest.approx(0.2)
 
 
 def test_the_bound_is_the_least_of_rail_brake_and_limit():
