@@ -31,7 +31,7 @@ class Spectral:
     """The filters behind the features.
 
     Attributes:
-        rate: Samples a second that go in, see `antialias`.
+        rate: Samples a second that go in.
         centres: Of the bands, Hz.
         quality: Of the band filters.
         metres: Distance over which products are averaged, m.

@@ -42,7 +42,7 @@ class System:
         derivative: Of `states`, one per state.
         algebraic: Values of `algebraics`.
         dependent_values: Of `dependent`, in `free` only.
-        relation: Memory of relations between events; `relation_live` their truth now.
+        relation: Memory of relations between events.
         indicators: Zero where a relation changes; `indicator_relation` says which.
         instants: Times at which something changes, in parameters.
         clocks: (phase, period) of sample clocks, s; `ticks` has a symbol for each and one for initialisation.

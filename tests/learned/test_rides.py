@@ -163,7 +163,7 @@ def test_what_is_saved_comes_back(kind, estimators, tmp_path):
     draw = np.random.default_rng(4)
     boxes, speed = 270 + draw.standard_normal((3000, 12)), np.full(3000, 20.0)
     one, two = (e.offline(boxes, speed, backwards=False) for e in (estimators[kind], back))
-    assert len(one.friction) > 0
+    assert len(one.friction) >= 49
     assert np.array_equal(one.friction, two.friction)
     assert np.array_equal(one.upper, two.upper, equal_nan=True)
 
@@ -176,7 +176,7 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
     assert apart is not None
     assert apart < ROUNDING
     assert trace.sizes["time"] == pytest.approx(3.0 / 26.82 * RATE, rel=0.05)  # the held speed is near that
-    assert float(trace["friction"][-1]) > 0
+    assert 0.0 < float(trace["friction"][-1]) < 1.0
 
 
 @pytest.mark.parametrize("trusted", [False, True])
