@@ -1,16 +1,13 @@
 """What people are told, where somebody watches and where nobody does."""
 
-import ast
 import os
 import pty
 import subprocess
 import sys
 import threading
-from pathlib import Path
 
 import pytest
 
-import railgrip
 from railgrip import console
 from railgrip.report.table import Table
 
@@ -39,20 +36,6 @@ def test_cells_of_a_table_are_shown_as_they_are(capfd):
     assert ":x: [red]t" in out
     assert "a :x:" in out
     assert "[bold]:x:  [/]" in out
-
-
-def test_one_module_alone_talks_to_people():
-    """So that all of it looks alike, and no text is taken for markup."""
-    root = Path(railgrip.__file__).parent
-    users = [path.relative_to(root).as_posix() for path in root.rglob("*.py") if "rich" in imports_of(path)]
-    assert users == ["console.py"]
-
-
-def imports_of(path: Path) -> set[str]:
-    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
-    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
-    names += [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
-    return {name.partition(".")[0] for name in names}
 
 
 @pytest.mark.parametrize(
