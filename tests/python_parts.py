@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from railgrip.assemble import assembled
+from railgrip.assemble import assembled, run_stop
 from railgrip.loop.parts import StateEstimator
 
 
@@ -39,3 +39,13 @@ def run_in_python(scenario):
     with assembled(scenario) as whole:
         whole = replace(whole, parts=hidden(whole.parts))
         return whole.stop(whole.run())
+
+
+def same_stop(scenario):
+    """Return the stop with parts in C, which is that with parts in Python to the last bit."""
+    one, other = (run(scenario) for run in (run_stop, run_in_python))
+    assert (one.outcome, one.reason) == (other.outcome, other.reason)
+    assert list(one.trace.data_vars) == list(other.trace.data_vars)
+    for name, values in one.trace.data_vars.items():
+        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
+    return one

@@ -1,8 +1,8 @@
 """Classes of a user: from where they are imported, which parameters they get, and what is checked of their values."""
 
 import json
-import subprocess
 import sys
+from inspect import getsource
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +10,11 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip as rg
-from railgrip.cli.main import app
+from railgrip.cli.main import app, main
 from railgrip.errors import ScenarioError
 from railgrip.estimation.spec import LIBRARY
 from railgrip.scenario import custom
 
-LAWS = """
-import pathlib
-import numpy as np
-
-pathlib.Path(__file__).with_name("imported").touch()
 
 class Hold:
     def __init__(self, share=0.5):
@@ -30,6 +25,15 @@ class Hold:
 
     def decide(self, observation):
         return self.demand
+
+
+LAWS = f"""
+import pathlib
+import numpy as np
+
+pathlib.Path(__file__).with_name("imported").touch()
+
+{getsource(Hold)}
 
 class Leaves(Hold):
     def decide(self, observation):
@@ -56,17 +60,6 @@ def laws(tmp_path, request):
     name = f"laws_{abs(hash(request.node.nodeid))}"
     (tmp_path / f"{name}.py").write_text(LAWS)
     return name
-
-
-class Hold:
-    def __init__(self, share=0.5):
-        self.share = share
-
-    def start(self, formation):
-        self.demand = self.share * formation.pressure_max
-
-    def decide(self, observation):
-        return self.demand
 
 
 class Exact:
@@ -262,15 +255,17 @@ def commands(folder, laws):
 
 
 @pytest.mark.parametrize("command", ["run", "campaign", "conditioning", "estimate", "observability"])
-def test_commands_import_from_the_folders_that_they_name(command, laws, tmp_path, monkeypatch):
+def test_commands_import_from_the_folders_that_they_name(command, laws, tmp_path, monkeypatch, capfd):
     """Workers of a campaign stand by the same rule as the process that starts them."""
     monkeypatch.chdir(tmp_path)
-    arguments = [sys.executable, "-m", "railgrip", *commands(tmp_path, laws)[command], "--out", str(tmp_path / "out")]
-    refused = subprocess.run(arguments, capture_output=True, text=True, check=False)
-    assert refused.returncode == 2, refused.stderr
-    assert "a class that a file names comes from a folder" in refused.stderr
+    arguments = [*commands(tmp_path, laws)[command], "--out", str(tmp_path / "out")]
+    with pytest.raises(SystemExit) as end:
+        main(arguments)
+    assert end.value.code == 2
+    assert "a class that a file names comes from a folder" in capfd.readouterr().err
     assert not (tmp_path / "imported").exists()
-    subprocess.run([*arguments, "--import-from", "."], capture_output=True, text=True, check=False)
+    with pytest.raises(SystemExit):
+        main([*arguments, "--import-from", "."])
     assert (tmp_path / "imported").exists()
 
 

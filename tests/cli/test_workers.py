@@ -60,6 +60,15 @@ def test_workers_end_with_a_parent_that_was_killed(tmp_path):
     assert list(folder.iterdir()) == []
 
 
+def ended(folder: Path, program: str) -> subprocess.CompletedProcess[str]:
+    """Run a program in a folder to its end."""
+    (folder / "program.py").write_text(program, encoding="utf-8")
+    here = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])}
+    return subprocess.run(
+        [sys.executable, "program.py"], cwd=folder, env=here, capture_output=True, text=True, timeout=300, check=False
+    )
+
+
 SLOW_START = """
 import os
 import signal
@@ -107,16 +116,7 @@ else:
 
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
 def test_a_worker_that_still_starts_while_its_pool_is_ended_prints_nothing(tmp_path):
-    (tmp_path / "program.py").write_text(SLOW_START, encoding="utf-8")
-    result = subprocess.run(
-        [sys.executable, "program.py"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
+    result = ended(tmp_path, SLOW_START)
     assert (result.returncode, result.stderr) == (130, "")
 
 
@@ -147,17 +147,8 @@ if __name__ == "__main__":
 @pytest.mark.skipif(os.name != "posix", reason="signals are POSIX")
 def test_workers_do_not_hear_ctrl_c_whichever_thread_starts_them(tmp_path):
     """From their first instruction on: the mask is inherited, and no handler has to be set first."""
-    (tmp_path / "program.py").write_text(IN_A_THREAD, encoding="utf-8")
-    result = subprocess.run(
-        [sys.executable, "program.py"],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[2]), *sys.path])},
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=True,
-    )
-    assert result.stdout.split() == ["True", "False"] * 2
+    result = ended(tmp_path, IN_A_THREAD)
+    assert (result.returncode, result.stdout.split()) == (0, ["True", "False"] * 2)
 
 
 def until(state):

@@ -1,5 +1,6 @@
 """Whatever is malformed in an FMU's archive or modelDescription.xml ends in a sentence that names the file."""
 
+import os
 import re
 import zipfile
 from pathlib import Path
@@ -14,6 +15,7 @@ from railgrip.fmu import Description, Signal, bind, describe
 from railgrip.fmu.draft import drafted
 from railgrip.fmu.parameters import assignments
 
+FUZZ = int(os.environ.get("RAILGRIP_FUZZ", "100"))
 TEXT = xml(state_unit="km/h", input_unit="bar", output_unit="degC", indicators=1)
 ATTRIBUTES = list(re.finditer(r' ([\w:]+)="([^"]*)"', TEXT))
 ELEMENTS = list(re.finditer(r"<(\w+)[^<>]*/>|<(\w+)[^>]*>(?:(?!<\2).)*?</\2>", TEXT, re.DOTALL))
@@ -88,7 +90,7 @@ def mutated(changes: list[tuple[int, int, str]]) -> str:
     return text
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=FUZZ, deadline=None)
 @given(changes=st.lists(mutations(), min_size=1, max_size=3))
 @example(changes=[(TEXT.index("UTF-8"), TEXT.index("UTF-8") + 5, "nonsense")])
 def test_a_mutated_description_is_used_or_refused_in_a_sentence(
@@ -127,7 +129,7 @@ def test_that_it_needs_its_tool_is_told(members: dict[str, bytes], place: Path):
     )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=FUZZ, deadline=None)
 @given(st.integers(0), st.binary(min_size=1, max_size=4), st.booleans())
 def test_a_damaged_archive_is_told(members: dict[str, bytes], place: Path, where: int, damage: bytes, cut: bool):
     with zipfile.ZipFile(place, "w", zipfile.ZIP_DEFLATED) as archive:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from python_parts import run_in_python
+from python_parts import same_stop
 
 from railgrip.assemble import run_stop
 from railgrip.assemble.vehicle import VehicleData
@@ -21,16 +21,6 @@ ALL_LEAF = f"adhesion.polach_of_wheelset={['leaf'] * 6}"
 
 def scenario(*overrides):
     return load(Path("plain"), ["start.speed=60 km/h", *overrides])
-
-
-def assert_same(question):
-    """With parts in C and in Python, to the last bit."""
-    one, other = (run(question) for run in (run_in_python, run_stop))
-    assert (one.outcome, one.reason) == (other.outcome, other.reason)
-    assert list(one.trace.data_vars) == list(other.trace.data_vars)
-    for name, values in one.trace.data_vars.items():
-        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
-    return one
 
 
 def test_a_curve_that_is_sent_is_the_curve_that_is_a_parameter():
@@ -83,15 +73,15 @@ def test_the_curve_changes_in_the_middle_of_the_edges_and_friction_over_them():
     ],
 )
 def test_parts_in_python_with_an_estimator(rail):
-    stop = assert_same(scenario(*rail, "limits.horizon=6 s"))
+    stop = same_stop(scenario(*rail, "limits.horizon=6 s"))
     assert set(np.unique(stop.trace["curve_k_A"].values)) >= {0.04, 1.0}
 
 
 def test_valves_service_sensors_and_a_train_file():
     parts = ("actuation.kind=pneumatic", "vehicle.plant=TwoPartTrainPneumatic", "sensors.kind=white")
-    assert_same(scenario(*WITHOUT, *parts, PATCH, "limits.horizon=6 s"))
+    same_stop(scenario(*WITHOUT, *parts, PATCH, "limits.horizon=6 s"))
     table = scenario(*WITHOUT, PATCH, "limits.horizon=4 s").resolved() | {"vehicle": {"train": "tram"}}
-    assert assert_same(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
+    assert same_stop(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
 
 
 def test_wheelsets_of_a_wagon():

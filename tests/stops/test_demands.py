@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from python_parts import run_in_python
+from python_parts import same_stop
 from synthetic import LIBRARY
 
 import railgrip as rg
-from railgrip.assemble import run_stop
 from railgrip.scenario.load import load
 from railgrip.trace.outcome import Outcome
 
@@ -17,18 +16,9 @@ GRIPPY = {
 }
 
 
-def same(scenario):
-    """Return the stop with parts in C and in Python, to the last bit."""
-    one, other = (run(scenario) for run in (run_in_python, run_stop))
-    assert (one.outcome, one.reason) == (other.outcome, other.reason)
-    for name, values in one.trace.data_vars.items():
-        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
-    return one
-
-
 @pytest.fixture(scope="module")
 def steps():
-    return same(load(LIBRARY / "service_steps.toml"))
+    return same_stop(load(LIBRARY / "service_steps.toml"))
 
 
 def at(stop, time):
@@ -87,7 +77,7 @@ def from_rest(force):
     driven = {"pressure": 0, "traction": {"force": force}}
     phases = [driven | {"until": {"time": "4 s"}}, driven | {"until": {"speed_above": "30 km/h"}}, {"pressure": "full"}]
     phases = phases if force != "1 N" else [phases[0], phases[-1]]
-    return same(rg.Scenario.load("service_steps", {"start.speed": 0, "demand": {"phases": phases}} | GRIPPY))
+    return same_stop(rg.Scenario.load("service_steps", {"start.speed": 0, "demand": {"phases": phases}} | GRIPPY))
 
 
 def test_a_train_at_rest_stands_once_it_has_moved():
@@ -120,14 +110,16 @@ def test_full_brake_from_the_start_is_a_stop_without_a_demand():
 
 def test_a_driver_stops_at_the_target_where_the_rail_allows_it():
     """Within half a metre: the cylinders follow late, and the last metres are slow."""
-    stop = same(rg.Scenario.load("stop_at_target", {"adhesion": GRIPPY["adhesion"], "limits.stop_speed": "0.05 m/s"}))
+    stop = same_stop(
+        rg.Scenario.load("stop_at_target", {"adhesion": GRIPPY["adhesion"], "limits.stop_speed": "0.05 m/s"})
+    )
     assert stop.outcome is Outcome.STANDSTILL
     assert float(stop.trace["distance"][-1]) == pytest.approx(700.0, abs=0.5)
     assert stop.metrics.mean_deceleration == pytest.approx(0.6, rel=0.02)
 
 
 def test_a_slippery_rail_carries_the_train_beyond_the_target():
-    stop = same(load(LIBRARY / "stop_at_target.toml"))
+    stop = same_stop(load(LIBRARY / "stop_at_target.toml"))
     assert stop.outcome is Outcome.STANDSTILL
     assert float(stop.trace["distance"][-1]) > 705.0
     assert float((stop.trace["command"] - stop.trace["driver_demand"]).max()) == 0.0
@@ -135,7 +127,7 @@ def test_a_slippery_rail_carries_the_train_beyond_the_target():
 
 def test_valves_send_no_more_than_the_driver_demands():
     """Valve logic has a band of pressure around the demand, and a shortest stroke."""
-    stop = same(
+    stop = same_stop(
         load(
             LIBRARY / "service_steps.toml",
             ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic", "limits.horizon=40 s"],
