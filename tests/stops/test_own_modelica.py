@@ -95,7 +95,7 @@ MISTAKES = {
 
 
 @pytest.mark.parametrize("sentence", MISTAKES)
-def test_a_class_that_does_not_compile_is_told_with_file_and_line(mine, own_cache, sentence, monkeypatch, capfd):
+def test_a_class_that_does_not_compile_is_told_with_file_and_line(mine, sentence, monkeypatch, capfd):
     name, right, wrong = MISTAKES[sentence]
     file = mine.parent / "SimpleTrain" / name
     assert right in file.read_text()
@@ -109,12 +109,12 @@ def test_a_class_that_does_not_compile_is_told_with_file_and_line(mine, own_cach
     assert sentence in message
 
 
-def test_a_class_that_is_not_there_is_told(mine, own_cache):
+def test_a_class_that_is_not_there_is_told(mine):
     with pytest.raises(InputError, match=r"SimpleTrain\.Tram does not compile .*\n.*no file of it declares Tram"):
         run_stop(load(mine, ["vehicle.model=SimpleTrain.Tram"]))
 
 
-def test_a_class_without_the_inputs_of_a_plant_is_told(mine, own_cache):
+def test_a_class_without_the_inputs_of_a_plant_is_told(mine):
     train = mine.parent / "SimpleTrain" / "Train.mo"
     train.write_text(train.read_text().replace("pressure_command[", "demand["))
     with pytest.raises(Exception, match=r"no input 'pressure_command\[1\]'.*demand\[1\]") as refusal:
@@ -122,7 +122,7 @@ def test_a_class_without_the_inputs_of_a_plant_is_told(mine, own_cache):
     assert "freight_train: [vehicle.map]" in str(refusal.value)
 
 
-def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp_path, own_cache):
+def test_external_functions_are_refused_so_what_is_built_here_may_be_trusted(tmp_path):
     file = tmp_path / "Wild.mo"
     file.write_text(
         "package Wild\nfunction system input Real x; output Real y;\n"
