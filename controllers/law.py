@@ -1,11 +1,14 @@
 """What control laws share: what they see, what they give, and the groups' brakes among their parameters."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 from functools import cache
 from math import isfinite
-from typing import ClassVar, get_type_hints
+from pathlib import Path
+from typing import Any, ClassVar, Literal, get_type_hints
 
+from railgrip.controllers import tuned
 from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
@@ -16,6 +19,8 @@ NOT_SEEN = float("nan")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tuning:
     """Parameters of a law: finite numbers that are not negative, each with its unit and meaning beside its type.
+
+    A parameter that is not searched has its value as default here; the others are in the law's sets.
 
     Attributes:
         LAW: Name of the law in a sentence.
@@ -33,7 +38,7 @@ class Tuning:
         Raises:
             ValueError: A value is negative or not a finite number, or zero where it must not be.
         """
-        for name, (unit, _) in self.meanings().items():
+        for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
             if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
@@ -41,20 +46,19 @@ class Tuning:
 
     @classmethod
     @cache
-    def meanings(cls) -> Mapping[str, tuple[str, str]]:
-        """Return the unit and the meaning of each parameter, by name."""
+    def meanings(cls) -> Mapping[str, tuple[Any, ...]]:
+        """Return the unit, the meaning and, if there is one, the largest value of each parameter, by name."""
         types = get_type_hints(cls, include_extras=True)
         return {field.name: types[field.name].__metadata__ for field in fields(cls)}
 
     @classmethod
     def units(cls) -> dict[str, str]:
         """Return the unit of each parameter that a user may change."""
-        return {name: unit for name, (unit, _) in cls.meanings().items() if name not in cls.FIXED}
+        return {name: unit for name, (unit, *_) in cls.meanings().items() if name not in cls.FIXED}
 
 
-def parameters(draft: Draft, meanings: Mapping[str, tuple[str, str]]) -> dict[str, Expression]:
-    """Return the symbols of new parameters, by name."""
-    return {name: draft.parameter(name, unit, text) for name, (unit, text) in meanings.items()}
+NO_PARAMETERS = Tuning()
+"""Of a law that has none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,3 +161,85 @@ class Law(Sampled):
         rows[1] = NOT_SEEN if adhesion is None else adhesion
         rows[2] = NOT_SEEN if pad_friction is None else pad_friction
         return self.evaluate()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """How a law takes part in the type test.
+
+    Attributes:
+        description: One line.
+        role: A baseline is what an entrant has to beat.
+        slip: Whether it is given an estimator or readings alone.
+        tuning: Name of its set.
+        is_tuned: Whether the set was searched on training rails.
+    """
+
+    description: str
+    role: Literal["baseline", "entrant"]
+    slip: tuned.SlipSource
+    tuning: str = tuned.SEARCHED
+    is_tuned: bool = True
+
+
+Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]
+"""Kind of actuation and how the law knows the slip → where each parameter is searched, on a logarithmic scale."""
+
+
+class GroupLaw(Law):
+    """A control law of this project for single groups: all that is said of it, in one module of the folder `laws`.
+
+    Attributes:
+        description: One line.
+        tuning: Type of its parameters.
+        sets_of: Kind of the law whose sets it takes; "" for its own.
+        ranges: Where `railgrip tune-control` searches.
+        entries: In the type test, by the name there.
+        valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
+    """
+
+    description: ClassVar[str]
+    tuning: ClassVar[type[Tuning]] = Tuning
+    sets_of: ClassVar[str] = ""
+    ranges: ClassVar[Ranges] = {}
+    entries: ClassVar[Mapping[str, Entry]] = {}
+    valve_band: ClassVar[float | None] = None
+
+    def __init__(self, groups: Sequence[BrakeGroup], tuning: Tuning = NO_PARAMETERS) -> None:
+        """Control `groups` with one `tuning`."""
+        super().__init__(self.formula_for(len(groups)), groups, asdict(tuning))
+
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Ask the draft for states that all groups share, and return what is done for one; see `law`."""
+        raise NotImplementedError
+
+    @classmethod
+    @cache
+    def formula_for(cls, groups: int) -> Formula:
+        """Return the formula for so many groups."""
+
+        def demand_with(draft: Draft) -> Demand:
+            symbols = {name: draft.parameter(name, *meaning) for name, meaning in cls.tuning.meanings().items()}
+            return cls.demand_with(draft, symbols)
+
+        return law(cls.__name__, cls.description, groups, demand_with)
+
+    @classmethod
+    def tuned_for(cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, **others: float) -> Tuning:
+        """Return the parameters of one of the law's sets; without a file they are those of its type.
+
+        Args:
+            actuation: Kind of it.
+            slip: How the law knows the slip.
+            name: Of the set.
+            others: Values in place of those of the set; those that are no parameters of this law are left out.
+
+        Raises:
+            ValueError: The set is not for this actuation, or a value means nothing.
+        """
+        module = Path(inspect.getfile(cls))
+        file = module.with_name(tuned.file_of(cls.sets_of or module.stem, name))
+        found = tuned.values(file, name, actuation, slip) if file.exists() else {}
+        names = cls.tuning.meanings().keys()
+        return cls.tuning(**{key: value for key, value in {**found, **others}.items() if key in names})

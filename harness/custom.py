@@ -23,7 +23,7 @@ from railgrip.errors import (
 )
 from railgrip.formation import Extent, Formation
 from railgrip.interrupted import Interrupted
-from railgrip.scenario.custom import Role
+from railgrip.registry import Role
 from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
 from railgrip.units import mistake, short
 

@@ -1,36 +1,26 @@
 """The controller of a scenario and what its commands go through: laws, valves, FMUs of one's own."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection
 from contextlib import ExitStack
-from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
+from railgrip import registry
 from railgrip.assemble.files import description_of, units_of
 from railgrip.assemble.foreign_controller import foreign_controller
 from railgrip.assemble.vehicle import VehicleData, units_of_nominal_data
-from railgrip.controllers import tuning
-from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
-from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.constant_slip import ConstantSlip, ConstantSlipTuning
-from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
-from railgrip.controllers.full_brake import FullBrake
-from railgrip.controllers.law import Law, Tuning
+from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.sampled import Sampled
-from railgrip.controllers.slip_based import SlipBased
-from railgrip.controllers.slope_seeking import SlopeSeeking
 from railgrip.controllers.train_level import OverTheTrain, pass_through, with_redistribution, with_shared_valves
-from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
+from railgrip.controllers.tuned import SEARCHED
+from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.custom import DemandLimits, Limited
 from railgrip.errors import ScenarioError
 from railgrip.fmu import Description
 from railgrip.loop.parts import Controller, LawStates
-from railgrip.scenario.custom import Custom
-from railgrip.scenario.parties import AdhesionLaw, ControllerFmu, KalmanFilter, SlipLaw
+from railgrip.scenario.parties import ControllerFmu, KalmanFilter
+from railgrip.scenario.parties import Law as LawTable
 from railgrip.scenario.quantity import in_units
-from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import ServiceSensors
 from railgrip.signals import of_law
 
@@ -118,67 +108,30 @@ def _group_law(vehicle: VehicleData) -> Law:
     Raises:
         ScenarioError: A parameter is wrong, or the controller is no law of ours.
     """
-    scenario, groups = vehicle.scenario, vehicle.controlled.brakes
+    scenario = vehicle.scenario
     table = scenario.controller
-    if isinstance(table, ControllerFmu | Custom) or table.kind in ("ideal_bound", "ideal_tracking"):
+    kind = _law_named(table.kind) if isinstance(table, LawTable) else None
+    if kind is None or not isinstance(table, LawTable):
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
     train = units_of_nominal_data(vehicle.formation)
     own = {name: value for name, value in table.parameters.items() if name not in train}
-    where = "[controller.parameters]"
-    if table.kind == "full_brake":
-        in_units(where, own, {})
-        return FullBrake(groups)
-    if isinstance(table, SlipLaw):
-        values = in_units(where, own, {"low": "1", "high": "1", "speed_min": "m/s"})
-        levels = replace(tuning.PAPER_LEVELS, hold=table.kind == "slip_three_state")
-        if table.tuning != "paper":
-            slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
-            levels = replace(levels, **_searched(scenario, table, slip))
-        try:
-            return SlipBased(groups, replace(levels, **values))
-        except ValueError as problem:
-            raise ScenarioError(f"{where}: {problem}") from problem
-    law, base, fixed = _law_of(scenario, table.kind)
-    values = in_units(where, own, type(base).units())
-    try:
-        return law(groups, replace(base, **fixed, **values))
-    except ValueError as problem:
-        raise ScenarioError(f"{where}: {problem}") from problem
-
-
-def _searched(scenario: Scenario, table: SlipLaw | AdhesionLaw, slip: tuning.SlipSource) -> Mapping[str, float]:
-    """Return the set of parameters that [controller] names.
-
-    Raises:
-        ScenarioError: The law was not searched for that, or not with this actuation.
-    """
-    try:
-        return tuning.searched(table.kind, scenario.actuation.kind, slip, type_test=table.tuning == "type_test")
-    except ValueError as problem:
-        raise ScenarioError(f"{scenario.name}: [controller] tuning '{table.tuning}': {problem}") from problem
-
-
-def _law_of(
-    scenario: Scenario, kind: str
-) -> tuple[Callable[[Sequence[BrakeGroup], Any], Law], Tuning, dict[str, float]]:
-    """Return a law, its parameters, and those of them that other tables of a scenario set."""
-    actuation, period = scenario.actuation.kind, {"period": scenario.periods.controller}
-    if kind in ("adhesion_based", "adhesion_literal"):
-        law_class = AdhesionBased if kind == "adhesion_based" else LiteralAdhesionBased
-        base = tuning.PEAK_SEEKING[actuation]
-        if isinstance(scenario.controller, AdhesionLaw) and scenario.controller.tuning == "type_test":
-            base = replace(base, **_searched(scenario, scenario.controller, "estimated"))
-        return law_class, base, period | {"adhesion_max": scenario.limits.alpha_max}
-    if kind == "slope_seeking":
-        lag = scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0
-        return SlopeSeeking, tuning.SLOPE, period | {"adhesion_max": scenario.limits.alpha_max, "pressure_lag": lag}
-    law, parameters = {
-        "wheel_reference": (WheelReference, WheelReferenceTuning),
-        "constant_slip": (ConstantSlip, ConstantSlipTuning),
-        "extremum_seeking": (ExtremumSeeking, ExtremumSeekingTuning),
-    }[kind]
+    values = in_units("[controller.parameters]", own, kind.tuning.units())
+    of_other_tables = {
+        "period": scenario.periods.controller,
+        "adhesion_max": scenario.limits.alpha_max,
+        "pressure_lag": scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0,
+    }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
-    return law, parameters(**period, **tuning.of(kind, actuation, slip)), period
+    try:
+        tuning = kind.tuned_for(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
+    except ValueError as problem:
+        raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
+    return kind(vehicle.controlled.brakes, tuning)
+
+
+def _law_named(kind: str) -> type[GroupLaw] | None:
+    """Return the control law of this project with a name; None for what is none."""
+    return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
 
 
 def law_states(controller: Controller) -> LawStates | None:
@@ -195,7 +148,7 @@ def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
     scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
         return None
-    valves = vehicle.valves
+    valves, law = vehicle.valves, _law_named(scenario.controller.kind)
     return ValveLogic(
         vehicle.controlled.pressure_max.tolist(),
         ValveModel(
@@ -203,7 +156,7 @@ def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
             dead_time=0.5 * (valves["dead_fill"] + valves["dead_vent"]),
             fill_time=valves["T_fill"],
             vent_time=valves["T_vent"],
-            band=tuning.VALVE_BANDS.get(scenario.controller.kind, tuning.VALVE_BAND),
-            pulse_min=tuning.VALVE_PULSE_MIN,
+            band=BAND if law is None or law.valve_band is None else law.valve_band,
+            pulse_min=PULSE_MIN,
         ),
     )

@@ -16,7 +16,8 @@ import numpy as np
 
 from railgrip import custom
 from railgrip.errors import ScenarioError
-from railgrip.scenario.custom import Custom, Role, installed_names
+from railgrip.registry import Role, installed_names
+from railgrip.scenario.custom import Custom
 from railgrip.units import cut, short
 
 

@@ -8,19 +8,21 @@ test, over cases of a set of their own.
 """
 
 import math
-import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.controllers import tuning
+from railgrip import registry
+from railgrip.controllers.law import GroupLaw
+from railgrip.controllers.law import Ranges as LawRanges
+from railgrip.controllers.tuned import SEARCHED, TYPE_TEST, SlipSource, file_of
+from railgrip.controllers.tuned import values as tuned_values
 from railgrip.scenario.campaign import PlannedStop, load_campaign
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
@@ -31,27 +33,15 @@ EQUIPMENT = {"ideal": "ideal", "pneumatic": "service"}
 
 Ranges = Mapping[str, tuple[float, float]]
 
-_LEVELS: Ranges = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
-"""From below nearly all published peaks to beyond them; sensors do not tell narrower bands than 10 % of a level."""
-
 _HIGHEST = 0.9
 """Slip above which no upper level is searched: a wheel that is nearly locked."""
 
-_SOURCES: tuple[tuning.SlipSource, ...] = ("read", "estimated")
-
-_LIBRARY = tomllib.loads((Path(__file__).parent / "library" / "ranges.toml").read_text(encoding="utf-8"))
-RANGES: Mapping[str, Mapping[tuple[str, tuning.SlipSource], Ranges]] = {
-    **{law: dict.fromkeys(product(EQUIPMENT, _SOURCES), _LEVELS) for law in ("slip_two_state", "slip_three_state")},
-    **{
-        law: {
-            (actuation, slip): {name: (low, high) for name, (low, high) in ranges.items()}
-            for actuation, of in table.items()
-            for slip, ranges in of.items()
-        }
-        for law, table in _LIBRARY.items()
-    },
+RANGES: Mapping[str, LawRanges] = {
+    kind: law.ranges
+    for kind in registry.modules(registry.LAWS)
+    if (law := registry.part(registry.LAWS, kind, GroupLaw)).ranges
 }
-"""Law → kind of actuation and how it knows the slip → where each parameter is searched, on a logarithmic scale."""
+"""What is searched of each law that has parameters to search."""
 
 REFERENCE = "slip_two_state"
 """With the paper's levels and slip as read: what each result is compared with."""
@@ -119,7 +109,7 @@ class Optimum:
 def search(
     law: str,
     actuation: str,
-    slip: tuning.SlipSource,
+    slip: SlipSource,
     tell: Callable[[int, float], None],
     pool: Executor,
     *,
@@ -145,7 +135,9 @@ def search(
     from scipy.optimize import Bounds, differential_evolution
     from scipy.stats.qmc import Sobol
 
-    start = tuning.searched(law, actuation, slip, type_test=rail_stops is not None and law in tuning.TWICE)
+    name = set_of(law, type_test=rail_stops is not None)
+    file = registry.files(registry.LAWS)[file_of(law, name).removesuffix(".toml")]
+    start = tuned_values(file, name, actuation, slip)
     if rail_stops is None:
         rail_stops = [stop for stop in load_campaign(rails).stops if stop.variants["equipment"] == EQUIPMENT[actuation]]
     scenarios = [stop.scenario for stop in rail_stops]
@@ -196,9 +188,12 @@ def search(
     )
 
 
-def text_of(
-    law: str, results: Mapping[tuple[str, tuning.SlipSource], Optimum], command: str = "make tune-control"
-) -> str:
+def set_of(law: str, *, type_test: bool) -> str:
+    """Return the name of the set that a search finds: that of the type test, if the law has one, or the only one."""
+    return TYPE_TEST if type_test and f"{law}.{TYPE_TEST}" in registry.files(registry.LAWS) else SEARCHED
+
+
+def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command: str = "make tune-control") -> str:
     """Return the file of a law's parameters: what was found for each kind of actuation, on what, by which command."""
     lines = [f"# Parameters of {law}, written by `{command}`; in brackets two-state control at 10 and 15 %."]
     for (actuation, slip), one in results.items():

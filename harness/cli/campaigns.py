@@ -18,7 +18,7 @@ from railgrip.report.panels import Panels
 if TYPE_CHECKING:
     from railgrip.campaign.run import CampaignRun
     from railgrip.campaign.tune_control import Optimum
-    from railgrip.controllers.tuning import SlipSource
+    from railgrip.controllers.tuned import SlipSource
     from railgrip.report.baseline import Baseline, Findings
     from railgrip.report.row import Row
     from railgrip.scenario.conditioning import Repeated
@@ -240,7 +240,7 @@ def calibrate() -> None:
 @app.command("tune-control")
 def tune_control(
     law: Annotated[list[str] | None, typer.Option(help="A law to search; all without it.")] = None,
-    out: Annotated[Path, typer.Option(help="Folder of the files of parameters.")] = Path("controllers"),
+    out: Annotated[Path, typer.Option(help="Folder of the files of parameters.")] = Path("controllers/laws"),
     budget: Annotated[
         int | None,
         typer.Option(min=5, help="Sets of parameters to try for each law; 24 for each parameter without it."),
@@ -261,9 +261,9 @@ def tune_control(
     hang on goes into a file of its own, `<law>.type_test.toml`.
     """
     from railgrip.campaign.one_stop import make_folder
-    from railgrip.campaign.tune_control import EQUIPMENT, RANGES, search, text_of
+    from railgrip.campaign.tune_control import EQUIPMENT, RANGES, search, set_of, text_of
     from railgrip.campaign.workers import workers as processes
-    from railgrip.controllers.tuning import file_of
+    from railgrip.controllers.tuned import file_of
     from railgrip.files import write_text
 
     unknown = sorted(set(law or ()) - RANGES.keys())
@@ -295,7 +295,7 @@ def tune_control(
                     *(f"{name} {value}" for name, value in options.items() if value),
                 )
             )
-            path = out / file_of(each, type_test=cases is not None)
+            path = out / file_of(each, set_of(each, type_test=cases is not None))
             text = text_of(each, optima, command if any(options.values()) else "make tune-control")
             write_text(path, text + _others(path, optima))
 

@@ -1,18 +1,12 @@
 """A class named in place of a kind, and its arguments."""
 
-import os
-import sys
-from collections.abc import Callable, Mapping
-from functools import cache
-from importlib.metadata import distributions
-from pathlib import Path
-from typing import Any, Literal, cast
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, cast
 
 from pydantic import Field
 
+from railgrip.registry import Role, installed_names
 from railgrip.scenario.table import Table
-
-Role = Literal["controllers", "estimators", "sensors", "plants"]
 
 OURS, CUSTOM = "of this project", "of one's own"
 """Tags of the two sorts of table; no key of a file has such a name."""
@@ -28,30 +22,20 @@ class Custom(Table):
     parameters: dict[str, Any] = Field(default={}, description="arguments of the class, by keyword")
 
 
-@cache
-def installed_names(role: Role) -> dict[str, str]:
-    """Return name → module:Class of what installed packages offer; only their metadata is read.
+def whose(role: Role, ours: Callable[[], Collection[str]], tagged: Collection[str] = ()) -> Callable[[Any], str]:
+    """Return what tells the tables of this project, of the kinds `ours`, from those of a class of one's own.
 
-    Metadata in the current folder is left out: a folder of files that somebody sent may hold some.
+    A kind of `tagged` has a table for itself, whose tag it is.
     """
-    here = os.path.realpath(Path.cwd())
-    path = [entry for entry in sys.path if entry and os.path.realpath(entry) != here]
-    names: dict[str, str] = {}
-    for package in distributions(path=path):
-        for point in package.entry_points.select(group=f"railgrip.{role}"):
-            names.setdefault(point.name, point.value)
-    return names
-
-
-def whose(role: Role, ours: frozenset[str]) -> Callable[[Any], str]:
-    """Return what tells the tables of this project, of the kinds `ours`, from those of a class of one's own."""
 
     def tag(entry: Any) -> str:
         if isinstance(entry, Mapping):
             kind: object = cast("Mapping[str, object]", entry).get("kind")
         else:
             kind = getattr(entry, "kind", None)
-        if not isinstance(kind, str) or kind in ours:
+        if isinstance(kind, str) and kind in tagged:
+            return kind
+        if not isinstance(kind, str) or kind in ours():
             return OURS
         return CUSTOM if ":" in kind or kind in installed_names(role) else OURS
 

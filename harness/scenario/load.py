@@ -12,7 +12,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from railgrip.errors import ScenarioError
-from railgrip.scenario.custom import CUSTOM, OURS
+from railgrip.scenario.custom import CUSTOM, OURS, Custom
 from railgrip.scenario.file import DIRECTORY, installed
 from railgrip.scenario.merge import merged, parsed, read_overrides
 from railgrip.scenario.schema import Scenario
@@ -157,6 +157,7 @@ def _place(
     keys: list[str] = []
     for step in location:
         if step in (OURS, CUSTOM):
+            branches = [branch for branch in branches if _is_tagged(branch, step)] or branches
             continue
         if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
             branches = [branch for branch in branches if step in _kinds(branch)] or branches
@@ -180,6 +181,11 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
         return [annotation]
     inner = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
     return [table_model for part in inner for table_model in _models(part)]
+
+
+def _is_tagged(model: type[BaseModel], tag: int | str) -> bool:
+    """Say whether a table is one of this project of no fixed kind, or one of a class of one's own."""
+    return issubclass(model, Custom) if tag == CUSTOM else not (issubclass(model, Custom) or _kinds(model))
 
 
 def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:

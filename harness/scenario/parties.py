@@ -3,13 +3,15 @@
 import math
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, field_validator, model_validator
+from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, ValidationInfo, field_validator, model_validator
 
+from railgrip import registry
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
+from railgrip.units import short
 
 
 class Actuation(Table):
@@ -83,7 +85,7 @@ class KalmanFilter(Table):
 
 Estimator = Annotated[
     Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
-    Discriminator(whose("estimators", frozenset({"none", *get_args(KalmanFilter.model_fields["kind"].annotation)}))),
+    Discriminator(whose("estimators", lambda: ("none", *get_args(KalmanFilter.model_fields["kind"].annotation)))),
 ]
 
 
@@ -98,45 +100,47 @@ class _OverTheTrain(Table):
     )
 
 
+ANALYSES = ("ideal_bound", "ideal_tracking")
+"""Kinds that are shown the truth: what is possible, not a law."""
+
+
+def _laws() -> tuple[str, ...]:
+    return (*registry.modules(registry.LAWS), *ANALYSES)
+
+
 class Law(_OverTheTrain):
     """A control law of this project and what differs from its own parameter set."""
 
-    kind: Literal[
-        "full_brake",
-        "wheel_reference",
-        "constant_slip",
-        "extremum_seeking",
-        "adhesion_literal",
-        "slope_seeking",
-        "ideal_bound",
-        "ideal_tracking",
-    ]
-    parameters: Parameters = Field(default={}, description="what differs from the law's own set")
-
-
-class SlipLaw(_OverTheTrain):
-    """Slip-based control, and what differs from its parameter set."""
-
-    kind: Literal["slip_two_state", "slip_three_state"]
-    tuning: Literal["paper", "searched", "type_test"] = Field(
-        default="paper",
-        description="levels: the paper's 10 and 15 %, those found on training rails for this actuation, or on the "
-        "training cases of the type test, with valves; both for slip as read, where the estimator is 'none', or else "
-        "as estimated",
+    kind: str
+    tuning: str | None = Field(
+        default=None,
+        exclude_if=lambda tuning: tuning is None,
+        validate_default=True,
+        description="set of parameters: paper, where a publication gives them; searched, on training rails for this "
+        "actuation; type_test, on the training cases of the type test, with valves. Those of slip-based control are "
+        "for slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
 
+    @field_validator("kind")
+    @classmethod
+    def _known(cls, kind: str) -> str:
+        if kind not in _laws():
+            raise broken(f"is {short(kind)}; there is {', '.join((*_laws(), 'fmu'))}, or module:Class of your own")
+        return kind
 
-class AdhesionLaw(_OverTheTrain):
-    """Adhesion-based control, and what differs from its parameter set."""
-
-    kind: Literal["adhesion_based"]
-    tuning: Literal["searched", "type_test"] = optional(
-        "parameters: those found on training rails for this actuation, or on the training cases of the type test, "
-        "with valves",
-        default="searched",
-    )
-    parameters: Parameters = Field(default={}, description="what differs from that set")
+    @field_validator("tuning")
+    @classmethod
+    def _set_of_the_law(cls, tuning: str | None, info: ValidationInfo) -> str | None:
+        """Return the name of the set, with the paper's for a default; None is the searched one of a law without it."""
+        kind, files = info.data.get("kind", ""), registry.files(registry.LAWS)
+        sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
+        names = [name for name, file in sets.items() if file in files]
+        if tuning is not None and tuning not in names:
+            raise broken(f"is {short(tuning)}; {kind} has {', '.join(names) or 'no set of parameters'}")
+        if "paper" in names:
+            return tuning or "paper"
+        return None if tuning == "searched" else tuning
 
 
 class ControllerFmu(_OverTheTrain):
@@ -162,15 +166,9 @@ class OwnLaw(Custom, _OverTheTrain):
     """A control law that is a class of the user's own."""
 
 
-_LAWS = frozenset(
-    kind
-    for table in (Law, SlipLaw, AdhesionLaw, ControllerFmu)
-    for kind in get_args(table.model_fields["kind"].annotation)
-)
 Controller = Annotated[
-    Annotated[Law | SlipLaw | AdhesionLaw | ControllerFmu, Field(discriminator="kind"), Tag(OURS)]
-    | Annotated[OwnLaw, Tag(CUSTOM)],
-    Discriminator(whose("controllers", _LAWS)),
+    Annotated[Law, Tag(OURS)] | Annotated[ControllerFmu, Tag("fmu")] | Annotated[OwnLaw, Tag(CUSTOM)],
+    Discriminator(whose("controllers", _laws, tagged=("fmu",))),
 ]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}

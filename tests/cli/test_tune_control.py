@@ -2,7 +2,6 @@
 
 import tomllib
 from collections.abc import Iterable
-from dataclasses import fields
 from importlib.resources import files
 from pathlib import Path
 
@@ -10,14 +9,14 @@ import numpy as np
 import pytest
 from one_process import Here, one_process
 
+from railgrip import registry
 from railgrip.assemble.controller import controller_of
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, parameters_of, search, text_of
+from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
 from railgrip.cli.main import main
-from railgrip.controllers.adhesion_based import PeakSeekingTuning
-from railgrip.controllers.law import Law
-from railgrip.controllers.slip_based import SlipBased, SlipLevels
-from railgrip.controllers.tuning import TWICE, file_of
+from railgrip.controllers.law import GroupLaw, Law
+from railgrip.controllers.laws.slip_two_state import SlipLevels
+from railgrip.controllers.tuned import TYPE_TEST, file_of
 from railgrip.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
@@ -25,6 +24,7 @@ from railgrip.scenario.merge import merged
 from railgrip.studies.type_test.entrants import entrants, training
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"
+TWICE = {law for law in RANGES if set_of(law, type_test=True) == TYPE_TEST}
 CASES = [(law, *case) for law, cases in RANGES.items() for case in cases]
 
 
@@ -41,7 +41,7 @@ def test_no_result_is_reported_of_a_rail_that_was_trained_on(judged):
 
 
 def text_with(law: str, type_test: bool) -> str:
-    return files("railgrip.controllers").joinpath(file_of(law, type_test=type_test)).read_text(encoding="utf-8")
+    return files(registry.LAWS).joinpath(file_of(law, set_of(law, type_test=type_test))).read_text(encoding="utf-8")
 
 
 def committed(law: str, type_test: bool = False):
@@ -87,7 +87,6 @@ def parameters_in(law: Law, names: Iterable[str]) -> dict[str, float]:
 def test_a_scenario_takes_the_levels_of_its_actuation_and_of_how_it_knows_the_slip(law, actuation, slip):
     def levels(tuning: str):
         controller = law_with(actuation, slip, kind=law, tuning=tuning)
-        assert isinstance(controller, SlipBased)
         return parameters_in(controller, ("low", "high", "hold"))
 
     hold = law == "slip_three_state"
@@ -108,10 +107,11 @@ def test_the_set_of_the_type_test_is_for_valves(law):
         law_with("ideal", "estimated", kind=law, tuning="type_test")
 
 
-def test_a_law_without_a_set_of_the_type_test_is_refused(monkeypatch):
-    monkeypatch.setattr("railgrip.controllers.tuning.TWICE", {"slip_three_state"})
-    with pytest.raises(ScenarioError, match="slip_two_state has no set of its own for the type test; there is"):
-        law_with("pneumatic", "read", kind="slip_two_state", tuning="type_test")
+def test_a_set_that_a_law_does_not_have_is_refused():
+    with pytest.raises(ScenarioError, match=r"tuning is 'type_test'; wheel_reference has searched"):
+        law_with("pneumatic", "read", kind="wheel_reference", tuning="type_test")
+    with pytest.raises(ScenarioError, match=r"tuning is 'paper'; full_brake has no set"):
+        law_with("pneumatic", "read", kind="full_brake", tuning="paper")
 
 
 def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_path, monkeypatch):
@@ -172,7 +172,7 @@ def test_every_pair_of_levels_that_is_searched_can_switch():
     for low in np.geomspace(*ranges["low"], 200):
         for ratio in ranges["high_over_low"]:
             levels = parameters_of(tuple(ranges), np.log([low, ratio]))
-            SlipLevels(**levels, speed_min=0.5, hold=False)
+            SlipLevels(**levels)
 
 
 def test_the_file_says_what_was_found_and_on_what():
@@ -186,8 +186,10 @@ def test_the_file_says_what_was_found_and_on_what():
 
 
 def test_all_that_is_searched_is_a_parameter_of_its_law():
-    for cases in RANGES["adhesion_based"].values():
-        assert set(cases) < {field.name for field in fields(PeakSeekingTuning)}
+    for law, cases in RANGES.items():
+        units = registry.part(registry.LAWS, law, GroupLaw).tuning.units()
+        for ranges in cases.values():
+            assert set(ranges) - {"high_over_low"} < units.keys()
 
 
 @pytest.fixture(scope="module")

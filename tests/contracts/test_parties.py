@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 
 import railgrip as rg
-from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
-from railgrip.controllers.full_brake import FullBrake
-from railgrip.controllers.slip_based import SlipBased
-from railgrip.controllers.slope_seeking import SlopeSeeking
-from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE
+from railgrip import registry
+from railgrip.controllers.law import GroupLaw
 from railgrip.errors import ContractBroken
 from railgrip.testing import check_controller, check_estimator, check_sensors
 
@@ -26,19 +23,11 @@ class Ours:
         return self.law.decide(observation)
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        FullBrake,
-        lambda brakes: SlipBased(brakes, PAPER_LEVELS),
-        lambda brakes: LiteralAdhesionBased(brakes, PEAK_SEEKING["ideal"]),
-        lambda brakes: AdhesionBased(brakes, PEAK_SEEKING["ideal"]),
-        lambda brakes: SlopeSeeking(brakes, SLOPE),
-    ],
-)
-def test_laws_of_ours_keep_the_contract(make):
-    adhesion_based = make([next(rg.testing.formations()).brakes[0]]).needs
-    check_controller(lambda: Ours(make, adhesion_based))
+@pytest.mark.parametrize("kind", registry.modules(registry.LAWS))
+def test_laws_of_ours_keep_the_contract(kind):
+    law = registry.part(registry.LAWS, kind, GroupLaw)
+    tuning = law.tuned_for("ideal", "read", period=1e-3, pressure_lag=0.0, adhesion_max=0.15)
+    check_controller(lambda: Ours(lambda brakes: law(brakes, tuning), law.needs))
 
 
 class Good:

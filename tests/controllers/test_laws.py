@@ -6,15 +6,20 @@ import numpy as np
 import pytest
 from wheelset import GROUP, SPEED, shown, simulate
 
-from railgrip.controllers.adhesion_based import AdhesionBased, LiteralAdhesionBased
-from railgrip.controllers.full_brake import FullBrake
-from railgrip.controllers.slip_based import SlipBased, SlipLevels
-from railgrip.controllers.slope_seeking import SlopeSeeking
-from railgrip.controllers.tuning import PAPER_LEVELS, PEAK_SEEKING, SLOPE, VALVE_BANDS
+from railgrip.controllers.laws.adhesion_based import AdhesionBased
+from railgrip.controllers.laws.adhesion_literal import LiteralAdhesionBased
+from railgrip.controllers.laws.full_brake import FullBrake
+from railgrip.controllers.laws.slip_three_state import SlipThreeState
+from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
+from railgrip.controllers.laws.slope_seeking import SlopeSeeking
+
+PAPER_LEVELS = SlipTwoState.tuned_for("ideal", "read", "paper")
+PEAK_SEEKING = AdhesionBased.tuned_for("ideal", "estimated", period=1e-3, adhesion_max=0.15)
+SLOPE = SlopeSeeking.tuned_for("pneumatic", "estimated", period=10e-3, pressure_lag=0.0, adhesion_max=0.15)
 
 
 def peak_seeking(**changes):
-    return AdhesionBased([GROUP], replace(PEAK_SEEKING["ideal"], **changes))
+    return AdhesionBased([GROUP], replace(PEAK_SEEKING, **changes))
 
 
 @pytest.mark.parametrize(("peak_slip", "patience"), [(0.01, 1.0), (0.03, 1.0), (0.1, 2.0), (0.2, 4.0)])
@@ -29,7 +34,7 @@ def test_peak_seeking_finds_the_peak_wherever_it_lies(peak_slip, patience):
 def test_peak_seeking_is_not_carried_away_by_a_rail_that_gets_better():
     """Adhesion doubles within 2 s: α̇ > 0 whatever the slip does, the term that the paper's proof drops."""
     slip, adhesion = simulate(peak_seeking(), 4.0, peak=lambda time, group: 0.05 + 0.025 * min(max(time - 1.5, 0), 2))
-    assert slip[1500:].max() < PEAK_SEEKING["ideal"].slip_vent
+    assert slip[1500:].max() < PEAK_SEEKING.slip_vent
     wanted = 0.05 + 0.025 * np.clip(np.arange(1500, 4000) * 1e-3 - 1.5, 0, 2)
     assert np.mean(adhesion[1500:] / wanted) > 0.93
 
@@ -69,7 +74,7 @@ def test_the_literal_law_chatters_around_the_peak():
     """Bang-bang through a lag of 20 ms with derivatives filtered over 10 ms: worse than peak seeking, better than none
     (locked: α(1)/α* = 0.06). Over a few milliseconds, which only ideal sensors allow, it chatters as finely as the
     peak seeking hunts."""
-    slower = replace(PEAK_SEEKING["ideal"], filter_time=10e-3)
+    slower = replace(PEAK_SEEKING, filter_time=10e-3)
     literal, own = LiteralAdhesionBased([GROUP], slower), AdhesionBased([GROUP], slower)
     chatter, found = simulate(literal, 4.0)[1][1500:].mean(), simulate(own, 4.0)[1][1500:].mean()
     assert 0.5 * 0.06 < chatter < found
@@ -77,20 +82,20 @@ def test_the_literal_law_chatters_around_the_peak():
 
 def test_two_level_control_keeps_the_slip_between_its_levels():
     """10 % and 15 %; torque through a lag of 20 ms overshoots by some percent of slip."""
-    slip, _ = simulate(SlipBased([GROUP], PAPER_LEVELS), 4.0)
+    slip, _ = simulate(SlipTwoState([GROUP], PAPER_LEVELS), 4.0)
     assert 0.05 < slip[2000:].min() < 0.11
     assert 0.14 < slip[2000:].max() < 0.20
 
 
 def test_hold_keeps_the_pressure_that_is_measured():
-    law = SlipBased([GROUP], replace(PAPER_LEVELS, hold=True))
+    law = SlipThreeState([GROUP], SlipThreeState.tuned_for("ideal", "read", "paper"))
     assert law.decide(shown(0, SPEED, 0, (0.12,), None, None, (1.234e5,))) == (1.234e5,)
 
 
-@pytest.mark.parametrize("hold", [True, False])
-def test_the_brake_is_applied_before_a_speed_is_known(hold):
+@pytest.mark.parametrize("kind", [SlipTwoState, SlipThreeState])
+def test_the_brake_is_applied_before_a_speed_is_known(kind):
     """A radar reads some 50 ms after the demand; a train that waited for it would roll on."""
-    law = SlipBased([GROUP], replace(PAPER_LEVELS, hold=hold))
+    law = kind([GROUP], kind.tuned_for("ideal", "read", "paper"))
     unknown = float("nan")
     assert law.decide(shown(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
 
@@ -102,26 +107,26 @@ def test_full_brake_looks_at_nothing():
 @pytest.mark.parametrize("law", [AdhesionBased, LiteralAdhesionBased])
 def test_adhesion_based_control_wants_an_estimate(law):
     with pytest.raises(ValueError, match="needs an estimator"):
-        law([GROUP], PEAK_SEEKING["ideal"]).decide(shown(0, SPEED, 0, (0.0,), None, None, (0.0,)))
+        law([GROUP], PEAK_SEEKING).decide(shown(0, SPEED, 0, (0.0,), None, None, (0.0,)))
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.1, 1.5), (0.2, 0.1), (0.0, 0.1)])
 def test_levels_that_cannot_switch_are_refused(low, high):
     with pytest.raises(ValueError, match="0 < low < high < 1"):
-        SlipLevels(low=low, high=high, speed_min=0.5, hold=False)
+        SlipLevels(low=low, high=high, speed_min=0.5)
 
 
 @pytest.mark.parametrize("name", ["filter_time", "rise", "dwell", "period"])
 def test_a_tuning_that_means_nothing_is_refused(name):
     with pytest.raises(ValueError, match=f"AdhesionBased: {name} must be finite and .*, got -0.1 "):
-        replace(PEAK_SEEKING["ideal"], **{name: -0.1})
+        replace(PEAK_SEEKING, **{name: -0.1})
     with pytest.raises(ValueError, match="filter_time must be finite and not negative, got nan s"):
-        replace(PEAK_SEEKING["ideal"], filter_time=float("nan"))
+        replace(PEAK_SEEKING, filter_time=float("nan"))
 
 
 def test_below_the_lowest_speed_the_brake_is_applied():
     observation = shown(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
-    for law in (SlipBased([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], PEAK_SEEKING["ideal"])):
+    for law in (SlipTwoState([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], PEAK_SEEKING)):
         assert law.decide(observation) == (3.4e5,)
     # Its limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
     torque = (0.15 - 0.003) * GROUP.load * 0.38
@@ -154,7 +159,7 @@ class Held:
     def decide(self, observation):
         wanted = self.law.decide(observation)
         last = self.demands or wanted
-        band = VALVE_BANDS["slope_seeking"]
+        band = SlopeSeeking.valve_band
         self.demands = tuple(new if abs(new - old) > band else old for new, old in zip(wanted, last, strict=True))
         return self.demands
 

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from wheelset import GROUP, SPEED, shown, simulate
 
-from railgrip.controllers import tuning
-from railgrip.controllers.constant_slip import ConstantSlip, ConstantSlipTuning
-from railgrip.controllers.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
-from railgrip.controllers.wheel_reference import WheelReference, WheelReferenceTuning
+from railgrip.controllers.laws.constant_slip import ConstantSlip, ConstantSlipTuning
+from railgrip.controllers.laws.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
+from railgrip.controllers.laws.wheel_reference import WheelReference, WheelReferenceTuning
 
 FULL = GROUP.pressure_max
 PERIOD = 10e-3
@@ -135,14 +134,7 @@ def test_a_tuning_that_means_nothing_is_refused(change, sentence):
 
 
 @pytest.mark.parametrize("actuation", ["ideal", "pneumatic"])
-@pytest.mark.parametrize(
-    ("kind", "of"),
-    [
-        ("wheel_reference", WheelReferenceTuning),
-        ("constant_slip", ConstantSlipTuning),
-        ("extremum_seeking", ExtremumSeekingTuning),
-    ],
-)
-def test_every_law_has_a_whole_set_for_each_actuation(kind, of, actuation):
+@pytest.mark.parametrize("law", [WheelReference, ConstantSlip, ExtremumSeeking])
+def test_every_law_has_a_whole_set_for_each_actuation(law, actuation):
     for slip in ("read", "estimated"):
-        of(period=PERIOD, **tuning.of(kind, actuation, slip))
+        law.tuned_for(actuation, slip, period=PERIOD)

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.full_brake import FullBrake
 from railgrip.controllers.law import Law
+from railgrip.controllers.laws.full_brake import FullBrake
+from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 from railgrip.controllers.observation import Observation
-from railgrip.controllers.slip_based import SlipBased, SlipLevels
 from railgrip.controllers.train_level import (
     PAD_FRICTION,
     OverTheTrain,
@@ -23,7 +23,7 @@ GROUP = BrakeGroup(
     spring_force=1200.0, pressure_max=3e5,
 )  # fmt: skip
 GROUPS = (GROUP, GROUP, replace(GROUP, pressure_max=2e5))
-LEVELS = SlipLevels(low=0.05, high=0.1, speed_min=1.0, hold=False)
+LEVELS = SlipLevels(low=0.05, high=0.1, speed_min=1.0)
 
 
 def observed(slip: tuple[float, float, float], demand: float) -> Observation:
@@ -33,7 +33,7 @@ def observed(slip: tuple[float, float, float], demand: float) -> Observation:
 
 
 def slip_based() -> Law:
-    return SlipBased(GROUPS, LEVELS)
+    return SlipTwoState(GROUPS, LEVELS)
 
 
 def force(pressures: np.ndarray) -> float:

@@ -16,9 +16,9 @@ from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 from railgrip import signals
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.law import Law, law
+from railgrip.controllers.laws.slip_three_state import SlipThreeState
+from railgrip.controllers.laws.slip_two_state import SlipTwoState
 from railgrip.controllers.sampled import choose
-from railgrip.controllers.slip_based import SlipBased
-from railgrip.controllers.tuning import PAPER_LEVELS
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.errors import Failure, LoopError, PlantFailed
 from railgrip.loop.driver import Driver
@@ -170,8 +170,8 @@ def speechless(calls):
 STEPS = TrackForce(begins=(-np.inf, 0.5, 3.0, 3.0001), forces=(0.0, 1e3, -2e3, 5e2), rates=(0.0, 0.0, 7e3, -3e2))
 
 
-SLIP = lambda: SlipBased(GROUPS, PAPER_LEVELS)
-HOLD = lambda: SlipBased(GROUPS, replace(PAPER_LEVELS, hold=True))
+SLIP = lambda: SlipTwoState(GROUPS, SlipTwoState.tuned_for("ideal", "read", "paper"))
+HOLD = lambda: SlipThreeState(GROUPS, SlipThreeState.tuned_for("ideal", "read", "paper"))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
@@ -583,4 +583,7 @@ def test_a_wrong_distance_never_ends_in_a_braking_distance(scale, offset):
 def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
     with pytest.raises(LoopError, match="takes 8 inputs, and 26 belong to 4 groups"):
-        same(controller=lambda: SlipBased(GROUPS[:1], PAPER_LEVELS), sensors="ideal")
+        same(
+            controller=lambda: SlipTwoState(GROUPS[:1], SlipTwoState.tuned_for("ideal", "read", "paper")),
+            sensors="ideal",
+        )

@@ -136,10 +136,11 @@ def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(fol
 
 def test_the_published_thresholds_are_those_of_the_law():
     """The name of a law without parameters of its own says 10/15 %, and `vs SBC` is against it."""
-    from railgrip.controllers.tuning import PAPER_LEVELS
+    from railgrip.controllers.laws.slip_two_state import SlipTwoState
     from railgrip.report.reference import PUBLISHED
 
-    assert (PAPER_LEVELS.low, PAPER_LEVELS.high) == PUBLISHED
+    levels = SlipTwoState.tuned_for("ideal", "read", "paper")
+    assert (levels.low, levels.high) == PUBLISHED
 
 
 def test_a_table_of_many_missing_stops_names_a_few(folder):

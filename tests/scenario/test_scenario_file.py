@@ -123,12 +123,18 @@ REFUSALS = [
     (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
     (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
     (["name='a/b'"], "name is 'a/b'; string should match pattern"),
-    (["controller.kind=abc"], "[controller] kind is 'abc'; there is full_brake, wheel_reference"),
-    (["controller.kind=slope_seeking", "controller.tuning=type_test"], "[controller] has no key 'tuning'"),
-    (["controller.kind=adhesion_based", "controller.tuning=paper"], "[controller] tuning is 'paper'; there is"),
+    (["controller.kind=abc"], "[controller] kind is 'abc'; there is adhesion_based, adhesion_literal"),
+    (
+        ["controller.kind=slope_seeking", "controller.tuning=type_test"],
+        "[controller] tuning is 'type_test'; slope_seeking has searched",
+    ),
+    (
+        ["controller.kind=adhesion_based", "controller.tuning=paper"],
+        "[controller] tuning is 'paper'; adhesion_based has searched, type_test",
+    ),
     (
         ["controller.kind=slip_two_state", "controller.tuning=best"],
-        "[controller] tuning is 'best'; there is 'paper', 'searched' or 'type_test'",
+        "[controller] tuning is 'best'; slip_two_state has paper, searched, type_test",
     ),
     ([SERVICE, "sensors.speed.scale_offset=1.5"], "[sensors.speed] scale_offset must be at most 0.5"),
     (

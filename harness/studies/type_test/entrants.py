@@ -3,11 +3,14 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 from pydantic import ConfigDict, Field, StrictBool
 
+from railgrip import registry
 from railgrip.assemble.vehicle import VehicleData
+from railgrip.controllers.law import GroupLaw
+from railgrip.controllers.tuned import SEARCHED
 from railgrip.errors import ScenarioError
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -27,13 +30,16 @@ _FILTER = {"model": "TrainPredictionDisturbed", **_ANY_TRAIN}
 _OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
 
 
+Role = Literal["reference", "bound", "baseline", "entrant"]
+
+
 class Entrant(Table):
     """One that takes part; other keys are tables laid over each case."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
     description: str
-    role: Literal["reference", "bound", "baseline", "entrant"]
+    role: Role
     tuned: StrictBool = Field(default=False, description="whether its parameters were searched on the training rails")
 
     @property
@@ -43,12 +49,18 @@ class Entrant(Table):
 
 
 def entrants() -> dict[str, Entrant]:
-    """Return those of this project, by name."""
-    path = LIBRARY / "entrants.toml"
-    return {
-        name: validated(Entrant, table, directory=LIBRARY, origin=f"{path.name}: {name}")
-        for name, table in read_toml(path).items()
+    """Return those of this project, by name: references first, then baselines."""
+    tables = dict(read_toml(LIBRARY / "entrants.toml"))
+    for kind in registry.modules(registry.LAWS):
+        for name, entry in registry.part(registry.LAWS, kind, GroupLaw).entries.items():
+            own = {"description": entry.description, "role": entry.role, "tuned": entry.is_tuned}
+            controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
+            estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
+            tables[name] = own | {"controller": controller} | estimator
+    all_of_them = {
+        name: validated(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}") for name, table in tables.items()
     }
+    return dict(sorted(all_of_them.items(), key=lambda item: get_args(Role).index(item[1].role)))
 
 
 def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dict[str, Entrant]:

@@ -1,31 +1,33 @@
 """State of practice: no speed over ground; a reference from the wheels alone, criteria of slip and of deceleration."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every
+from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Draft, Expression, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WheelReferenceTuning(Tuning):
-    """Parameters of the state of practice."""
+    """Parameters of the state of practice.
+
+    An axle may be vented for 5 to 10 s before it has to brake again, and the last kilometres per hour are left to the
+    brake.
+    """
 
     period: Annotated[float, "s", "between two decisions"]
-    filter_time: Annotated[float, "s", "time constant of the filter that differentiates wheel speeds"]
+    filter_time: Annotated[float, "s", "time constant of the filter that differentiates wheel speeds"] = 0.03
     slip_low: Annotated[float, "1", "slip against the reference above which pressure is held"]
     slip_high: Annotated[float, "1", "slip against the reference above which it is vented"]
     deceleration: Annotated[float, "m/s2", "of a wheel above which it is vented as well"]
     deceleration_max: Annotated[float, "m/s2", "largest that a train is thought to have: the reference falls no faster"]
     rise: Annotated[float, "1/s", "rate at which pressure comes back after a slide, over the full pressure"]
     test_after: Annotated[float, "s", "of sliding after which the last group is released, to see how fast the train is"]
-    test_time: Annotated[float, "s", "that a test release lasts"]
-    vent_max: Annotated[float, "s", "longest venting of a group, after which it is braked whatever its wheels do"]
-    apply_time: Annotated[float, "s", "that this lasts"]
-    speed_min: Annotated[float, "m/s", "reference speed below which protection is off"]
+    test_time: Annotated[float, "s", "that a test release lasts"] = 0.6
+    vent_max: Annotated[float, "s", "longest venting of a group, after which it is braked whatever its wheels do"] = 7.0
+    apply_time: Annotated[float, "s", "that this lasts"] = 1.0
+    speed_min: Annotated[float, "m/s", "reference speed below which protection is off"] = 1.4
 
     LAW: ClassVar[str] = "WheelReference"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
@@ -45,7 +47,7 @@ class WheelReferenceTuning(Tuning):
             )
 
 
-class WheelReference(Law):
+class WheelReference(GroupLaw):
     """Vent, hold and fill by slip and deceleration of each group against a reference speed from the wheels alone.
 
     The reference is the fastest wheel, and falls no faster than `deceleration_max`. Where every wheel slides, it
@@ -61,17 +63,27 @@ class WheelReference(Law):
     venting, EN 15595. No maker publishes a table of criteria; this one is ours.
     """
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: WheelReferenceTuning) -> None:
-        """Control `groups` with one `tuning`."""
-        super().__init__(wheel_reference(len(groups)), groups, asdict(tuning))
+    description = "Wheel-slide protection from wheel speeds alone"
+    tuning = WheelReferenceTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "read"): {
+            "slip_low": (0.01, 0.1),
+            "slip_high": (0.05, 0.3),
+            "deceleration": (0.8, 5.0),
+            "deceleration_max": (0.8, 3.0),
+            "rise": (0.1, 3.0),
+            "test_after": (2.0, 15.0),
+        }
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "wheel_reference": Entry(
+            description="state of practice: reference from wheel speeds alone", role="baseline", slip="read"
+        )
+    }
 
-
-@cache
-def wheel_reference(groups: int) -> Formula:
-    """Return the formula of `WheelReference` for so many groups."""
-
-    def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, WheelReferenceTuning.meanings())
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return what is done for one group."""
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
         started = draft.state("started", "1", "1 once there is a sample before this one")
@@ -138,8 +150,6 @@ def wheel_reference(groups: int) -> Formula:
             return choose(protecting, own, full)
 
         return demand
-
-    return law("WheelReference", "Wheel-slide protection from wheel speeds alone", groups, demand_with)
 
 
 def _rolling(group: GroupObservation) -> Expression:

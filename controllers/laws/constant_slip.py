@@ -1,13 +1,11 @@
 """Control to a set slip: the pressure follows from the distance to it, and from how long that has lasted."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose, within
+from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Draft, Expression, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -18,7 +16,7 @@ class ConstantSlipTuning(Tuning):
     slip: Annotated[float, "1", "set slip"]
     gain: Annotated[float, "1", "share of the full pressure for a slip off by the set one"]
     integral_time: Annotated[float, "s", "after which the integral has done as much as the gain"]
-    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     LAW: ClassVar[str] = "ConstantSlip"
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
@@ -34,7 +32,7 @@ class ConstantSlipTuning(Tuning):
             raise ValueError(f"ConstantSlip: slip must be below 1, that of a locked wheel, got {self.slip}.")
 
 
-class ConstantSlip(Law):
+class ConstantSlip(GroupLaw):
     """PI control of the slip of each group.
 
     With e = 1 − s/s_set, p = p_max (gain·e + i) within 0 … p_max, di/dt = gain·e/integral_time and i within 0 … 1, from
@@ -45,24 +43,23 @@ class ConstantSlip(Law):
     error relative to the set slip and the bounds of the integral are ours.
     """
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: ConstantSlipTuning) -> None:
-        """Control `groups` with one `tuning`."""
-        super().__init__(constant_slip(len(groups)), groups, asdict(tuning))
+    description = "Wheel-slide protection to a set slip"
+    tuning = ConstantSlipTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)}
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "constant_slip": Entry(description="PI control to a set slip, as read", role="baseline", slip="read")
+    }
 
-
-@cache
-def constant_slip(groups: int) -> Formula:
-    """Return the formula of `ConstantSlip` for so many groups."""
-
-    def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, ConstantSlipTuning.meanings())
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return what is done for one group."""
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:
             return slip_control(draft, group, tuning, tuning["slip"])
 
         return demand
-
-    return law("ConstantSlip", "Wheel-slide protection to a set slip", groups, demand_with)
 
 
 def slip_control(

@@ -1,34 +1,36 @@
 """Extremum seeking of the literature: the set slip is wiggled, and goes where adhesion answers in step."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
 from railgrip.controllers.brake import BrakeGroup
-from railgrip.controllers.constant_slip import slip_control
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose, within
+from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.laws.constant_slip import slip_control
+from railgrip.controllers.sampled import Draft, Expression, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExtremumSeekingTuning(Tuning):
-    """Parameters of extremum seeking."""
+    """Parameters of extremum seeking.
+
+    Peaks lie between `slip_least` and `slip_most`; wheels that hardly brake say nothing about the rail.
+    """
 
     period: Annotated[float, "s", "between two decisions"]
     slip_start: Annotated[float, "1", "set slip to begin with"]
-    slip_least: Annotated[float, "1", "least set slip"]
-    slip_most: Annotated[float, "1", "largest set slip"]
+    slip_least: Annotated[float, "1", "least set slip"] = 0.005
+    slip_most: Annotated[float, "1", "largest set slip"] = 0.3
     dither: Annotated[float, "1", "amplitude of the dither over the set slip"]
     frequency: Annotated[float, "Hz", "of the dither"]
     washout_time: Annotated[float, "s", "time constant of the high-pass over the adhesion"]
     climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
     gain: Annotated[float, "1", "share of the full pressure for a slip off by the set one"]
     integral_time: Annotated[float, "s", "after which the integral has done as much as the gain"]
-    adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no gradient to follow"]
-    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"]
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no gradient to follow"] = 0.01
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
 
     LAW: ClassVar[str] = "ExtremumSeeking"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
@@ -56,7 +58,7 @@ class ExtremumSeekingTuning(Tuning):
             )
 
 
-class ExtremumSeeking(Law):
+class ExtremumSeeking(GroupLaw):
     """Perturb and observe with a sinusoidal dither, washout and demodulation; slip is held by PI control inside.
 
     Per group, with estimated adhesion α:
@@ -70,21 +72,33 @@ class ExtremumSeeking(Law):
     rates in place of absolute ones are ours: peaks lie anywhere between 0.5 % and 40 % slip.
     """
 
+    description = "Wheel-slide protection by extremum seeking"
     needs = ("adhesion",)
+    tuning = ExtremumSeekingTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "estimated"): {
+            "slip_start": (0.01, 0.15),
+            "dither": (0.1, 0.5),
+            "frequency": (0.3, 3.0),
+            "washout_time": (0.1, 2.0),
+            "climb": (0.1, 3.0),
+            "gain": (0.05, 1.0),
+            "integral_time": (0.1, 2.0),
+        }
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "extremum_seeking": Entry(description="extremum seeking with a dither", role="baseline", slip="estimated")
+    }
 
     def __init__(self, groups: Sequence[BrakeGroup], tuning: ExtremumSeekingTuning) -> None:
-        """Control `groups` with one `tuning`."""
-        super().__init__(extremum_seeking(len(groups)), groups, asdict(tuning))
+        """Control `groups` with one `tuning`, from its first set slip on."""
+        super().__init__(groups, tuning)
         starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]
         self.state[starts] = tuning.slip_start
 
-
-@cache
-def extremum_seeking(groups: int) -> Formula:
-    """Return the formula of `ExtremumSeeking` for so many groups."""
-
-    def demand_with(draft: Draft) -> Demand:
-        tuning = parameters(draft, ExtremumSeekingTuning.meanings())
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return what is done for one group."""
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
         onwards = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
@@ -107,5 +121,3 @@ def extremum_seeking(groups: int) -> Formula:
             return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
 
         return demand
-
-    return law("ExtremumSeeking", "Wheel-slide protection by extremum seeking", groups, demand_with)

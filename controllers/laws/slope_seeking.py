@@ -1,10 +1,10 @@
 """Slip control whose set point climbs the slope of adhesion over slip, as far as the slope is known.
 
 Where adhesion peaks depends on what lies on the rail: at half a per cent of slip or at twenty. The sign of ṡ·α̇ (see
-`railgrip.controllers.adhesion_based`) asks at every instant on which side of the peak a wheel is; on a broad curve the
-answer is noise. Here the question is put over a window: the elasticity e = d(ln α)/d(ln s) is a regression of estimated
-adhesion on estimated slip, with its standard error. Where it is known the set point follows it; where it is not, the
-set point returns to a slip that is a fair guess on most rails.
+`railgrip.controllers.laws.adhesion_based`) asks at every instant on which side of the peak a wheel is; on a broad curve
+the answer is noise. Here the question is put over a window: the elasticity e = d(ln α)/d(ln s) is a regression of
+estimated adhesion on estimated slip, with its standard error. Where it is known the set point follows it; where it is
+not, the set point returns to a slip that is a fair guess on most rails.
 
 Sources: extremum seeking with a periodic excitation and washout filters (Krstić and Wang, Automatica 36 (2000) 595);
 the equivalent control from the torque balance of the wheelset as in `AdhesionBased`. The regression with its error, and
@@ -12,50 +12,52 @@ shrinking by it, are this project's.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from functools import cache
+from dataclasses import dataclass
 from math import pi
 from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.brake import BrakeGroup, pressure_for
-from railgrip.controllers.law import Demand, GroupObservation, Law, Tuning, law, parameters
-from railgrip.controllers.sampled import Draft, Expression, Formula, choose, either, every, within
+from railgrip.controllers.brake import pressure_for
+from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Draft, Expression, choose, either, every, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SlopeTuning(Tuning):
-    """Parameters of `SlopeSeeking`."""
+    """Parameters of `SlopeSeeking`, one set for every actuation.
+
+    Filters and bounds of rates are slower than valves and quicker than the rail; the limit of adhesion is the TSI's.
+    """
 
     period: Annotated[float, "s", "between two decisions"]
-    filter_time: Annotated[float, "s", "time constant of the filters of slip and adhesion"]
+    filter_time: Annotated[float, "s", "time constant of the filters of slip and adhesion"] = 0.03
     pressure_lag: Annotated[float, "s", "of the reading of the pressure"]
     washout_time: Annotated[float, "s", "time constant beyond which changes count as the rail's, not the slip's"]
     window: Annotated[float, "s", "time constant of forgetting in the regression"]
-    correlation_time: Annotated[float, "s", "between two residuals of the regression that are independent"]
-    log_slip_noise: Annotated[float, "1", "standard deviation of ln(slip) that is noise, which excites nothing"]
+    correlation_time: Annotated[float, "s", "between two residuals of the regression that are independent"] = 0.1
+    log_slip_noise: Annotated[float, "1", "standard deviation of ln(slip) that is noise, which excites nothing"] = 0.03
     elasticity_spread: Annotated[
         float, "1", "standard deviation of elasticities that are met: what an estimate is weighed by"
     ]
     elasticity_bias: Annotated[float, "1", "added to the elasticity: more slip costs less than less slip"]
     pull: Annotated[float, "1", "elasticity expected where nothing is known, a unit of ln(slip) below the usual slip"]
     climb_rate: Annotated[float, "1/s", "rate of ln(slip) for each unit of elasticity"]
-    rise_rate: Annotated[float, "1/s", "highest rate of ln(slip) upwards"]
-    fall_rate: Annotated[float, "1/s", "highest rate of ln(slip) downwards"]
+    rise_rate: Annotated[float, "1/s", "highest rate of ln(slip) upwards"] = 0.8
+    fall_rate: Annotated[float, "1/s", "highest rate of ln(slip) downwards"] = 0.8
     slip_usual: Annotated[float, "1", "slip that is sought where nothing is known, at high speed"]
     creep_usual: Annotated[float, "m/s", "creep speed that adds to it: peaks move to larger slip as a train slows"]
-    slip_most: Annotated[float, "1", "largest slip that is sought, dither included"]
+    slip_most: Annotated[float, "1", "largest slip that is sought, dither included"] = 0.42
     dither: Annotated[float, "1", "amplitude of the excitation of ln(slip)"]
     dither_time: Annotated[float, "s", "its period"]
-    gain: Annotated[float, "1/s", "rate at which slip is led to its set point"]
-    share_added: Annotated[float, "1", "largest share of the equivalent torque added"]
-    slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"]
+    gain: Annotated[float, "1/s", "rate at which slip is led to its set point"] = 5.0
+    share_added: Annotated[float, "1", "largest share of the equivalent torque added"] = 0.3
+    slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"] = 0.006
     creep_small: Annotated[float, "m/s", "creep speed that adds to it: errors of the train speed that are no scale"]
-    slip_vent: Annotated[float, "1", "slip above which the brake is released"]
+    slip_vent: Annotated[float, "1", "slip above which the brake is released"] = 0.45
     adhesion_max: Annotated[float, "1", "highest adhesion that may be used"]
-    adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"]
-    speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"]
+    adhesion_guard: Annotated[float, "1", "distance below adhesion_max at which the torque is capped"] = 0.003
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"] = 0.5
 
     LAW: ClassVar[str] = "SlopeSeeking"
     POSITIVE: ClassVar[frozenset[str]] = frozenset(
@@ -77,7 +79,7 @@ class SlopeTuning(Tuning):
             )
 
 
-class SlopeSeeking(Law):
+class SlopeSeeking(GroupLaw):
     """Slip control with a set point on the slope of adhesion over slip.
 
     Per group, with s the slip less that of a rolling wheel and a = α̂. Neighbouring groups are dithered half a period
@@ -115,11 +117,88 @@ class SlopeSeeking(Law):
     the pressure is above what all of that adhesion carries, its brake is released.
     """
 
+    description = "Slip control on the slope of adhesion over slip"
     needs = ("adhesion", "pad_friction")
+    tuning = SlopeTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "estimated"): {
+            "window": (0.3, 0.7),
+            "washout_time": (0.2, 1.0),
+            "elasticity_spread": (0.05, 0.5),
+            "elasticity_bias": (0.005, 0.2),
+            "pull": (0.03, 0.5),
+            "climb_rate": (2.0, 6.0),
+            "slip_usual": (0.03, 0.15),
+            "creep_usual": (0.1, 2.0),
+            "dither": (0.08, 0.4),
+            "dither_time": (0.7, 2.0),
+            "creep_small": (0.03, 0.2),
+        }
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "slope_seeking": Entry(description="slip control on the slope of adhesion", role="entrant", slip="estimated")
+    }
+    # A set point that moves all the time asks for a pulse at every decision; with 20 instead of 6 kPa a slide costs
+    # half the strokes, and no distance.
+    valve_band = 20e3
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: SlopeTuning) -> None:
-        """Control `groups` with one `tuning`."""
-        super().__init__(slope_seeking(len(groups)), groups, asdict(tuning))
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return what is done for one group."""
+        t = tuning
+        started = draft.state("started", "1", "1 once there is a sample before this one")
+        draft.keep(started, 1.0)
+        train: list[_Wheels] = []
+        targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
+
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            if not train:
+                train.extend(_wheels(draft, each, t, started) for each in group.train)
+                targets.extend(_targets(draft, train, t))
+            target = targets[group.index - 1]
+            own, brake, radius, speed = train[group.index - 1], group.brake, group.brake["wheel_radius"], group.speed
+            inertia = brake["inertia"]
+            rolling = either(ca.logic_not(own.sliding), speed < t["speed_min"])
+
+            # The torque that leads to the set point.
+            unit_torque = brake["load"] * radius  # torque per adhesion
+            inertial = -inertia * (1.0 - own.slip) * group.acceleration / radius
+            balance = group.adhesion * unit_torque + inertial
+            limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + inertial
+            torque_per_rate = inertia * speed / radius  # of slip
+            error = target[0] - own.slip
+            last = draft.state(group.label("error"), "s", "integral of slip below its set point, since it last was not")
+            integral = choose(every(ca.logic_not(rolling), error > 0.0), last + error * t["period"], 0.0)
+            draft.keep(last, integral)
+            # Up in small shares, down as far as it takes: a deep slide draws little, and a share of little ends none.
+            extra = ca.fmin(torque_per_rate * (target[1] + t["gain"] * error), t["share_added"] * balance)
+            goal = balance + extra + torque_per_rate * t["gain"] / _PATIENCE * integral
+            torque = choose(rolling, limit, ca.fmin(goal, limit))
+            venting = every(own.slip > t["slip_vent"], speed >= t["speed_min"])
+            controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
+            # A wheel whose speed is not known is given the adhesion of the others.
+            others = [each for each in train if each is not own]
+            compared = either(0.0, *(each.valid for each in others))
+            following = every(ca.logic_not(own.valid), compared, speed >= t["speed_min"])
+            mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
+            draft.show(group.label("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
+            draft.show(group.label("slip_target"), "1", "slip that is sought, dither included", target[0])
+            before = draft.state(
+                group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible"
+            )
+            pad_friction = choose(either(own.credible, before <= 0.0), group.pad_friction, before)
+            draft.keep(before, pad_friction)
+            if not others:
+                return controlled
+            loads = [each.group.brake["load"] for each in others]
+            share = _mean([(each.valid, each.adhesion) for each in others], loads)
+            followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
+            # Valves leave what is a little too much: a wheel that nobody sees locks by it once the rail gets worse.
+            most = pressure_for(share * unit_torque, pad_friction, brake)
+            followed = choose(group.pressure > most, 0.0, followed)
+            return choose(following, followed, controlled)
+
+        return demand
 
 
 _UNBRAKED = 0.9
@@ -186,69 +265,6 @@ class _Wheels:
     credible: Expression
     valid: Expression
     sliding: Expression
-
-
-@cache
-def slope_seeking(groups: int) -> Formula:
-    """Return the formula of `SlopeSeeking` for so many groups."""
-
-    def demand_with(draft: Draft) -> Demand:
-        t = parameters(draft, SlopeTuning.meanings())
-        started = draft.state("started", "1", "1 once there is a sample before this one")
-        draft.keep(started, 1.0)
-        train: list[_Wheels] = []
-        targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
-
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
-            if not train:
-                train.extend(_wheels(draft, each, t, started) for each in group.train)
-                targets.extend(_targets(draft, train, t))
-            target = targets[group.index - 1]
-            own, brake, radius, speed = train[group.index - 1], group.brake, group.brake["wheel_radius"], group.speed
-            inertia = brake["inertia"]
-            rolling = either(ca.logic_not(own.sliding), speed < t["speed_min"])
-
-            # The torque that leads to the set point.
-            unit_torque = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - own.slip) * group.acceleration / radius
-            balance = group.adhesion * unit_torque + inertial
-            limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + inertial
-            torque_per_rate = inertia * speed / radius  # of slip
-            error = target[0] - own.slip
-            last = draft.state(group.label("error"), "s", "integral of slip below its set point, since it last was not")
-            integral = choose(every(ca.logic_not(rolling), error > 0.0), last + error * t["period"], 0.0)
-            draft.keep(last, integral)
-            # Up in small shares, down as far as it takes: a deep slide draws little, and a share of little ends none.
-            extra = ca.fmin(torque_per_rate * (target[1] + t["gain"] * error), t["share_added"] * balance)
-            goal = balance + extra + torque_per_rate * t["gain"] / _PATIENCE * integral
-            torque = choose(rolling, limit, ca.fmin(goal, limit))
-            venting = every(own.slip > t["slip_vent"], speed >= t["speed_min"])
-            controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
-            # A wheel whose speed is not known is given the adhesion of the others.
-            others = [each for each in train if each is not own]
-            compared = either(0.0, *(each.valid for each in others))
-            following = every(ca.logic_not(own.valid), compared, speed >= t["speed_min"])
-            mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
-            draft.show(group.label("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
-            draft.show(group.label("slip_target"), "1", "slip that is sought, dither included", target[0])
-            before = draft.state(
-                group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible"
-            )
-            pad_friction = choose(either(own.credible, before <= 0.0), group.pad_friction, before)
-            draft.keep(before, pad_friction)
-            if not others:
-                return controlled
-            loads = [each.group.brake["load"] for each in others]
-            share = _mean([(each.valid, each.adhesion) for each in others], loads)
-            followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
-            # Valves leave what is a little too much: a wheel that nobody sees locks by it once the rail gets worse.
-            most = pressure_for(share * unit_torque, pad_friction, brake)
-            followed = choose(group.pressure > most, 0.0, followed)
-            return choose(following, followed, controlled)
-
-        return demand
-
-    return law("SlopeSeeking", "Slip control on the slope of adhesion over slip", groups, demand_with)
 
 
 def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Expression]) -> Expression:

@@ -1,0 +1,6 @@
+"""Control laws: one module for each, named as its kind in a scenario, with its tuned sets in TOML files beside it.
+
+A module has one `railgrip.controllers.law.GroupLaw`, which says all that there is to say of the law: its parameters
+with their units, the estimates that it needs, where its parameters are searched, and how it takes part in the type
+test. The sets are `<kind>.toml`, written by `railgrip tune-control`, and `<kind>.<name>.toml` for one of another name.
+"""

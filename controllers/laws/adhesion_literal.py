@@ -1,0 +1,101 @@
+"""Adhesion-based control as Schwarz, Posielek and Goetjes (2021) print it: u = L·sgn(ṡ·α̇), eq. (10)-(11).
+
+If slip and adhesion move the same way the wheel is below the peak and may be braked harder, otherwise it is beyond the
+peak and must be relieved. With s = 1 − rω/v a higher pressure raises the slip, so g_s in ṡ = f_s + g_s·u is positive
+(the paper's text has it negative; its proof needs the positive sign). Here u = +L is full pressure, u = −L is none.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Tuning
+from railgrip.controllers.sampled import Draft, Expression, choose, either
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SwitchingTuning(Tuning):
+    """Parameters of the switching law, of what it filters and where it acts.
+
+    Ideal sensors tell any slip from none, and a `slip_small` of 0.3 % lies below all published peaks. Below 0.5 m/s
+    slip is the ratio of two small numbers. `adhesion_max` is 0.15 in the TSI, 0.13 for short fixed formations.
+    """
+
+    period: Annotated[float, "s", "between two decisions"]
+    filter_time: Annotated[float, "s", "time constant of the filters that differentiate slip and adhesion"]
+    slip_small: Annotated[float, "1", "slip below which the wheel counts as rolling, at high speed"] = 0.003
+    creep_small: Annotated[float, "m/s", "creep speed that adds to it: errors of the train speed that are no scale"] = (
+        0.0
+    )
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which there is no peak to seek"]
+    adhesion_max: Annotated[float, "1", "highest adhesion that may be used"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is simply applied"] = 0.5
+
+    LAW: ClassVar[str] = "LiteralAdhesionBased"
+    FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
+
+
+class LiteralAdhesionBased(GroupLaw):
+    """The law as printed, eq. (11): full pressure while ṡ·α̇ > 0, none while it is negative.
+
+    Source: Schwarz, Posielek, Goetjes (2021), §3.2, with the limit α ≤ adhesion_max of the same section.
+    """
+
+    description = "Adhesion-based wheel-slide protection as printed"
+    needs = ("adhesion", "pad_friction")
+    tuning = SwitchingTuning
+    sets_of = "adhesion_based"
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "adhesion_literal": Entry(
+            description="adhesion-based control, the law as printed", role="entrant", slip="estimated"
+        )
+    }
+
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return what is done for one group."""
+        filters = Derivatives(draft, tuning)
+
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+            _, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
+            _, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
+            applied = draft.state(
+                group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
+            )
+            switch = slip_rate * adhesion_rate
+            rolling = is_rolling(tuning, group.speed, group.slip, group.adhesion)
+            seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, applied))
+            decided = choose(group.adhesion > tuning["adhesion_max"], 0.0, seeking)
+            draft.keep(applied, choose(controlling, decided, applied))
+            return choose(controlling, decided * full, full)
+
+        return demand
+
+
+def is_rolling(
+    tuning: Mapping[str, Expression], speed: Expression, slip: Expression, adhesion: Expression
+) -> Expression:
+    """Return whether there is no peak to seek: slip no larger than its error, or adhesion too small."""
+    slip_small = tuning["slip_small"] + tuning["creep_small"] / speed
+    return either(slip < slip_small, adhesion < tuning["adhesion_small"])
+
+
+class Derivatives:
+    """First-order filters and their rates: the filtered derivatives of sampled signals."""
+
+    def __init__(self, draft: Draft, tuning: Mapping[str, Expression]) -> None:
+        """Keep the states of the filters in a draft."""
+        self._started = draft.state("started", "1", "1 once there is a sample before this one")
+        self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
+        self._period = tuning["period"]
+        draft.keep(self._started, 1.0)
+
+    def follow(self, draft: Draft, name: str, sample: Expression) -> tuple[Expression, Expression]:
+        """Return the filtered value of a sample and its rate."""
+        before = draft.state(name, "1", "filtered value")
+        step = self._share * (sample - before)
+        # Without this the first sample would look like a jump from zero.
+        value = choose(self._started, before + step, sample)
+        draft.keep(before, value)
+        return value, choose(self._started, step / self._period, 0.0)

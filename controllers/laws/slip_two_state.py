@@ -1,0 +1,83 @@
+"""Slip-based two-level control (SBC): the state of the art that adhesion-based control is measured against."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from typing import Annotated, ClassVar, Final
+
+from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.sampled import Draft, Expression, choose
+
+_SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
+"""From below nearly all published peaks to beyond them; sensors do not tell narrower bands than 10 % of a level."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlipLevels(Tuning):
+    """Slip levels of the two-level controller."""
+
+    low: Annotated[float, "1", "slip below which the brake is applied", 1.0]
+    high: Annotated[float, "1", "slip above which it is released", 1.0]
+    speed_min: Annotated[float, "m/s", "train speed below which protection is off"] = 0.5
+    hold: Annotated[float, "1", "1: between the levels the pressure stays; 0: the last action goes on", 1.0] = 0.0
+
+    LAW: ClassVar[str] = "SlipBased"
+    POSITIVE: ClassVar[frozenset[str]] = frozenset()
+    FIXED: ClassVar[frozenset[str]] = frozenset({"hold"})
+
+    def __post_init__(self) -> None:
+        """Refuse levels that cannot switch.
+
+        Raises:
+            ValueError: See `Tuning`; or not 0 < low < high < 1.
+        """
+        Tuning.__post_init__(self)
+        if not 0.0 < self.low < self.high < 1.0:
+            raise ValueError(
+                f"SlipBased: levels are slips with 0 < low < high < 1, got low = {self.low}, high = {self.high}; "
+                "for a locked wheel use full_brake."
+            )
+
+
+class SlipTwoState(GroupLaw):
+    """Apply below the low level, release above the high one; between the levels the last action goes on.
+
+    Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %. As long as no speed has been read (NaN)
+    there is no slip to protect from, and the brake is applied.
+    """
+
+    description = "Slip-based two-level wheel-slide protection"
+    tuning = SlipLevels
+    ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "slip_two_state": Entry(
+            description="two-state slip control, 10 and 15 %",
+            role="baseline",
+            slip="read",
+            tuning="paper",
+            is_tuned=False,
+        ),
+        "slip_two_state_searched": Entry(
+            description="two-state slip control, searched levels, slip as read",
+            role="baseline",
+            slip="read",
+            tuning="type_test",
+        ),
+    }
+
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return what is done for one group."""
+        low, high, speed_min, hold = (tuning[name] for name in ("low", "high", "speed_min", "hold"))
+
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            applied = draft.state(
+                group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
+            )
+            full, protecting = group.brake["pressure_max"], group.speed >= speed_min
+            releasing, applying = group.slip > high, group.slip < low
+            draft.keep(applied, choose(protecting, choose(releasing, 0.0, choose(applying, 1.0, applied)), applied))
+            between = choose(hold, group.pressure, applied * full)
+            return choose(protecting, choose(releasing, 0.0, choose(applying, full, between)), full)
+
+        return demand

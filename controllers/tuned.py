@@ -1,0 +1,44 @@
+"""Sets of parameters of the control laws: TOML files beside each law, with values that a search or a paper has found.
+
+A file has a table for each kind of actuation and each way to know the slip, such as `[pneumatic.estimated]`; or values
+alone, which hold for all of them. What is in no set is physics, or a limit that somebody else set, and a default of the
+law's parameters.
+"""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Literal
+
+SlipSource = Literal["read", "estimated"]
+"""How a law knows the slip: from readings alone, or from an estimator."""
+
+SEARCHED = "searched"
+"""Name of the set that `railgrip tune-control` writes on the training rails."""
+
+TYPE_TEST = "type_test"
+"""Name of that from the training cases of the type test, of laws whose other set the tables of the papers hang on."""
+
+
+def file_of(kind: str, name: str) -> str:
+    """Return the name of the file of a law's set."""
+    return f"{kind}.toml" if name == SEARCHED else f"{kind}.{name}.toml"
+
+
+def values(file: Path, name: str, actuation: str, slip: SlipSource) -> Mapping[str, float]:
+    """Return the values of the set `name` in a file.
+
+    Raises:
+        ValueError: It has none for this actuation; only `SEARCHED` is then taken from another one.
+    """
+    sets = tomllib.loads(file.read_text(encoding="utf-8"))
+    if not any(isinstance(entry, dict) for entry in sets.values()):
+        return sets
+    if actuation not in sets and name != SEARCHED:
+        known = ", ".join(f"{one} actuation and {source} slip" for one, of_one in sets.items() for source in of_one)
+        kind = file.name.partition(".")[0]
+        raise ValueError(
+            f"tuning '{name}': {kind} has no set for {actuation} actuation and {slip} slip; there is {known}"
+        )
+    by_slip = sets.get(actuation, next(iter(sets.values())))
+    return by_slip.get(slip, next(iter(by_slip.values())))
