@@ -16,6 +16,9 @@ Role = Literal["controllers", "estimators", "sensors", "plants"]
 LAWS = "railgrip.controllers.laws"
 """Package with a module for each control law."""
 
+CREEP_CURVES = "railgrip.scenario.creep_curves"
+"""Folder with a TOML file for each named creep curve."""
+
 
 def modules(package: str) -> tuple[str, ...]:
     """Return the names of the modules in a package, none of which is imported."""

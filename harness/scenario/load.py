@@ -131,9 +131,9 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if not path:
         return f"{error['msg']}."  # a rule between tables names them itself
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
-    if isinstance(error["input"], Mapping) and kind in {"scenario", "polach"}:
+    if isinstance(error["input"], Mapping) and kind == "scenario":
         key = _table(path)  # a problem of a whole table names its keys itself
-    if kind in {"quantity", "file", "scenario", "polach"}:
+    if kind in {"quantity", "file", "scenario"}:
         return f"{key} {error['msg']}."
     if kind == "literal_error":
         return f"{key} is {short(error['input'])}; there is {context['expected']}"

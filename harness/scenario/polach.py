@@ -1,22 +1,34 @@
-"""The shape of the creep curve: a named set of Polach's parameters, or four numbers."""
+"""The shape of the creep curve: a named set of Polach's parameters, or four numbers.
+
+A named set is a file in the folder `creep_curves`. Broad curves, whose peak is at or above the 10 to 15 % of slip-based
+control, are soap and leaf; sharp ones those of the wheelset study.
+"""
 
 import tomllib
-from functools import cache
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
-from pydantic_core import PydanticCustomError
 
+from railgrip import registry
 from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import broken
+from railgrip.units import short
 
-_SETS = Path(__file__).parent / "library" / "polach.toml"
 
+def named_set(name: str) -> dict[str, float]:
+    """Return k_A, k_S, A and B of a named creep curve.
 
-@cache
-def named_sets() -> dict[str, dict[str, Any]]:
-    """Return the sets of library/polach.toml: name → k_A, k_S, A, B and source."""
-    return tomllib.loads(_SETS.read_text(encoding="utf-8"))
+    Raises:
+        PydanticCustomError: There is none of that name.
+    """
+    files = registry.files(registry.CREEP_CURVES)
+    if name not in files:
+        raise broken(
+            f"is {short(name)}, which is not a Polach set; there are {', '.join(files)}, or give k_A, k_S, A and B"
+        )
+    numbers = tomllib.loads(files[name].read_text(encoding="utf-8"))
+    del numbers["source"]
+    return numbers
 
 
 class Polach(BaseModel):
@@ -45,16 +57,7 @@ class Polach(BaseModel):
     @classmethod
     def _name_or_numbers(cls, entry: Any) -> Any:
         """Replace the name of a set by its numbers."""
-        if not isinstance(entry, str):
-            return entry
-        sets = named_sets()
-        if entry not in sets:
-            raise PydanticCustomError(
-                "polach",
-                "is '{found}', which is not a Polach set; there are {known}, or give k_A, k_S, A and B",
-                {"found": entry, "known": ", ".join(sets)},
-            )
-        return {"name": entry} | {key: value for key, value in sets[entry].items() if key != "source"}
+        return {"name": entry} | named_set(entry) if isinstance(entry, str) else entry
 
     def plant_parameters(self) -> dict[str, float]:
         """Return the same numbers under the names of the plant FMU's parameters."""

@@ -28,7 +28,7 @@ from railgrip.trace.samples import reading_of
 from railgrip.trace.table import DataTable
 
 ROOM = Path(railgrip.scenario.__file__).parent
-SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem not in ("polach", "foreign_train")]
+SCENARIOS = [path for path in sorted((ROOM / "library").glob("*.toml")) if path.stem != "foreign_train"]
 SERVICE = tomllib.loads((ROOM / "equipment" / "service.toml").read_text(encoding="utf-8"))
 
 many = settings(

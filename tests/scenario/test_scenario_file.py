@@ -113,7 +113,10 @@ REFUSALS = [
     ),
     (["adhesion.ramp=0 s"], "[adhesion] ramp must be above 0 s, got 0."),
     (["adhesion.low=30 s"], "[adhesion] low and two ramps take 32 s, longer than period 8."),
-    (["adhesion.polach=wett"], "[adhesion] polach is 'wett', which is not a Polach set; there are dry, wet,"),
+    (
+        ["adhesion.polach=wett"],
+        "[adhesion] polach is 'wett', which is not a Polach set; there are dry, dry_wheelset_study,",
+    ),
     (["adhesion.polach={k_A=2}"], "[adhesion.polach] k_A must be at most 1, got 2."),
     (
         ["adhesion.conditioning.by=axle"],

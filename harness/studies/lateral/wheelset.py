@@ -13,7 +13,7 @@ from scipy.signal import cont2discrete, lfilter
 from railgrip.estimators.belief import Array
 from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
-from railgrip.scenario.polach import named_sets
+from railgrip.scenario.polach import named_set
 from railgrip.scenario.seed import generator
 
 PERIOD: Final = 50e-6
@@ -57,7 +57,7 @@ class Condition:
 
 
 def _condition(name: str, mu0: float, shape: str) -> Condition:
-    numbers = named_sets()[shape]
+    numbers = named_set(shape)
     return Condition(name=name, mu0=mu0, A=numbers["A"], B=numbers["B"])
 
 
