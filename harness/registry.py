@@ -19,6 +19,9 @@ LAWS = "railgrip.controllers.laws"
 CREEP_CURVES = "railgrip.scenario.creep_curves"
 """Folder with a TOML file for each named creep curve."""
 
+SENSORS, FAULTS = "railgrip.sensors", "railgrip.faults"
+"""Packages with a module for each kind of sensors and for the faults of each part of a train."""
+
 
 def modules(package: str) -> tuple[str, ...]:
     """Return the names of the modules in a package, none of which is imported."""
@@ -33,9 +36,19 @@ def files(package: str) -> dict[str, Path]:
 
 def part(package: str, name: str, base: type[_Part]) -> type[_Part]:
     """Return the class with this base in a module of a package."""
-    module = import_module(f"{package}.{name}")
-    kinds = (kind for kind in vars(module).values() if isinstance(kind, type) and kind.__module__ == module.__name__)
-    return next(kind for kind in kinds if issubclass(kind, base))
+    return _classes(f"{package}.{name}", base)[0]
+
+
+def parts(package: str, base: type[_Part]) -> list[type[_Part]]:
+    """Return the classes with this base in all modules of a package."""
+    return [kind for name in modules(package) for kind in _classes(f"{package}.{name}", base)]
+
+
+def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:
+    """Return the classes with this base that a module defines for others: those without a leading underscore."""
+    members = vars(import_module(module)).items()
+    classes = [kind for name, kind in members if isinstance(kind, type) and not name.startswith("_")]
+    return [kind for kind in classes if issubclass(kind, base) and kind.__module__ == module]
 
 
 @cache

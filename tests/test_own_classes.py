@@ -10,10 +10,10 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip as rg
+from railgrip import registry
 from railgrip.cli.main import app, main
 from railgrip.errors import ScenarioError
 from railgrip.estimation.spec import LIBRARY
-from railgrip.scenario import custom
 
 
 class Hold:
@@ -207,7 +207,7 @@ def test_an_entry_point_of_an_installed_package_needs_no_folder(scenario, tmp_pa
         (Path(__file__).parent, True),
     ):  # what lies in the current folder is not installed
         monkeypatch.chdir(here)
-        custom.installed_names.cache_clear()
+        registry.installed_names.cache_clear()
         try:
             if good:
                 stop = rg.run(scenario.changed({"controller.kind": "mine"}))
@@ -217,7 +217,7 @@ def test_an_entry_point_of_an_installed_package_needs_no_folder(scenario, tmp_pa
                 with pytest.raises(ScenarioError, match="kind is 'mine'; there is"):
                     scenario.changed({"controller.kind": "mine"})
         finally:
-            custom.installed_names.cache_clear()
+            registry.installed_names.cache_clear()
 
 
 def test_an_exit_of_a_part_is_its_failure(scenario, tmp_path, laws):
@@ -239,7 +239,7 @@ panels = "none"
 
 def commands(folder, laws):
     """Commands by name; in the files that they are given stands a class of the folder `laws`."""
-    wagon = (Path(custom.__file__).parent / "library" / "wagon.toml").read_text()
+    wagon = (Path(registry.__file__).parent / "scenario" / "library" / "wagon.toml").read_text()
     assert 'kind = "slip_two_state"' in wagon
     (folder / "wagon.toml").write_text(wagon.replace('kind = "slip_two_state"', f'kind = "{laws}:Hold"'))
     (folder / "conditioning.toml").write_text(CAMPAIGN)

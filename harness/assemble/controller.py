@@ -21,7 +21,7 @@ from railgrip.loop.parts import Controller, LawStates
 from railgrip.scenario.parties import ControllerFmu, KalmanFilter
 from railgrip.scenario.parties import Law as LawTable
 from railgrip.scenario.quantity import in_units
-from railgrip.scenario.sensors import ServiceSensors
+from railgrip.scenario.sensors import SensorModel
 from railgrip.signals import of_law
 
 
@@ -119,7 +119,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     of_other_tables = {
         "period": scenario.periods.controller,
         "adhesion_max": scenario.limits.alpha_max,
-        "pressure_lag": scenario.sensors.pressure.lag if isinstance(scenario.sensors, ServiceSensors) else 0.0,
+        "pressure_lag": scenario.sensors.pressure_lag if isinstance(scenario.sensors, SensorModel) else 0.0,
     }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
     try:

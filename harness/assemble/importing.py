@@ -17,7 +17,7 @@ import numpy as np
 from railgrip import custom
 from railgrip.errors import ScenarioError
 from railgrip.registry import Role, installed_names
-from railgrip.scenario.custom import Custom
+from railgrip.scenario.kinds import Custom
 from railgrip.units import cut, short
 
 

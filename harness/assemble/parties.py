@@ -25,7 +25,7 @@ from railgrip.fmu import Description
 from railgrip.loop.loop import Ending, Loop
 from railgrip.loop.parts import Clock, Controller, Parts, StateEstimator
 from railgrip.registry import Role
-from railgrip.scenario.custom import Custom
+from railgrip.scenario.kinds import Custom
 from railgrip.scenario.parties import KalmanFilter, OwnLaw
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator

@@ -16,17 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.assemble.contact import compiled_contact
-from railgrip.assemble.faults import isolated_groups, isolated_units
 from railgrip.assemble.files import description_of, lowered, parameters_of, plant_description, recipe_file, units_of
 from railgrip.assemble.sensors import readings_of
 from railgrip.controllers.brake import BrakeGroup
 from railgrip.errors import ScenarioError
+from railgrip.faults.brake import isolated_groups, isolated_units
 from railgrip.formation import Formation
 from railgrip.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.rolling_stock.files import load_train
-from railgrip.scenario.custom import Custom
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.kinds import Custom
 from railgrip.scenario.parties import ControllerFmu
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario

@@ -18,7 +18,7 @@ from railgrip.report.compilers import OURS, makers
 from railgrip.report.results import clear_campaign
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
-from railgrip.scenario.custom import Custom
+from railgrip.scenario.kinds import Custom
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, clear_stop, read_stop
 

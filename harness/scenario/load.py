@@ -6,14 +6,15 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from railgrip.errors import ScenarioError
-from railgrip.scenario.custom import CUSTOM, OURS, Custom
 from railgrip.scenario.file import DIRECTORY, installed
+from railgrip.scenario.kinds import ByKind, kinds_of
 from railgrip.scenario.merge import merged, parsed, read_overrides
 from railgrip.scenario.schema import Scenario
 from railgrip.units import cut, place, short
@@ -25,9 +26,6 @@ _MARKS: Mapping[Kind, tuple[str, ...]] = {
     "scenario": ("name", "vehicle", "controller"),
 }
 """Keys that only files of this kind have together."""
-
-_OPEN = frozenset({"controller", "estimator", "sensors"})
-"""Tables that take classes of one's own."""
 
 _LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
 
@@ -126,8 +124,7 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if kind == "union_tag_not_found":
         return f"{_table(path)} has no 'kind'; it is wanted and has no default"
     if kind == "union_tag_invalid":
-        own = ", or module:Class of your own" if path and path[-1] in _OPEN else ""
-        return f"{_table(path)} kind is {short(context['tag'])}; there is {_listed(context['expected_tags'])}{own}"
+        return f"{_table(path)} kind is {short(context['tag'])}; there is {_listed(context['expected_tags'])}"
     if not path:
         return f"{error['msg']}."  # a rule between tables names them itself
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
@@ -155,42 +152,40 @@ def _place(
     node: Any = table
     branches: list[type[BaseModel]] = [model]
     keys: list[str] = []
+    fields: list[FieldInfo] = []
     for step in location:
-        if step in (OURS, CUSTOM):
-            branches = [branch for branch in branches if _is_tagged(branch, step)] or branches
-            continue
         if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
-            branches = [branch for branch in branches if step in _kinds(branch)] or branches
+            branches = [branch for branch in branches if step in kinds_of(branch)] or branches
             continue
         if not isinstance(node, Mapping | list | tuple):
             continue
         keys = sorted({name for branch in branches for name in branch.model_fields})
-        annotations = [branch.model_fields[str(step)].annotation for branch in branches if step in branch.model_fields]
-        branches = [table_model for annotation in annotations for table_model in _models(annotation)] or branches
-        path.append(step)
         if isinstance(node, Mapping):
+            fields = [branch.model_fields[str(step)] for branch in branches if step in branch.model_fields]
             node = node.get(step)
         elif isinstance(step, int) and step < len(node):
             node = node[step]
+        branches = [table_model for field in fields for table_model in _models(field, node)] or branches
+        path.append(step)
     return path, keys
 
 
-def _models(annotation: Any) -> list[type[BaseModel]]:
-    """Return the tables inside an annotation."""
+def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
+    """Return the tables inside an annotation or a field; of those that its kind chooses the one of an entry."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
-    inner = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
-    return [table_model for part in inner for table_model in _models(part)]
-
-
-def _is_tagged(model: type[BaseModel], tag: int | str) -> bool:
-    """Say whether a table is one of this project of no fixed kind, or one of a class of one's own."""
-    return issubclass(model, Custom) if tag == CUSTOM else not (issubclass(model, Custom) or _kinds(model))
-
-
-def _kinds(model: type[BaseModel]) -> tuple[Any, ...]:
-    field = model.model_fields.get("kind")
-    return get_args(field.annotation) if field else ()
+    if isinstance(annotation, FieldInfo):
+        parts: tuple[Any, ...] = (annotation.annotation, *annotation.metadata)
+    else:
+        parts = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
+    by_kind = next((one for one in parts if isinstance(one, ByKind)), None)
+    if (
+        by_kind is not None
+        and isinstance(entry, Mapping)
+        and (table := by_kind.table_of(cast("Mapping[str, object]", entry).get("kind")))
+    ):
+        return [table]
+    return [table_model for part in parts for table_model in _models(part, entry)]
 
 
 def _dotted(path: Sequence[int | str]) -> str:

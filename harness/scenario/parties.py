@@ -1,14 +1,14 @@
 """The tables of who acts and when: actuation, estimator, controller, limits, periods."""
 
 import math
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, StrictBool, StrictInt, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_validator, model_validator
 
 from railgrip import registry
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.scenario.custom import CUSTOM, OURS, Custom, whose
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.kinds import ByKind, Custom, by_kind
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
 from railgrip.units import short
@@ -84,8 +84,7 @@ class KalmanFilter(Table):
 
 
 Estimator = Annotated[
-    Annotated[NoEstimator | KalmanFilter, Field(discriminator="kind"), Tag(OURS)] | Annotated[Custom, Tag(CUSTOM)],
-    Discriminator(whose("estimators", lambda: ("none", *get_args(KalmanFilter.model_fields["kind"].annotation)))),
+    NoEstimator | KalmanFilter | Custom, ByKind(lambda: by_kind(NoEstimator, KalmanFilter), "estimators")
 ]
 
 
@@ -104,10 +103,6 @@ ANALYSES = ("ideal_bound", "ideal_tracking")
 """Kinds that are shown the truth: what is possible, not a law."""
 
 
-def _laws() -> tuple[str, ...]:
-    return (*registry.modules(registry.LAWS), *ANALYSES)
-
-
 class Law(_OverTheTrain):
     """A control law of this project and what differs from its own parameter set."""
 
@@ -121,13 +116,6 @@ class Law(_OverTheTrain):
         "for slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
-
-    @field_validator("kind")
-    @classmethod
-    def _known(cls, kind: str) -> str:
-        if kind not in _laws():
-            raise broken(f"is {short(kind)}; there is {', '.join((*_laws(), 'fmu'))}, or module:Class of your own")
-        return kind
 
     @field_validator("tuning")
     @classmethod
@@ -166,10 +154,11 @@ class OwnLaw(Custom, _OverTheTrain):
     """A control law that is a class of the user's own."""
 
 
-Controller = Annotated[
-    Annotated[Law, Tag(OURS)] | Annotated[ControllerFmu, Tag("fmu")] | Annotated[OwnLaw, Tag(CUSTOM)],
-    Discriminator(whose("controllers", _laws, tagged=("fmu",))),
-]
+def _controllers() -> dict[str, type[Table]]:
+    return {**dict.fromkeys((*registry.modules(registry.LAWS), *ANALYSES), Law), "fmu": ControllerFmu}
+
+
+Controller = Annotated[Law | ControllerFmu | OwnLaw, ByKind(_controllers, "controllers", OwnLaw)]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 

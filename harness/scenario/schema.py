@@ -9,14 +9,15 @@ import hashlib
 import json
 import math
 from fractions import Fraction
-from typing import Any, Final, Self
+from typing import Annotated, Any, Final, Self
 
 from pydantic import model_validator
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.demand import Demand
-from railgrip.scenario.faults import Fault, Truth
+from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.kinds import ByKind
 from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
 from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
@@ -79,7 +80,7 @@ class Scenario(Table):
     periods: Periods
     limits: Limits
     sanders: tuple[Sander, ...] = optional(default=(), max_length=256)
-    faults: tuple[Fault, ...] = optional(default=(), max_length=100)
+    faults: tuple[Annotated[Fault, ByKind(kinds_of_faults)], ...] = optional(default=(), max_length=100)
     truth: Truth = optional(default=Truth())
 
     @model_validator(mode="after")

@@ -26,7 +26,7 @@ from railgrip.report.page import write_page
 from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.sensors import WhiteSensors
+from railgrip.sensors.white import White
 from railgrip.trace.samples import evenly, period_of, reading_of, truth_of, with_signals
 
 Mask = NDArray[np.bool_]
@@ -111,7 +111,7 @@ def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
 
 def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: xarray.Dataset) -> Row:
     """Return how a filter did on a run."""
-    assert isinstance(scenario.sensors, WhiteSensors)
+    assert isinstance(scenario.sensors, White)
     after = recording["time"].values >= SETTLED
     alpha, pads = (asdict(judge(recording, estimates, state, after)) for state in ("alpha", "mu_b"))
     return {

@@ -1,0 +1,99 @@
+"""What a sensor may show in place of what there is to read."""
+
+from collections.abc import Iterator
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from railgrip.faults.site import Site, places
+from railgrip.loop.faults import ReadingFault, ReadingKind
+from railgrip.scenario.faults import READ_BY, Fault, Place, amount_of
+from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.seed import generator
+from railgrip.scenario.table import broken, optional
+
+_MOST_DRAWS = 2**17
+"""Of noise: after 131 s it begins anew."""
+
+
+class _SensorFault(Fault):
+    part: Literal["speed_sensor", "radar", "accelerometer", "transducer", "deflection_sensor"]
+    group: Place | None = optional("from 1 on; without it all groups")
+    wheelset: Place | None = optional("in place of `group`, of a deflection sensor; without it all")
+
+    @model_validator(mode="after")
+    def _has_such_a_place(self) -> Self:
+        own = {"radar": None, "accelerometer": None, "deflection_sensor": "wheelset"}.get(self.part, "group")
+        for name in ("group", "wheelset"):
+            if getattr(self, name) is not None and name != own:
+                choice = "no place: there is one" if own is None else f"'{own}'"
+                raise broken(f"has '{name}', but {self.part} takes {choice}")
+        return self
+
+    def _shown(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
+        """Yield an elementary fault for each reading."""
+        at = site.layout.reading[READ_BY[self.part]]
+        what, number = ("wheelset", self.wheelset) if self.part == "deflection_sensor" else ("group", self.group)
+        for index in places(number, at.stop - at.start, site.where, what):
+            noise = None
+            if kind == "noisy":
+                noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MOST_DRAWS)
+            place = at.start + index
+            yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **site.samples(self))
+
+    def _unit(self, site: Site) -> str:
+        name = f"reading_{READ_BY[self.part]}"
+        return next(signal.unit for signal in site.layout.reading_signals if signal.name == name)
+
+
+class Dead(_SensorFault):
+    """No new reading, or what it showed last."""
+
+    kind: Literal["dead", "stuck"]
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return nothing new."""
+        return self._shown(site, self.kind)
+
+
+class Zero(_SensorFault):
+    """Zero, whatever there is."""
+
+    kind: Literal["zero"]
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return readings times zero."""
+        return self._shown(site, "scaled")
+
+
+class Scaled(_SensorFault):
+    """A multiple of what there is."""
+
+    kind: Literal["scaled"]
+    value: Magnitude = Field(description="factor")
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return readings times the factor."""
+        return self._shown(site, "scaled", amount_of(self.value, "1", site.where))
+
+
+class Biased(_SensorFault):
+    """Something is added."""
+
+    kind: Literal["biased"]
+    value: Magnitude = Field(description="what is added, in a unit of what is read")
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return readings with it."""
+        return self._shown(site, "biased", amount_of(self.value, self._unit(site), site.where))
+
+
+class Noisy(_SensorFault):
+    """Noise is added, white at 1 ms."""
+
+    kind: Literal["noisy"]
+    value: Magnitude = Field(description="1σ of what is added, in a unit of what is read")
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return readings with it."""
+        return self._shown(site, "noisy", amount_of(self.value, self._unit(site), site.where, self.kind))

@@ -1,0 +1,73 @@
+"""Where a fault of a scenario acts, in the terms of the loop."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from railgrip.controllers.brake import BrakeGroup
+from railgrip.errors import ScenarioError
+from railgrip.scenario.faults import Fault
+from railgrip.scenario.schema import Scenario
+from railgrip.signals import Layout
+
+_Kind = TypeVar("_Kind", bound=Fault)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Site:
+    """The stop that a fault is part of.
+
+    Attributes:
+        scenario: Of the stop.
+        layout: Of the vectors of the loop.
+        brakes: Of each group, nominal.
+        outputs: Names of what the plant shows.
+        valves: The plant takes positions of valves, else pressures.
+        number: Of the fault in the scenario, zero-based.
+        where: To open sentences with.
+    """
+
+    scenario: Scenario
+    layout: Layout
+    brakes: Sequence[BrakeGroup]
+    outputs: frozenset[str]
+    valves: bool
+    number: int
+    where: str
+
+    def samples(self, fault: Fault) -> dict[str, int]:
+        """Return `begin`, the first sample with a fault, and `end`, the first one without it again."""
+        return samples(self.scenario, fault)
+
+    def groups(self, number: int | None) -> range:
+        """Return the zero-based groups that a fault is at."""
+        return places(number, self.layout.formation.groups, self.where, "group")
+
+
+def named(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
+    """Yield the faults of a kind, each with the words that open its sentences."""
+    for number, fault in enumerate(scenario.faults, start=1):
+        if isinstance(fault, kind):
+            yield f"{scenario.name}: [faults[{number}]]", fault
+
+
+def samples(scenario: Scenario, fault: Fault) -> dict[str, int]:
+    """Return `begin`, the first sample with a fault, and `end`, the first one without it again."""
+    period = scenario.periods.communication
+    end = scenario.limits.horizon + 1.0 if fault.end is None else fault.end
+    # A time is meant to the nearest sample; a fault lasts one at least.
+    begin = round(fault.begin / period)
+    return {"begin": begin, "end": max(round(end / period), begin + 1)}
+
+
+def places(number: int | None, count: int, where: str, what: str) -> range:
+    """Return the zero-based places of a number that counts from 1; all of them without it.
+
+    Raises:
+        ScenarioError: The vehicle has fewer.
+    """
+    if number is None:
+        return range(count)
+    if number > count:
+        raise ScenarioError(f"{where} is at {what} {number}, the vehicle has {count}")
+    return range(number - 1, number)

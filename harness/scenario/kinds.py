@@ -1,0 +1,79 @@
+"""Tables whose kind decides their keys: a class of this project for each, or a class of one's own."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, cast, get_args
+
+from pydantic import BaseModel, Field, GetCoreSchemaHandler, ValidationInfo
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from railgrip import registry
+from railgrip.scenario.table import Table
+
+
+class Custom(Table):
+    """A class of the user's own; see `railgrip.custom` for what it is asked.
+
+    `railgrip.assemble.importing` says from where it is imported.
+    """
+
+    kind: str = Field(description="module:Class, or the name of an entry point in the group railgrip.<table>s")
+    parameters: dict[str, Any] = Field(default={}, description="arguments of the class, by keyword")
+
+
+def kinds_of(table: type[BaseModel]) -> tuple[str, ...]:
+    """Return the kinds that a table may have; none where any text will do."""
+    field = table.model_fields.get("kind")
+    return get_args(field.annotation) if field else ()
+
+
+def by_kind(*tables: type[Table]) -> dict[str, type[Table]]:
+    """Return kind → table."""
+    return {kind: table for table in tables for kind in kinds_of(table)}
+
+
+@dataclass(frozen=True, slots=True)
+class ByKind:
+    """Annotation of a field with a table of one of several kinds, read by the class for its kind.
+
+    Attributes:
+        ours: Returns kind → table of this project.
+        role: Of classes of one's own, which a kind may name, too; None where it may not.
+        own: Table of those.
+    """
+
+    ours: Callable[[], Mapping[str, type[Table]]]
+    role: registry.Role | None = None
+    own: type[Table] = Custom
+
+    def table_of(self, kind: object) -> type[Table] | None:
+        """Return the table of a kind; None where there is none."""
+        if not isinstance(kind, str):
+            return None
+        if table := self.ours().get(kind):
+            return table
+        is_own = self.role is not None and (":" in kind or kind in registry.installed_names(self.role))
+        return self.own if is_own else None
+
+    def read(self, entry: Any, info: ValidationInfo) -> Table:
+        """Return the table that an entry is.
+
+        Raises:
+            PydanticCustomError: It is no table, has no kind, or there is no such kind.
+            ValidationError: What is wrong with its keys.
+        """
+        if isinstance(entry, Table):
+            return entry
+        if not isinstance(entry, Mapping):
+            raise PydanticCustomError("dict_type", "must be a table")
+        if "kind" not in entry:
+            raise PydanticCustomError("union_tag_not_found", "has no kind")
+        kind = cast("Mapping[str, object]", entry)["kind"]
+        if (table := self.table_of(kind)) is None:
+            expected = ", ".join(self.ours()) + (", or module:Class of your own" if self.role else "")
+            raise PydanticCustomError("union_tag_invalid", "no kind", {"tag": str(kind), "expected_tags": expected})
+        return table.model_validate(entry, context=info.context)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Read by `read`; serialise as the table that it is."""
+        return core_schema.with_info_plain_validator_function(self.read)
