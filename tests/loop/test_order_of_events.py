@@ -3,8 +3,6 @@
 Also where parts fail, and where blocks of samples end.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
