@@ -19,6 +19,9 @@ LAWS = "railgrip.controllers.laws"
 CREEP_CURVES = "railgrip.scenario.creep_curves"
 """Folder with a TOML file for each named creep curve."""
 
+FILTERS = "railgrip.estimators.filters"
+"""Package with a module for each kind of Kalman filter."""
+
 SENSORS, FAULTS = "railgrip.sensors", "railgrip.faults"
 """Packages with a module for each kind of sensors and for the faults of each part of a train."""
 

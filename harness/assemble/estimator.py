@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip import registry
 from railgrip.assemble.files import description_of, lowered, prediction_description, units_of
 from railgrip.assemble.prediction import (
     consist_of,
@@ -21,17 +22,15 @@ from railgrip.assemble.prediction import (
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.errors import ScenarioError
-from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist
-from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.design import Gate
-from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
+from railgrip.estimators.kind import FilterKind, Task
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmu import Description, FmuPrediction
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
-from railgrip.loop.parts import Filter, StateEstimator
+from railgrip.loop.parts import StateEstimator
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.quantity import in_units
@@ -78,17 +77,18 @@ def state_estimator(
         name = prediction.file.name
         tell(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
     states = prediction.states
-    noises = noise.process_noise(states), noise.reading_noise(readings)
-    first = mean, noise.start_covariance(states)
-    if not isinstance(prediction, Consist):
-        filter_ = _central(table, prediction, *noises, period, gate, first)
-    else:
-        if table.outlier_limit:
-            raise ScenarioError(
-                "[estimator] outlier_limit is for kind compiled, python or fmu; decentralised uses every reading"
-            )
-        filter_ = DecentralisedFilter(prediction, *noises, period, gate)
-        filter_.start(*first)
+    filter_ = _kind_of(table).start(
+        Task(
+            prediction=prediction,
+            process_noise=noise.process_noise(states),
+            reading_noise=noise.reading_noise(readings),
+            period=period,
+            gate=gate,
+            outlier_limit=_outlier_limits(table, prediction),
+            mean=mean,
+            covariance=noise.start_covariance(states),
+        )
+    )
 
     def places(name: str) -> NDArray[np.intp]:
         return np.array([states.index(f"{name}[{g}]") for g in groups])
@@ -107,6 +107,10 @@ def state_estimator(
     )
 
 
+def _kind_of(table: KalmanFilter) -> type[FilterKind]:
+    return registry.part(registry.FILTERS, table.kind, FilterKind)
+
+
 def _of_nominal_data(
     vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
 ) -> tuple[Consist | _Central, Sequence[str], Gate, Vector, tuple[float, ...]]:
@@ -119,7 +123,7 @@ def _of_nominal_data(
         each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
         own = in_units("[estimator.parameters]", table.parameters, units | each)
         data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
-    if table.kind == "decentralised":
+    if _kind_of(table).prediction == "parts":
         prediction = consist_of(formation, data)
         readings = prediction.outputs
     elif table.file is not None:
@@ -213,7 +217,7 @@ def _evaluated(
     stack: ExitStack,
 ) -> _Central:
     """Return a model with its parameters, by its FMU where the estimator says so, or else in CasADi."""
-    if table.kind != "fmu":
+    if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
     description = prediction_description(table, consist)
     name = description.file.name
@@ -261,32 +265,19 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
     return model
 
 
-def _central(
-    table: KalmanFilter,
-    prediction: _Central,
-    process: Vector,
-    reading: Vector,
-    period: float,
-    gate: Gate,
-    first: tuple[Vector, Vector],
-) -> Filter:
-    """Return a filter of all states together that holds its first belief."""
-    limits = _outlier_limits(table, prediction.outputs)
-    if table.kind != "python":
-        compiled = CompiledFilter(prediction, process, reading, period, gate, limits)
-        compiled.start(*first)
-        return compiled
-    plain = ExtendedKalmanFilter(prediction, process, reading, period, gate, limits)
-    return Running(plain, plain.start(*first), inputs=len(prediction.inputs), outputs=len(prediction.outputs))
-
-
-def _outlier_limits(table: KalmanFilter, outputs: Sequence[str]) -> list[float]:
+def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list[float] | None:
     """Return from how many standard deviations on each reading of a filter is left out.
 
     Raises:
-        ScenarioError: The filter has no such reading.
+        ScenarioError: The filter has no such reading, or uses every one.
     """
-    readings = [name.partition("[")[0] for name in outputs]
+    if isinstance(prediction, Consist):
+        if table.outlier_limit:
+            raise ScenarioError(
+                f"[estimator] outlier_limit is for kind compiled, python or fmu; {table.kind} uses every reading"
+            )
+        return None
+    readings = [name.partition("[")[0] for name in prediction.outputs]
     if other := sorted(table.outlier_limit.keys() - readings):
         choice = ", ".join(dict.fromkeys(readings))
         raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {choice}")

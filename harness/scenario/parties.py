@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_validat
 from railgrip import registry
 from railgrip.limits import FMU_LIMITS, FmuLimits
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.kinds import ByKind, Custom, by_kind
+from railgrip.scenario.kinds import ByKind, Custom
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
 from railgrip.units import short
@@ -34,7 +34,7 @@ class KalmanFilter(Table):
     part for each bogie or group, at a cost linear in them.
     """
 
-    kind: Literal["fmu", "python", "compiled", "decentralised"]
+    kind: str = Field(description="a module of `railgrip.estimators.filters`")
     model: str | None = optional(
         "prediction class, such as TrainPrediction or TrainPredictionReduced; without one it is made from "
         "the vehicle's nominal data"
@@ -83,9 +83,11 @@ class KalmanFilter(Table):
         return self
 
 
-Estimator = Annotated[
-    NoEstimator | KalmanFilter | Custom, ByKind(lambda: by_kind(NoEstimator, KalmanFilter), "estimators")
-]
+def _estimators() -> dict[str, type[Table]]:
+    return {"none": NoEstimator, **dict.fromkeys(registry.modules(registry.FILTERS), KalmanFilter)}
+
+
+Estimator = Annotated[NoEstimator | KalmanFilter | Custom, ByKind(_estimators, "estimators")]
 
 
 class _OverTheTrain(Table):

@@ -1,0 +1,17 @@
+"""The filter as C, with the prediction's equations inside: the fastest form."""
+
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.kind import FilterKind, Task
+
+
+class Compiled(FilterKind):
+    """An extended Kalman filter in C."""
+
+    @classmethod
+    def start(cls, task: Task) -> CompiledFilter:
+        """Return the filter with its first belief."""
+        filter_ = CompiledFilter(
+            task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
+        )
+        filter_.start(task.mean, task.covariance)
+        return filter_

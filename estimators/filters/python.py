@@ -1,0 +1,18 @@
+"""The filter in numpy: the reference."""
+
+from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
+from railgrip.estimators.kind import FilterKind, Task
+
+
+class Python(FilterKind):
+    """An extended Kalman filter in numpy."""
+
+    @classmethod
+    def start(cls, task: Task) -> Running:
+        """Return the filter with its first belief."""
+        prediction = task.prediction
+        plain = ExtendedKalmanFilter(
+            prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
+        )
+        first = plain.start(task.mean, task.covariance)
+        return Running(plain, first, inputs=len(prediction.inputs), outputs=len(prediction.outputs))
