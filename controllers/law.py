@@ -172,14 +172,12 @@ class Entry:
         role: A baseline is what an entrant has to beat.
         slip: Whether it is given an estimator or readings alone.
         tuning: Name of its set.
-        is_tuned: Whether the set was searched on training rails.
     """
 
     description: str
     role: Literal["baseline", "entrant"]
     slip: tuned.SlipSource
     tuning: str = tuned.SEARCHED
-    is_tuned: bool = True
 
 
 Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]

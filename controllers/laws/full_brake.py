@@ -12,7 +12,7 @@ class FullBrake(GroupLaw):
 
     description = "Full brake pressure, no wheel-slide protection"
     entries: ClassVar[Mapping[str, Entry]] = {
-        "full_brake": Entry(description="no wheel-slide protection", role="baseline", slip="read", is_tuned=False)
+        "full_brake": Entry(description="no wheel-slide protection", role="baseline", slip="read")
     }
 
     @staticmethod

@@ -21,11 +21,7 @@ class SlipThreeState(SlipTwoState):
     tuning = HoldingLevels
     entries: ClassVar[Mapping[str, Entry]] = {
         "slip_three_state": Entry(
-            description="three-state slip control, 10 and 15 %",
-            role="baseline",
-            slip="read",
-            tuning="paper",
-            is_tuned=False,
+            description="three-state slip control, 10 and 15 %", role="baseline", slip="read", tuning="paper"
         ),
         "slip_three_state_searched": Entry(
             description="three-state slip control, searched levels, slip as read",

@@ -51,11 +51,7 @@ class SlipTwoState(GroupLaw):
     ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
     entries: ClassVar[Mapping[str, Entry]] = {
         "slip_two_state": Entry(
-            description="two-state slip control, 10 and 15 %",
-            role="baseline",
-            slip="read",
-            tuning="paper",
-            is_tuned=False,
+            description="two-state slip control, 10 and 15 %", role="baseline", slip="read", tuning="paper"
         ),
         "slip_two_state_searched": Entry(
             description="two-state slip control, searched levels, slip as read",

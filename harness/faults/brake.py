@@ -24,8 +24,9 @@ class Isolated(Fault):
     def of_commands(self, site: Site) -> Iterator[CommandFault]:
         """Return no pressure for groups that are isolated as a whole."""
         if self.value is None:
+            vented, samples = -1.0 if site.valves else 0.0, self.samples(site.scenario)
             for group in site.groups(self.group):
-                yield CommandFault(kind="fixed", value=-1.0 if site.valves else 0.0, group=group, **site.samples(self))
+                yield CommandFault(kind="fixed", value=vented, group=group, **samples)
 
 
 def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str, float]) -> dict[str, float]:

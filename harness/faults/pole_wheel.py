@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from railgrip.errors import ScenarioError
-from railgrip.faults.site import Site, named, places, samples
+from railgrip.faults.site import Site, named, places
 from railgrip.formation import Formation
 from railgrip.loop.faults import ReadingFault
 from railgrip.loop.sensors import MissingTeeth
@@ -55,5 +55,5 @@ def missing_teeth(scenario: Scenario, formation: Formation) -> tuple[MissingTeet
         for group in places(fault.group, formation.groups, where, "group"):
             if missing[group].count:
                 raise ScenarioError(f"{where}: the pole wheel of group {group + 1} misses teeth twice; keep one fault")
-            missing[group] = MissingTeeth(round(count), **samples(scenario, fault))
+            missing[group] = MissingTeeth(round(count), **fault.samples(scenario))
     return tuple(missing)

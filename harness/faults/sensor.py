@@ -38,62 +38,31 @@ class _SensorFault(Fault):
             noise = None
             if kind == "noisy":
                 noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MOST_DRAWS)
-            place = at.start + index
-            yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **site.samples(self))
+            place, samples = at.start + index, self.samples(site.scenario)
+            yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **samples)
 
-    def _unit(self, site: Site) -> str:
+
+class Silent(_SensorFault):
+    """No new reading, what it showed last, or zero whatever there is."""
+
+    kind: Literal["dead", "stuck", "zero"]
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return what stands for a reading; zero is a factor."""
+        return self._shown(site, "scaled" if self.kind == "zero" else self.kind)
+
+
+class Wrong(_SensorFault):
+    """A multiple of what there is, or something added; noise is white at 1 ms."""
+
+    kind: Literal["scaled", "biased", "noisy"]
+    value: Magnitude = Field(
+        description="scaled: factor; biased: what is added, in a unit of what is read; noisy: 1σ of what is added"
+    )
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return readings changed by the value."""
         name = f"reading_{READ_BY[self.part]}"
-        return next(signal.unit for signal in site.layout.reading_signals if signal.name == name)
-
-
-class Dead(_SensorFault):
-    """No new reading, or what it showed last."""
-
-    kind: Literal["dead", "stuck"]
-
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return nothing new."""
-        return self._shown(site, self.kind)
-
-
-class Zero(_SensorFault):
-    """Zero, whatever there is."""
-
-    kind: Literal["zero"]
-
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return readings times zero."""
-        return self._shown(site, "scaled")
-
-
-class Scaled(_SensorFault):
-    """A multiple of what there is."""
-
-    kind: Literal["scaled"]
-    value: Magnitude = Field(description="factor")
-
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return readings times the factor."""
-        return self._shown(site, "scaled", amount_of(self.value, "1", site.where))
-
-
-class Biased(_SensorFault):
-    """Something is added."""
-
-    kind: Literal["biased"]
-    value: Magnitude = Field(description="what is added, in a unit of what is read")
-
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return readings with it."""
-        return self._shown(site, "biased", amount_of(self.value, self._unit(site), site.where))
-
-
-class Noisy(_SensorFault):
-    """Noise is added, white at 1 ms."""
-
-    kind: Literal["noisy"]
-    value: Magnitude = Field(description="1σ of what is added, in a unit of what is read")
-
-    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return readings with it."""
-        return self._shown(site, "noisy", amount_of(self.value, self._unit(site), site.where, self.kind))
+        units = {signal.name: signal.unit for signal in site.layout.reading_signals}
+        unit, positive = "1" if self.kind == "scaled" else units[name], self.kind if self.kind == "noisy" else ""
+        return self._shown(site, self.kind, amount_of(self.value, unit, site.where, positive))

@@ -35,10 +35,6 @@ class Site:
     number: int
     where: str
 
-    def samples(self, fault: Fault) -> dict[str, int]:
-        """Return `begin`, the first sample with a fault, and `end`, the first one without it again."""
-        return samples(self.scenario, fault)
-
     def groups(self, number: int | None) -> range:
         """Return the zero-based groups that a fault is at."""
         return places(number, self.layout.formation.groups, self.where, "group")
@@ -49,15 +45,6 @@ def named(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
     for number, fault in enumerate(scenario.faults, start=1):
         if isinstance(fault, kind):
             yield f"{scenario.name}: [faults[{number}]]", fault
-
-
-def samples(scenario: Scenario, fault: Fault) -> dict[str, int]:
-    """Return `begin`, the first sample with a fault, and `end`, the first one without it again."""
-    period = scenario.periods.communication
-    end = scenario.limits.horizon + 1.0 if fault.end is None else fault.end
-    # A time is meant to the nearest sample; a fault lasts one at least.
-    begin = round(fault.begin / period)
-    return {"begin": begin, "end": max(round(end / period), begin + 1)}
 
 
 def places(number: int | None, count: int, where: str, what: str) -> range:

@@ -33,8 +33,9 @@ class Sagging(Fault):
         if "air_used" not in site.outputs:
             raise ScenarioError(f"{site.where} empties a reservoir, but the plant does not show the air that it uses")
         volume = amount_of(self.value, "m3", site.where, self.kind)
+        samples = self.samples(site.scenario)
         refill = (self.refill or 0.0) * site.scenario.periods.communication
         for group in site.groups(None):
             yield CommandFault(
-                kind="limited", value=volume, pressure=self.pressure, refill=refill, group=group, **site.samples(self)
+                kind="limited", value=volume, pressure=self.pressure, refill=refill, group=group, **samples
             )

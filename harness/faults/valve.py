@@ -33,7 +33,7 @@ class Stays(_ValveFault):
     def of_commands(self, site: Site) -> Iterator[CommandFault]:
         """Return a fixed command, or the last one."""
         for group in site.groups(self.group):
-            at = {"group": group, **site.samples(self)}
+            at = {"group": group, **self.samples(site.scenario)}
             if self.kind == "held" and not site.valves:
                 yield CommandFault(kind="kept", **at)
             else:
@@ -61,4 +61,4 @@ class Slow(_ValveFault):
             )
         delay = round(amount / site.scenario.periods.communication)
         for group in site.groups(self.group):
-            yield CommandFault(kind="late", delay=delay, group=group, **site.samples(self))
+            yield CommandFault(kind="late", delay=delay, group=group, **self.samples(site.scenario))

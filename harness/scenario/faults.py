@@ -51,6 +51,14 @@ class Fault(Table):
         """Whether it holds for the whole stop."""
         return not self.begin and self.end is None
 
+    def samples(self, scenario: Any) -> dict[str, int]:
+        """Return `begin`, the first sample of a stop with it, and `end`, the first one without it again."""
+        period = scenario.periods.communication
+        end = scenario.limits.horizon + 1.0 if self.end is None else self.end
+        # A time is meant to the nearest sample; a fault lasts one at least.
+        begin = round(self.begin / period)
+        return {"begin": begin, "end": max(round(end / period), begin + 1)}
+
     def of_readings(self, site: Any) -> Iterable[Any]:
         """Return what it does to single readings, `ReadingFault`s; the site is a `railgrip.faults.Site`."""
         return ()

@@ -52,8 +52,10 @@ def entrants() -> dict[str, Entrant]:
     """Return those of this project, by name: references first, then baselines."""
     tables = dict(read_toml(LIBRARY / "entrants.toml"))
     for kind in registry.modules(registry.LAWS):
-        for name, entry in registry.part(registry.LAWS, kind, GroupLaw).entries.items():
-            own = {"description": entry.description, "role": entry.role, "tuned": entry.is_tuned}
+        law = registry.part(registry.LAWS, kind, GroupLaw)
+        for name, entry in law.entries.items():
+            is_tuned = entry.tuning != "paper" and bool(law.ranges or law.sets_of)
+            own = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
             controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
             estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
             tables[name] = own | {"controller": controller} | estimator
