@@ -2,6 +2,7 @@
 
 import os
 import sys
+from collections.abc import Mapping
 from functools import cache
 from importlib import import_module
 from importlib.metadata import distributions
@@ -28,13 +29,12 @@ SENSORS, FAULTS = "railgrip.sensors", "railgrip.faults"
 
 def modules(package: str) -> tuple[str, ...]:
     """Return the names of the modules in a package, none of which is imported."""
-    return tuple(module.name for module in iter_modules(import_module(package).__path__))
+    return _modules(_folders(package))
 
 
-def files(package: str) -> dict[str, Path]:
+def files(package: str) -> Mapping[str, Path]:
     """Return the TOML files in a package by their names without the suffix."""
-    folders = [Path(folder) for folder in import_module(package).__path__]
-    return {path.stem: path for folder in folders for path in sorted(folder.glob("*.toml"))}
+    return _files(_folders(package))
 
 
 def part(package: str, name: str, base: type[_Part]) -> type[_Part]:
@@ -45,6 +45,21 @@ def part(package: str, name: str, base: type[_Part]) -> type[_Part]:
 def parts(package: str, base: type[_Part]) -> list[type[_Part]]:
     """Return the classes with this base in all modules of a package."""
     return [kind for name in modules(package) for kind in _classes(f"{package}.{name}", base)]
+
+
+def _folders(package: str) -> tuple[str, ...]:
+    return tuple(import_module(package).__path__)
+
+
+# A campaign reads thousands of scenarios, so that each folder is listed once.
+@cache
+def _modules(folders: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(module.name for module in iter_modules(folders))
+
+
+@cache
+def _files(folders: tuple[str, ...]) -> Mapping[str, Path]:
+    return {path.stem: path for folder in folders for path in sorted(Path(folder).glob("*.toml"))}
 
 
 def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:

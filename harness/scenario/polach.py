@@ -5,6 +5,9 @@ control, are soap and leaf; sharp ones those of the wheelset study.
 """
 
 import tomllib
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
@@ -15,7 +18,7 @@ from railgrip.scenario.table import broken
 from railgrip.units import short
 
 
-def named_set(name: str) -> dict[str, float]:
+def named_set(name: str) -> Mapping[str, float]:
     """Return k_A, k_S, A and B of a named creep curve.
 
     Raises:
@@ -26,9 +29,13 @@ def named_set(name: str) -> dict[str, float]:
         raise broken(
             f"is {short(name)}, which is not a Polach set; there are {', '.join(files)}, or give k_A, k_S, A and B"
         )
-    numbers = tomllib.loads(files[name].read_text(encoding="utf-8"))
-    del numbers["source"]
-    return numbers
+    return _numbers(files[name])
+
+
+@cache
+def _numbers(file: Path) -> Mapping[str, float]:
+    table = tomllib.loads(file.read_text(encoding="utf-8"))
+    return {name: value for name, value in table.items() if name != "source"}
 
 
 class Polach(BaseModel):
@@ -57,7 +64,7 @@ class Polach(BaseModel):
     @classmethod
     def _name_or_numbers(cls, entry: Any) -> Any:
         """Replace the name of a set by its numbers."""
-        return {"name": entry} | named_set(entry) if isinstance(entry, str) else entry
+        return {"name": entry, **named_set(entry)} if isinstance(entry, str) else entry
 
     def plant_parameters(self) -> dict[str, float]:
         """Return the same numbers under the names of the plant FMU's parameters."""
