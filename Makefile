@@ -144,7 +144,7 @@ learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, tr
 	$(PROGRAM) learn
 
 k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
-	$(PROGRAM) k-factors vt642 --loop
+	$(PROGRAM) study k_factors vt642 --loop
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -279,11 +279,11 @@ def test_every_command_that_runs_scenarios_takes_folders():
         "type-test",
         "estimate",
         "observability",
-        "k-factors",
+        "study k_factors",
         "field",
         "tune",
     ):
-        assert "--import-from" in runner.invoke(app, [command, "--help"]).output, command
+        assert "--import-from" in runner.invoke(app, [*command.split(), "--help"]).output, command
 
 
 # Values in the wrong unit, and beyond what there is

@@ -11,22 +11,18 @@ import railgrip.fmus
 from railgrip.fmus.recipe import MODELICA
 
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".txt", ".jinja"}
-_UNCONCERNED = (
-    "railgrip/cli/",
-    "railgrip/report/",
-    "railgrip/studies/",
-    "railgrip/scenario/library/",
-    "railgrip/scenario/campaigns/",
-    "railgrip/scenario/equipment/",
-    "railgrip.fmus/lock.toml",
-)
-"""They read results or make other ones, or are the question itself (the scenario's digest is their own), or follow from
-the rest."""
+_UNCONCERNED = ("railgrip/cli/", "railgrip/report/", "railgrip/studies/", "railgrip.fmus/lock.toml")
+"""They read results or make other ones, or follow from the rest."""
+_QUESTIONS = ("railgrip/scenario/library/", "railgrip/scenario/campaigns/", "railgrip/scenario/equipment/")
+"""What is asked of a stop; the digest of its scenario covers it."""
 
 
 @cache
-def sources_digest() -> str:
-    """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library."""
+def sources_digest(study: str | None = None) -> str:
+    """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library.
+
+    With the name of a study, of every source that its results depend on: its own folder and all questions as well.
+    """
     rooms = (railgrip, railgrip.controllers, railgrip.estimators, railgrip.fmus)
     roots = {room.__name__: Path(room.__file__ or "").parent for room in rooms} | {"modelica": MODELICA}
     digest = hashlib.sha256()
@@ -38,6 +34,7 @@ def sources_digest() -> str:
             ):
                 continue
             place = f"{name}/{path.relative_to(root).as_posix()}"
-            if not place.startswith(_UNCONCERNED):
+            is_own = study is not None and place.startswith(f"railgrip/studies/{study}/")
+            if is_own or not place.startswith(_UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)):
                 digest.update(place.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

@@ -1,17 +1,36 @@
 """The program that the commands belong to, and the arguments that several of them take."""
 
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from railgrip.console import complain
+from railgrip.errors import InputError
+
+if TYPE_CHECKING:
+    import click
 
 RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""
 
+_STUDIES: Final = {"k-factors": "k_factors"}
+"""What was a command of its own, and which study it is."""
+
+
+class _Commands(TyperGroup):
+    """Commands; one of an earlier release is refused with its new name."""
+
+    def resolve_command(self, ctx: "click.Context", args: list[str]) -> Any:
+        if args[0] in _STUDIES:
+            raise InputError(f"`railgrip {args[0]}` is now `railgrip study {_STUDIES[args[0]]}`.")
+        return super().resolve_command(ctx, args)
+
+
 app = typer.Typer(
     name="railgrip",
+    cls=_Commands,
     help="The open bench for railway braking at low adhesion.",
     no_args_is_help=True,
     add_completion=False,

@@ -1,19 +1,114 @@
-"""Studies: the field test, a wandering wheelset, axle-box accelerations, the brake monitor, K factors of a brake."""
+"""Studies, each a command of `railgrip study`; the field test's noises, a ride with an estimator, the monitor."""
 
+import inspect
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
 import typer
+from typer.core import TyperGroup
 
-from railgrip.cli.app import ImportFrom, Overrides, Workers, app
+from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers, app
 from railgrip.console import progress, remark, say, show_table
 from railgrip.errors import ScenarioError
 from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 
 if TYPE_CHECKING:
+    import click
+
     from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+
+
+class _Studies(TyperGroup):
+    """Commands by the names of studies; a study is imported when it is asked for, and its fields are its options."""
+
+    def list_commands(self, ctx: "click.Context") -> list[str]:
+        from railgrip.studies import names
+
+        return names()
+
+    def get_command(self, ctx: "click.Context", cmd_name: str) -> "click.Command | None":
+        return _command(cmd_name) if cmd_name in self.list_commands(ctx) else None
+
+    def format_commands(self, ctx: "click.Context", formatter: "click.HelpFormatter") -> None:
+        from railgrip.studies import names, summary
+
+        with formatter.section("Studies"):
+            formatter.write_dl([(name, summary(name)) for name in names()])
+
+
+studies = typer.Typer(cls=_Studies, invoke_without_command=True)
+app.add_typer(studies, name="study", help="Run a study and write its page; without a name, list them.")
+
+
+@studies.callback()
+def study(context: typer.Context) -> None:
+    """Run a study and write its page; without a name, list them."""
+    if context.invoked_subcommand is None:
+        say(context.get_help())
+
+
+def _conduct(
+    *,
+    out: Annotated[Path | None, typer.Option(help="Folder for page and results; build/NAME unless given.")] = None,
+    workers: Workers = 2,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
+    ] = None,
+    fresh: Fresh = False,
+    **options: Any,
+) -> None:
+    from railgrip.studies import conduct, study_named
+
+    name = options.pop("study")
+    own = study_named(name)(**options)
+    page, path = conduct(own, out or Path("build") / name, workers=workers, scheduler=scheduler, fresh=fresh)
+    for part in page.screen:
+        if isinstance(part, str):
+            say(part)
+        else:
+            show_table(part)
+    say(str(path))
+    if page.problem is not None:
+        raise page.problem
+
+
+def _command(name: str) -> "click.Command":
+    """Return the command of a study: its own options before those of all."""
+    from railgrip.studies import study_named
+
+    own = study_named(name)
+
+    def command(**options: Any) -> None:
+        _conduct(study=name, **options)
+
+    hints = get_type_hints(own, include_extras=True)
+    parameters = [
+        inspect.Parameter(
+            one.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=inspect.Parameter.empty if one.default is MISSING else one.default,
+            annotation=_COMMON.get(one.name, hints[one.name]),
+        )
+        for one in fields(own)
+    ]
+    parameters += [one for one in inspect.signature(_conduct).parameters.values() if one.kind is one.KEYWORD_ONLY]
+    command.__signature__ = inspect.Signature(parameters)  # pyright: ignore[reportFunctionMemberAccess]
+    command.__annotations__ = {one.name: one.annotation for one in parameters}
+    command.__doc__ = own.__doc__
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    alone.command(name)(command)
+    return typer.main.get_command(alone)
+
+
+_COMMON: Final[Mapping[str, Any]] = {
+    "overrides": Overrides,
+    "import_from": ImportFrom,
+    "quick": Annotated[bool, typer.Option(help="A small form of it: shows that everything works, not what is true.")],
+}
+"""Options of many commands, by the name of the field."""
+
 
 OUT: Final = Path("build/learn")
 
@@ -235,40 +330,6 @@ def monitor_study(
         evidence = evidence_of_lives(plan, pool, lambda count: bar.update(amount=count))
     show_table(assessment_of(plan, evidence, design).table())
     say(str(draw(watch(evidence[0], design), design, out / "life.png")))
-
-
-@app.command("k-factors")
-def k_factors(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Dispersion and failures; vt642 is ours.")],
-    overrides: Overrides = None,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")] = Path("build/k_factors"),
-    loop: Annotated[bool, typer.Option("--loop", help="Also stops with the controller, as [loop] says.")] = False,
-    workers: Workers = 2,
-    import_from: ImportFrom = None,
-) -> None:
-    """Print K_dry_rst for EBCL 0 to 9 from the dispersion of a brake's components, with intervals of 95 %."""
-    from railgrip.campaign.one_stop import make_folder
-    from railgrip.studies.k_factors.page import FILES, sentences, table, write
-    from railgrip.studies.k_factors.specification import load_specification
-    from railgrip.studies.k_factors.study import conduct
-
-    specification, scenario = load_specification(file, overrides or [])
-    make_folder(out, *FILES)
-    with progress(specification.name) as bar:
-        study = conduct(
-            specification,
-            scenario,
-            loop=loop,
-            workers=workers,
-            tell=lambda what: bar.update(doing=what),
-            import_from=import_from or (),
-        )
-        page = write(study, out)
-    show_table(table(study))
-    for sentence in sentences(study):
-        say(sentence)
-    say(f"{study.quasi_static.seconds:.1f} s")
-    say(str(page))
 
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:

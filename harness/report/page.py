@@ -1,16 +1,67 @@
 """Pages from templates: `*.html.jinja`, in which what is not markup of ours is escaped, and `*.md.jinja`."""
 
 import base64
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railgrip.files import write_text
+from railgrip.errors import RailgripError
+from railgrip.files import write_json, write_text
+from railgrip.report.table import Table
 
 if TYPE_CHECKING:
     from jinja2 import Environment
+    from matplotlib.figure import Figure
 
 _ROOT = Path(__file__).parents[1]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Page:
+    """What a study has to show: a page, the files beside it, and what a screen is told.
+
+    Attributes:
+        template: Path of the page's template in this package, `*.md.jinja` or `*.html.jinja`.
+        values: What it names; besides, each of `figures` is there by its file name, as the address of an image.
+        figures: File name → figure.
+        tables: File name → table, as CSV.
+        data: File name → content, as JSON.
+        files: File name → what writes it.
+        screen: Tables and sentences.
+        problem: What a user is told at the end, and the exit code follows from, of cases that failed.
+    """
+
+    template: str
+    values: Mapping[str, Any]
+    figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
+    tables: Mapping[str, Table] = field(default_factory=dict[str, Table])
+    data: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Any])
+    screen: Sequence[Table | str] = ()
+    problem: RailgripError | None = None
+
+    def write(self, folder: Path) -> Path:
+        """Write everything into a folder; return the page, index.html or what its template is called.
+
+        A page in HTML holds its figures, so that it can be mailed alone.
+        """
+        from railgrip.report.style import save  # matplotlib takes half a second to load
+
+        is_html = self.template.endswith(".html.jinja")
+        addresses: dict[str, str] = {}
+        for name, figure in self.figures.items():
+            path = save(figure, folder / name)
+            addresses[name] = image(path) if is_html else name
+        for name, table in self.tables.items():
+            table.write_csv(folder / name)
+        for name, content in self.data.items():
+            write_json(folder / name, content)
+        for name, write in self.files.items():
+            write(folder / name)
+        name = "index.html" if is_html else Path(self.template).stem
+        return write_page(folder / name, self.template, figures=addresses, **self.values)
 
 
 def write_page(path: Path, template: str, **values: Any) -> Path:

@@ -1,15 +1,12 @@
-"""`railgrip k-factors`: its files, its sentences, and stops with the controller that go on where they stopped."""
+"""`railgrip study k_factors`: its files, its sentences, and stops with the controller that go on where they stopped."""
 
 import json
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from railgrip.__main__ import main
-from railgrip.scenario.load import load
 from railgrip.studies.k_factors.specification import LIBRARY
-from railgrip.studies.k_factors.study import Stops
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
 
@@ -20,7 +17,7 @@ def files(folder):
 
 def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
     for name in ("first", "again"):
-        main_ok(["k-factors", "vt642", "--out", str(tmp_path / name), *LITTLE])
+        main_ok(["study", "k_factors", "vt642", "--out", str(tmp_path / name), *LITTLE])
     first, again = (files(tmp_path / name) for name in ("first", "again"))
     contents = [json.loads(folder_files.pop("k_factors.json")) for folder_files in (first, again)]
     assert all(content.pop("seconds")["quasi_static"] > 0 for content in contents)
@@ -39,7 +36,16 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     study.write_text(text.replace('["40 km/h", "80 km/h"]', "[]").replace("samples = 1000", "samples = 40"), "utf-8")
     stop = (LIBRARY / "vt642_dry.toml").read_text(encoding="utf-8")
     (tmp_path / "stop.toml").write_text(stop.replace("120 km/h", "25 km/h"), "utf-8")
-    command = ["k-factors", str(study), "--loop", "--out", str(tmp_path / "out"), "--set", "loop.probability=0.1"]
+    command = [
+        "study",
+        "k_factors",
+        str(study),
+        "--loop",
+        "--out",
+        str(tmp_path / "out"),
+        "--set",
+        "loop.probability=0.1",
+    ]
     contents = []
     for _ in range(2):
         main_ok([*command, "--set", "loop.samples=20", "--set", "loop.runs=2"])
@@ -52,20 +58,6 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     assert first["loop"]["low"] <= first["loop"]["quasi_static"]["k"] <= first["loop"]["high"]
     assert first["loop"]["high"] - first["loop"]["low"] < 1.0
     assert abs(first["loop"]["k"] - first["loop"]["quasi_static"]["k"]) < 0.05
-
-
-@pytest.mark.usefixtures("in_process", "own_cache")
-def test_a_stop_is_run_once():
-    scenario = load(LIBRARY / "vt642_dry.toml", ["start.speed=15 km/h"])
-    other = scenario.model_copy(update={"seed": 2})
-    with ThreadPoolExecutor(1) as pool:
-        stops = Stops(scenario, pool)
-        distances = stops.distances([scenario])
-        assert (stops.requests, stops.run) == (1, 1)
-        again = Stops(scenario, pool)
-        assert again.distances([scenario, other, scenario]) == [*distances, *distances, *distances]
-        assert (again.requests, again.run) == (3, 1)
-        assert again.seconds > 0
 
 
 @pytest.mark.parametrize(
@@ -93,7 +85,7 @@ def test_a_stop_is_run_once():
 def test_a_wrong_file_ends_in_a_sentence(change, sentence, tmp_path, capsys):
     changes = [part for one in change.split("; ") for part in ("--set", one)]
     with pytest.raises(SystemExit) as end:
-        main(["k-factors", "vt642", "--out", str(tmp_path), *changes])
+        main(["study", "k_factors", "vt642", "--out", str(tmp_path), *changes])
     message = capsys.readouterr().err
     assert end.value.code == 2
     assert sentence in message
@@ -107,7 +99,7 @@ def test_stops_want_their_table(tmp_path, capsys):
     )
     study.write_text(text.replace("[loop]\nprobability = 0.01\nruns = 4\nsamples = 50\n", ""), "utf-8")
     with pytest.raises(SystemExit) as end:
-        main(["k-factors", str(study), "--loop", "--out", str(tmp_path / "out")])
+        main(["study", "k_factors", str(study), "--loop", "--out", str(tmp_path / "out")])
     assert end.value.code == 2
     assert "has no [loop]" in capsys.readouterr().err
 

@@ -19,7 +19,7 @@ from railgrip.studies.k_factors.rare import (
     subset_sample,
     worst_points,
 )
-from railgrip.studies.k_factors.study import PROBABILITIES, quasi_static
+from railgrip.studies.k_factors.k_dry import PROBABILITIES, quasi_static
 
 ISOLATED = 1e-3
 

@@ -1,283 +1,196 @@
-"""K_dry of a brake: by importance sampling of the quasi-static brake, by subset simulation of stops in the loop."""
+"""K factors of a brake: what the study found as JSON, a page, a figure and rows for the screen."""
 
-import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from statistics import median
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from matplotlib.figure import Figure
+from typer import Argument, Option
 
 from railgrip.assemble import braking_distance
 from railgrip.assemble.files import plant_description
-from railgrip.assemble.vehicle import VehicleData
-from railgrip.campaign import workers as processes
+from railgrip.assemble.parties import versions
 from railgrip.campaign.sources import sources_digest
-from railgrip.campaign.store import digest_of, results_of
+from railgrip.campaign.work import Work
 from railgrip.errors import ScenarioError
-from railgrip.estimators.belief import Array
-from railgrip.scenario.quantity import Magnitude
+from railgrip.report.page import Page
+from railgrip.report.style import band, dress, figure, lead_to_trail, legend
+from railgrip.report.table import Table
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
-from railgrip.studies.k_factors import rare
+from railgrip.studies import Study
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
-from railgrip.studies.k_factors.rare import Sample, State
-from railgrip.studies.k_factors.specification import Specification
-from railgrip.trace.k_wet import Interval
+from railgrip.studies.k_factors.k_dry import (
+    PROBABILITIES,
+    QuasiStatic,
+    brake_of_scenario,
+    in_the_loop,
+    plain,
+    quasi_static,
+    scenario_of_draw,
+)
+from railgrip.studies.k_factors.rare import estimates, pooled
+from railgrip.studies.k_factors.specification import Specification, load_specification
 
-KIND = "k-factor-stops"
-"""Their shelf in the user's cache."""
+_LEVELS = (0, 3, 6, 9)
+"""EBCL whose convergence is drawn."""
+
+_HALF_HEIGHT = 0.012  # of the panels of convergence, in K
+
+_METHOD = "exact enumeration of failure states, importance sampling about the worst points within each"
 
 
-class Stops:
-    """The stops of a scenario's plant with the sources as they are, run by a pool of processes.
+@dataclass(frozen=True)
+class KFactors(Study):
+    """Print K_dry_rst for EBCL 0 to 9 from the dispersion of a brake's components, with intervals of 95 %."""
 
-    Attributes:
-        requests: Stops that were asked for.
-        run: Those of them that were not in the cache.
-    """
+    file: Annotated[Path, Argument(metavar="FILE.toml", help="Dispersion and failures; vt642 is ours.")]
+    overrides: list[str] | None = None
+    loop: Annotated[bool, Option("--loop", help="Also stops with the controller, as [loop] says.")] = False
+    import_from: list[Path] | None = None
 
-    def __init__(self, scenario: Scenario, pool: Executor, import_from: Sequence[Path] = ()) -> None:
-        """Run nothing yet; classes that scenarios name are imported from the folders `import_from`."""
-        self._stop = partial(_stop, import_from=tuple(import_from))
-        self._pool, self._ground = (
-            pool,
-            digest_of(sources_digest().encode(), plant_description(scenario).digest.encode()),
-        )
-        self._seconds: list[float] = []
-        self.requests = self.run = 0
-
-    def distances(self, scenarios: Sequence[Scenario]) -> list[float | None]:
-        """Return the braking distance of each [m], None without a standstill.
+    def page(self, work: Work) -> Page:
+        """Return K of the quasi-static brake; with `loop` also in stops.
 
         Raises:
-            RailgripError: One could not be run; those that were are kept.
+            ScenarioError: The plant is no such train, its nominal stop has no end, or the file has no [loop].
         """
-
-        def count(scenario: Scenario, was_there: bool) -> None:
-            self.run += not was_there
-
-        results = results_of(KIND, scenarios, self._stop, self._pool, self._ground, count, Scenario.digest)
-        self.requests += len(results)
-        self._seconds += [seconds for _, seconds in results]
-        return [distance for distance, _ in results]
-
-    @property
-    def seconds(self) -> float:
-        """Median time of a stop, of one core that does nothing else."""
-        return median(self._seconds)
-
-
-def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:
-    begin = time.process_time()
-    return braking_distance(scenario, import_from), time.process_time() - begin
-
-
-Tell = Callable[[str], None]
-
-PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
-"""Of a lower deceleration than K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
-
-_NEGLECT = 1e-3
-"""Most that failure states which are left out may have of the smallest probability in question."""
-_NEGLECT_IN_LOOP = 0.25
-"""The same where each state costs hundreds of stops; the interval says what it costs."""
-_SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class QuasiStatic:
-    """K of the quasi-static brake.
-
-    Attributes:
-        runs: For each output, the sample of each run.
-        k: For each output, K of EBCL 0 to 9.
-        states: Failure states that were sampled.
-        neglected: Probability of all others.
-    """
-
-    runs: tuple[tuple[Sample, ...], ...]
-    k: tuple[tuple[Interval, ...], ...]
-    states: tuple[State, ...]
-    neglected: float
-    seconds: float
-
-    @property
-    def draws(self) -> int:
-        """Draws in all runs."""
-        return sum(len(run.values) for run in self.runs[0])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Study:
-    """A brake and what was found.
-
-    Attributes:
-        plant_distance: Of the nominal train in the loop [m].
-        loop: See `in_the_loop`; None where no stops were asked for.
-    """
-
-    specification: Specification
-    scenario: Scenario
-    brake: QuasiStaticBrake
-    plant_distance: float
-    quasi_static: QuasiStatic
-    loop: dict[str, Any] | None
-    workers: int
-
-
-def conduct(
-    specification: Specification,
-    scenario: Scenario,
-    *,
-    loop: bool,
-    workers: int,
-    tell: Tell,
-    import_from: Sequence[Path] = (),
-) -> Study:
-    """Return K of a brake; with `loop` also in stops, which are kept in the user's cache and not run again.
-
-    Classes that the scenario names are imported from the folders `import_from`.
-
-    Raises:
-        ScenarioError: The plant is no such train, its nominal stop has no end, or the file no [loop].
-    """
-    if loop and specification.loop is None:
-        raise ScenarioError(f"{specification.name}: has no [loop]; it is wanted for stops with the controller")
-    brake = brake_of_scenario(specification, scenario)
-    distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None), import_from)
-    if distance is None:
-        raise ScenarioError(f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration")
-    result = quasi_static(specification, brake, tell)
-    loop_result = (
-        in_the_loop(specification, scenario, brake, distance, result, workers, tell, import_from) if loop else None
-    )
-    return Study(specification, scenario, brake, distance, result, loop_result, workers)
-
-
-def brake_of_scenario(specification: Specification, scenario: Scenario) -> QuasiStaticBrake:
-    """Return the quasi-static brake of a scenario's plant.
-
-    Raises:
-        ScenarioError: The plant is no such train, valves do not fill its cylinders, or something else than full
-            brake is demanded.
-    """
-    if scenario.actuation.kind != "pneumatic":
-        raise ScenarioError(
-            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors want 'pneumatic', for what "
-            "disperses is what valves fill the cylinders to, and how fast."
+        specification, scenario = load_specification(self.file, self.overrides or [])
+        folders = self.import_from or []
+        if self.loop and specification.loop is None:
+            raise ScenarioError(f"{specification.name}: has no [loop]; it is wanted for stops with the controller")
+        brake = brake_of_scenario(specification, scenario)
+        distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None), folders)
+        if distance is None:
+            raise ScenarioError(
+                f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration"
+            )
+        result = quasi_static(specification, brake, work.tell)
+        loop = in_the_loop(specification, scenario, brake, distance, result, work, folders) if self.loop else None
+        shown = table(brake, result)
+        lines = sentences(brake, distance, result, loop, work.count)
+        return Page(
+            template="studies/k_factors/k_factors.md.jinja",
+            values={"specification": specification, "table": shown, "sentences": lines},
+            figures={"k_factors.png": draw(brake, result)},
+            data={"k_factors.json": content(specification, scenario, brake, distance, result, loop)},
+            screen=(shown, *lines, f"{result.seconds:.1f} s"),
         )
-    if scenario.demand is not None:
-        raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
-    vehicle = VehicleData(scenario)
-    speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
-    return QuasiStaticBrake(vehicle.true_parameters, vehicle.formation, specification.dispersion, speeds)
 
 
-def quasi_static(specification: Specification, brake: QuasiStaticBrake, tell: Tell = lambda what: None) -> QuasiStatic:
-    """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
-    begin = time.perf_counter()
-    effort, smallest = specification.estimate, PROBABILITIES[-1]
-    states, neglected = _states(specification, brake.units, _NEGLECT * smallest)
-    parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
-    for number, state in enumerate(states, start=1):
-        tell(f"failure state {number} of {len(states)}")
-        performance = partial(brake.ratios, state.available)
-        points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest))
-        random = generator(specification.seed, f"k_factors {state.available}")
-        for run in range(effort.runs):
-            ratios, weights = rare.importance_sample(performance, points, effort.samples, random)
-            for output, of_output in enumerate(parts):
-                of_output[run].append(Sample(ratios[:, output], weights))
-    shares = [state.probability for state in states]
-    runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
-    k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    return QuasiStatic(runs=runs, k=k, states=states, neglected=neglected, seconds=time.perf_counter() - begin)
+STUDY = KFactors
 
 
-def scenario_of_draw(
-    scenario: Scenario, brake: QuasiStaticBrake, available: Sequence[int], standard: Array | None
-) -> Scenario:
-    """Return the scenario whose plant is as drawn, or nominal; its controller still believes nominal data."""
-    parameters = {name: Magnitude(value) for name, value in brake.plant_parameters(available, standard).items()}
-    vehicle = scenario.vehicle.model_copy(update={"parameters": {**scenario.vehicle.parameters, **parameters}})
-    return scenario.model_copy(update={"vehicle": vehicle})
+def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
+    """Return one row for each EBCL: probability, and K with its interval for each output."""
+    rows = [
+        [str(level), f"{probability:g}", *(_text(plain(k[level])) for k in result.k)]
+        for level, probability in enumerate(PROBABILITIES)
+    ]
+    return Table.of(("EBCL", "P(less)", *brake.outputs), rows, left=0)
 
 
-def in_the_loop(
+def sentences(
+    brake: QuasiStaticBrake, distance: float, result: QuasiStatic, loop: Mapping[str, Any] | None, workers: int
+) -> list[str]:
+    """Return what else the study has to say; `distance` is that of the nominal train in the loop [m]."""
+    nominal = ", ".join(f"{output} {a:.3f}" for output, a in zip(brake.outputs, brake.nominal, strict=True))
+    lines = [
+        f"Nominal deceleration [m/s²]: {nominal}; equivalent time {brake.equivalent_time:.2f} s.",
+        f"Nominal stop: {brake.distance:.1f} m quasi-static, {distance:.1f} m in the loop "
+        f"({100 * (brake.distance / distance - 1):+.1f} %).",
+        f"{result.draws} draws of {len(result.states)} failure states; all others have a probability of "
+        f"{result.neglected:.1e} together.",
+    ]
+    if loop is not None:
+        seconds = loop["seconds"]["stop"]
+        cost = [
+            f"{p} {stops} stops, {stops * seconds / workers / 60:.0f} min"
+            for p, stops in loop["estimated_stops"].items()
+        ]
+        lines += [
+            f"With the controller in the loop: K = {_text(loop)} at {loop['probability']:g}, quasi-static "
+            f"{_text(loop['quasi_static'])}; {loop['samples']} stops, failure states sampled {loop['states']}, all "
+            f"others {loop['neglected_probability']:.1e}; a stop takes a core {seconds:.2f} s.",
+            f"The same samples and runs for less likely decelerations, estimated for {workers} cores: "
+            f"{'; '.join(cost)}. Intervals half as wide take four times as many.",
+        ]
+    return lines
+
+
+def content(
     specification: Specification,
     scenario: Scenario,
     brake: QuasiStaticBrake,
-    nominal_distance: float,
-    quasi_static: QuasiStatic,
-    workers: int,
-    tell: Tell,
-    import_from: Sequence[Path] = (),
+    distance: float,
+    result: QuasiStatic,
+    loop: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
-    """Return K of the whole stop with the controller in the loop, at the probability of [loop].
-
-    As the file of results has it; under `seconds` the median time of a `stop` on one core and how many were run now.
-    """
-    effort = specification.loop
-    assert effort is not None, "asked before anything was run"
-    states, neglected = _states(specification, brake.units, _NEGLECT_IN_LOOP * effort.probability)
-    nominal = brake.equivalent_deceleration(nominal_distance)
-    costs = {p: _cost(specification, brake.units, p) for p in _SCALING}
-    most = _cost(specification, brake.units, effort.probability)
-    runs: list[Sample] = []
-    with processes.workers(workers) as pool:
-        stops = Stops(scenario, pool, import_from)
-
-        def performance(state: State, standard: Array) -> Array:
-            tell(f"stop {stops.requests} of {most}")
-            distances = stops.distances([scenario_of_draw(scenario, brake, state.available, one) for one in standard])
-            # A train that does not stop has braked with nothing.
-            return np.array([0.0 if d is None else brake.equivalent_deceleration(d) / nominal for d in distances])
-
-        for run in range(effort.runs):
-            parts = [
-                rare.subset_sample(
-                    partial(performance, state),
-                    brake.dimension,
-                    min(effort.probability / state.probability, 1.0),
-                    effort.samples,
-                    generator(specification.seed, f"k_factors loop {run} {state.available}"),
-                )
-                for state in states
-            ]
-            runs.append(rare.pooled(parts, [state.probability for state in states]))
-    whole = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
-    return {
-        "method": "exact enumeration of failure states, subset simulation within each",
-        "probability": effort.probability,
-        **plain(rare.estimates(runs, [effort.probability], neglected)[0]),
-        "quasi_static": plain(whole),
-        "states": len(states),
-        "neglected_probability": neglected,
-        "samples": stops.requests,
-        "estimated_stops": {f"{p:g}": cost for p, cost in costs.items()},
-        "seconds": {"stop": stops.seconds, "new_stops": stops.run},
+    """Return the file of results; the same question gives the same one, but for what is under `seconds`."""
+    plant = plant_description(scenario)
+    results: dict[str, Any] = {
+        "name": specification.name,
+        "method": _METHOD,
+        "seed": specification.seed,
+        "confidence": 0.95,
+        "samples": result.draws,
+        "runs": specification.estimate.runs,
+        "states": [asdict(state) for state in result.states],
+        "neglected_probability": result.neglected,
+        "nominal": {
+            "deceleration_m_s2": dict(zip(brake.outputs, brake.nominal.tolist(), strict=True)),
+            "equivalent_time_s": brake.equivalent_time,
+            "distance_m": brake.distance,
+            "plant_distance_m": distance,
+        },
+        "k_dry": [
+            {"output": output, "ebcl": level, "probability": PROBABILITIES[level], **plain(one)}
+            for output, of in zip(brake.outputs, result.k, strict=True)
+            for level, one in enumerate(of)
+        ],
+        "specification": specification.model_dump(mode="json"),
+        "scenario_digest": scenario.digest(),
+        "versions": versions() | {"sources": sources_digest(), plant.file.name: plant.generator},
+        "fmus": {plant.file.name: plant.digest},
+        "seconds": {"quasi_static": round(result.seconds, 2)},
     }
+    if loop is not None:
+        results["loop"] = {name: value for name, value in loop.items() if name != "seconds"}
+        results["seconds"] |= loop["seconds"]
+    return results
 
 
-def plain(k: Interval) -> dict[str, float]:
-    """Return K and its interval as the file of results has them."""
-    return {"k": k.value, "low": k.low, "high": k.high}
+def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
+    """Return the figure: K over probability for each output, and how K of the whole stop settles with the draws."""
+    drawing = figure(11.0, 5.4)
+    grid = drawing.add_gridspec(len(_LEVELS), 2)
+    left = drawing.add_subplot(grid[:, 0])
+    colours = lead_to_trail(len(brake.outputs))
+    levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
+    for output, runs, colour in zip(brake.outputs, result.runs, colours, strict=True):
+        whole = pooled(runs, [1 / len(runs)] * len(runs))
+        left.semilogy([whole.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
+    stop = result.k[-1]
+    spread = np.array([[one.value - one.low, one.high - one.value] for one in stop]).T
+    left.errorbar([one.value for one in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3)
+    dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
+    legend(left)
+    runs = result.runs[-1]
+    counts = np.arange(2, len(runs) + 1)
+    courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _LEVELS], result.neglected) for n in counts]
+    for number, level in enumerate(_LEVELS):
+        right = drawing.add_subplot(grid[number, 1])
+        k, low, high = (np.array([getattr(one[number], of) for one in courses]) for of in ("value", "low", "high"))
+        draws = counts * len(runs[0].values) / 1e3
+        right.plot(draws, k, color=colours[-1], lw=1.2)
+        band(right, draws, low, high, colours[-1], 0.25)
+        right.set_ylim(k[-1] - _HALF_HEIGHT, k[-1] + _HALF_HEIGHT)
+        title = "" if number else f"Estimate and 95 % interval, {brake.outputs[-1]}"
+        dress(right, x="thousand draws" if level == _LEVELS[-1] else "", y=f"K, EBCL {level}", title=title)
+        right.tick_params(labelbottom=level == _LEVELS[-1])
+    return drawing
 
 
-def _states(specification: Specification, units: Sequence[int], neglect: float) -> tuple[tuple[State, ...], float]:
-    failures = specification.failures
-    isolated, stuck = failures.isolated_unit.probability, failures.stuck_valve.probability
-    return rare.states_of(units, isolated, stuck, neglect=neglect)
-
-
-def _cost(specification: Specification, units: Sequence[int], probability: float) -> int:
-    """Return how many stops subset simulation takes for a probability."""
-    assert specification.loop is not None
-    samples = specification.loop.samples
-    states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)
-    inside = [min(probability / state.probability, 1.0) for state in states]
-    return specification.loop.runs * sum(rare.subset_cost(one, samples) for one in inside)
+def _text(one: Mapping[str, float]) -> str:
+    return f"{one['k']:.4f} ({one['low']:.4f}–{one['high']:.4f})"

@@ -1,0 +1,156 @@
+"""The work of a study: cases run in processes or on a cluster, with progress, and every result kept by its content."""
+
+import hashlib
+import json
+import pickle
+import zlib
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import ExitStack, contextmanager
+from dataclasses import fields, is_dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, TypeVar
+
+import numpy as np
+from pydantic import BaseModel
+
+from railgrip import cache
+from railgrip.campaign import workers as processes
+from railgrip.campaign.sources import sources_digest
+from railgrip.console import Progress, progress
+from railgrip.errors import RailgripError
+from railgrip.fmus.build import choose
+from railgrip.scenario.schema import Scenario
+
+C = TypeVar("C")
+R = TypeVar("R")
+
+KIND: Final = "studies"
+"""Shelf of the user's cache."""
+_NAME: Final = "result"
+
+
+class Work:
+    """Runs the cases of a study; `work` makes one.
+
+    Attributes:
+        folder: For what the study writes.
+        count: Processes.
+        scheduler: Address of a Dask cluster in place of processes here, or None.
+        fresh: Whether to run also what has a result.
+        made: Cases that were run, because the cache had no result of them.
+    """
+
+    def __init__(
+        self, bar: Progress, stack: ExitStack, study: str, folder: Path, count: int, scheduler: str | None, fresh: bool
+    ) -> None:
+        """Run nothing yet; a pool of processes starts with the first case, and ends with `stack`."""
+        self.folder, self.count, self.scheduler, self.fresh, self.made = folder, count, scheduler, fresh, 0
+        self._bar, self._stack, self._study = bar, stack, study
+        self._total = 0
+        self._pool: tuple[Executor, Callable[[], None]] | None = None
+
+    def tell(self, doing: str) -> None:
+        """Show what is being done."""
+        self._bar.update(doing=doing)
+
+    def expect(self, count: int) -> None:
+        """Show that there is so much more to do."""
+        self._total += count
+        self._bar.update(total=self._total)
+
+    def advance(self) -> None:
+        """Show that one more is done."""
+        self._bar.advance()
+
+    def map(self, function: Callable[[C], R], cases: Iterable[C], *, keep: bool = True) -> list[R]:
+        """Return the result of each case; those that are not in the cache are made, in their order.
+
+        The cache is asked for the same function and case, with sources and FMU compiler as they are now. Results are
+        kept as they come: who is interrupted goes on from there.
+
+        Args:
+            function: Of a module, or a `partial` of one; it runs in other processes.
+            cases: Of numbers, texts, arrays, dataclasses, tables and scenarios.
+            keep: False where a case names code of the user's own: nobody knows what else that rests on.
+
+        Raises:
+            RailgripError: The first that a case ends with.
+        """
+        order = list(cases)
+        ground = sources_digest(self._study) + choose("auto")
+        keys = [hashlib.sha256(_text([ground, function, case]).encode()).hexdigest() for case in order]
+        case_of = dict(zip(keys, order, strict=True))
+        self.expect(len(case_of))
+        results: dict[str, R] = {}
+        for key in case_of if keep and not self.fresh else ():
+            # The cache holds what this user's own processes wrote: what is loaded into a process lies there, too.
+            if (file := cache.find(KIND, key, _NAME)) is not None:
+                results[key] = pickle.loads(zlib.decompress(file.read_bytes()))
+                self.advance()
+        missing = [key for key in case_of if key not in results]
+        pool, check = self._started() if missing else (None, lambda: None)
+        running = {pool.submit(function, case_of[key]): key for key in missing} if pool else {}
+        for key, result in processes.ended(running, check):
+            if isinstance(result, RailgripError):
+                raise result
+            if keep:
+                cache.keep(KIND, key, _NAME, zlib.compress(pickle.dumps(result)))
+            results[key] = result
+            self.made += 1
+            self.advance()
+        return [results[key] for key in keys]
+
+    def timed(self, function: Callable[[C], R], cases: Sequence[C]) -> list[R]:
+        """Return the result of each case, which holds times: one by one, in this process, and never kept."""
+        self.expect(len(cases))
+        results: list[R] = []
+        for case in cases:
+            results.append(function(case))
+            self.advance()
+        return results
+
+    def _started(self) -> tuple[Executor, Callable[[], None]]:
+        if self._pool is None:
+            if self.scheduler is not None:
+                self._pool = self._stack.enter_context(processes.cluster(self.scheduler))
+            else:
+                self._pool = self._stack.enter_context(processes.workers(self.count)), lambda: None
+        return self._pool
+
+
+@contextmanager
+def work(
+    study: str, folder: Path = Path(), *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
+) -> Generator[Work]:
+    """Yield what runs the cases of a study, with progress; an exception ends what runs and leaves what is kept."""
+    with progress(study, 0, is_count=True) as bar, ExitStack() as stack:
+        yield Work(bar, stack, study, folder, workers, scheduler, fresh)
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, default=_plain, sort_keys=True)
+
+
+def _plain(value: Any) -> object:
+    """Return a value for JSON that tells it from all others."""
+    match value:
+        case Scenario():
+            return value.digest()
+        case BaseModel():
+            return value.model_dump(mode="json")
+        case np.ndarray():
+            return [value.shape, str(value.dtype), hashlib.sha256(np.ascontiguousarray(value)).hexdigest()]
+        case np.generic():
+            return value.item()
+        case Mapping():
+            return dict(value)
+        case Path():
+            return str(value)
+        case partial():
+            return [value.func, value.args, value.keywords]
+        case _ if is_dataclass(value) and not isinstance(value, type):
+            return [type(value).__qualname__, {one.name: getattr(value, one.name) for one in fields(value)}]
+        case _:
+            return f"{value.__module__}.{value.__qualname__}"

@@ -1,0 +1,191 @@
+"""K_dry of a brake: by importance sampling of the quasi-static brake, by subset simulation of stops in the loop."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from railgrip.assemble import braking_distance
+from railgrip.assemble.vehicle import VehicleData
+from railgrip.campaign.work import Work
+from railgrip.errors import ScenarioError
+from railgrip.estimators.belief import Array
+from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.studies.k_factors import rare
+from railgrip.studies.k_factors.brake import QuasiStaticBrake
+from railgrip.studies.k_factors.rare import Sample, State
+from railgrip.studies.k_factors.specification import Specification
+from railgrip.trace.k_wet import Interval
+
+PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
+"""Of a lower deceleration than K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
+
+_NEGLECT = 1e-3
+"""Most that failure states which are left out may have of the smallest probability in question."""
+_NEGLECT_IN_LOOP = 0.25
+"""The same where each state costs hundreds of stops; the interval says what it costs."""
+_SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class QuasiStatic:
+    """K of the quasi-static brake.
+
+    Attributes:
+        runs: For each output, the sample of each run.
+        k: For each output, K of EBCL 0 to 9.
+        states: Failure states that were sampled.
+        neglected: Probability of all others.
+    """
+
+    runs: tuple[tuple[Sample, ...], ...]
+    k: tuple[tuple[Interval, ...], ...]
+    states: tuple[State, ...]
+    neglected: float
+    seconds: float
+
+    @property
+    def draws(self) -> int:
+        """Draws in all runs."""
+        return sum(len(run.values) for run in self.runs[0])
+
+
+def brake_of_scenario(specification: Specification, scenario: Scenario) -> QuasiStaticBrake:
+    """Return the quasi-static brake of a scenario's plant.
+
+    Raises:
+        ScenarioError: The plant is no such train, valves do not fill its cylinders, or something else than full
+            brake is demanded.
+    """
+    if scenario.actuation.kind != "pneumatic":
+        raise ScenarioError(
+            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors want 'pneumatic', for what "
+            "disperses is what valves fill the cylinders to, and how fast."
+        )
+    if scenario.demand is not None:
+        raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
+    vehicle = VehicleData(scenario)
+    speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
+    return QuasiStaticBrake(vehicle.true_parameters, vehicle.formation, specification.dispersion, speeds)
+
+
+def quasi_static(
+    specification: Specification, brake: QuasiStaticBrake, tell: Callable[[str], None] = lambda what: None
+) -> QuasiStatic:
+    """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
+    begin = time.perf_counter()
+    effort, smallest = specification.estimate, PROBABILITIES[-1]
+    states, neglected = _states(specification, brake.units, _NEGLECT * smallest)
+    parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
+    for number, state in enumerate(states, start=1):
+        tell(f"failure state {number} of {len(states)}")
+        performance = partial(brake.ratios, state.available)
+        points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest))
+        random = generator(specification.seed, f"k_factors {state.available}")
+        for run in range(effort.runs):
+            ratios, weights = rare.importance_sample(performance, points, effort.samples, random)
+            for output, of_output in enumerate(parts):
+                of_output[run].append(Sample(ratios[:, output], weights))
+    shares = [state.probability for state in states]
+    runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
+    k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
+    return QuasiStatic(runs=runs, k=k, states=states, neglected=neglected, seconds=time.perf_counter() - begin)
+
+
+def scenario_of_draw(
+    scenario: Scenario, brake: QuasiStaticBrake, available: Sequence[int], standard: Array | None
+) -> Scenario:
+    """Return the scenario whose plant is as drawn, or nominal; its controller still believes nominal data."""
+    parameters = {name: Magnitude(value) for name, value in brake.plant_parameters(available, standard).items()}
+    vehicle = scenario.vehicle.model_copy(update={"parameters": {**scenario.vehicle.parameters, **parameters}})
+    return scenario.model_copy(update={"vehicle": vehicle})
+
+
+def in_the_loop(
+    specification: Specification,
+    scenario: Scenario,
+    brake: QuasiStaticBrake,
+    nominal_distance: float,
+    quasi_static: QuasiStatic,
+    work: Work,
+    import_from: Sequence[Path] = (),
+) -> dict[str, Any]:
+    """Return K of the whole stop with the controller in the loop, at the probability of [loop].
+
+    As the file of results has it; under `seconds` the median time of a `stop` on one core and how many were run now.
+    Classes that the scenario names are imported from the folders `import_from`.
+    """
+    effort = specification.loop
+    assert effort is not None, "asked before anything was run"
+    states, neglected = _states(specification, brake.units, _NEGLECT_IN_LOOP * effort.probability)
+    nominal = brake.equivalent_deceleration(nominal_distance)
+    costs = {p: _cost(specification, brake.units, p) for p in _SCALING}
+    seconds: list[float] = []
+    made_before = work.made
+    one_stop = partial(_stop, import_from=tuple(import_from))
+
+    def performance(state: State, standard: Array) -> Array:
+        draws = [scenario_of_draw(scenario, brake, state.available, one) for one in standard]
+        stops = work.map(one_stop, draws, keep=not import_from)
+        seconds.extend(processor for _, processor in stops)
+        # A train that does not stop has braked with nothing.
+        return np.array([0.0 if d is None else brake.equivalent_deceleration(d) / nominal for d, _ in stops])
+
+    runs: list[Sample] = []
+    for run in range(effort.runs):
+        parts = [
+            rare.subset_sample(
+                partial(performance, state),
+                brake.dimension,
+                min(effort.probability / state.probability, 1.0),
+                effort.samples,
+                generator(specification.seed, f"k_factors loop {run} {state.available}"),
+            )
+            for state in states
+        ]
+        runs.append(rare.pooled(parts, [state.probability for state in states]))
+    whole = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
+    return {
+        "method": "exact enumeration of failure states, subset simulation within each",
+        "probability": effort.probability,
+        **plain(rare.estimates(runs, [effort.probability], neglected)[0]),
+        "quasi_static": plain(whole),
+        "states": len(states),
+        "neglected_probability": neglected,
+        "samples": len(seconds),
+        "estimated_stops": {f"{p:g}": cost for p, cost in costs.items()},
+        "seconds": {"stop": median(seconds), "new_stops": work.made - made_before},
+    }
+
+
+def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:
+    """Return the braking distance [m], None without a standstill, and the time of a processor [s]."""
+    begin = time.process_time()
+    return braking_distance(scenario, import_from), time.process_time() - begin
+
+
+def plain(k: Interval) -> dict[str, float]:
+    """Return K and its interval as the file of results has them."""
+    return {"k": k.value, "low": k.low, "high": k.high}
+
+
+def _states(specification: Specification, units: Sequence[int], neglect: float) -> tuple[tuple[State, ...], float]:
+    failures = specification.failures
+    isolated, stuck = failures.isolated_unit.probability, failures.stuck_valve.probability
+    return rare.states_of(units, isolated, stuck, neglect=neglect)
+
+
+def _cost(specification: Specification, units: Sequence[int], probability: float) -> int:
+    """Return how many stops subset simulation takes for a probability."""
+    assert specification.loop is not None
+    samples = specification.loop.samples
+    states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)
+    inside = [min(probability / state.probability, 1.0) for state in states]
+    return specification.loop.runs * sum(rare.subset_cost(one, samples) for one in inside)

@@ -1,0 +1,101 @@
+"""Studies: one command for all, results of cases kept by their content, and sentences for what is not there."""
+
+import itertools
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from one_process import one_process
+
+from railgrip.campaign.work import work
+from railgrip.cli.main import main
+from railgrip.errors import EstimationError, InputError
+from railgrip.scenario.load import load
+from railgrip.studies import names, study_named, summary
+
+COUNT = itertools.count(1)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A number and its place."""
+
+    number: float
+    place: Path = Path()
+
+
+def counted(case):
+    """Return how often this was called; a negative number is no case."""
+    if isinstance(case, Case) and case.number < 0:
+        raise EstimationError("nobody knows.")
+    return next(COUNT)
+
+
+@pytest.fixture
+def study_work(own_cache):
+    with one_process(), work("lateral") as own:
+        yield own
+
+
+def test_a_case_is_run_once_whatever_its_values_are(study_work):
+    scenario = load(Path("trapezoid"))
+    cases = [
+        Case(1.0), Case(2.0), Case(1.0, Path("here")), scenario, scenario.model_copy(update={"seed": 2}), "1.0",
+        {"a": np.zeros(3)}, {"a": np.zeros((3, 1))}, {"a": np.ones(3)}, (1, None),
+    ]  # fmt: skip
+    first = study_work.map(counted, [*cases, *cases])
+    assert len(set(first)) == len(cases)
+    assert first[: len(cases)] == first[len(cases) :]
+    assert study_work.made == len(cases)
+    assert study_work.map(counted, reversed(cases)) == first[len(cases) - 1 :: -1]
+    assert study_work.made == len(cases)
+    assert study_work.map(counted, [Case(1.0)], keep=False) != first[:1]
+
+
+def test_what_is_fresh_runs_again_and_another_study_has_its_own_results(study_work):
+    results = study_work.map(counted, [Case(1.0)])
+    with work("lateral", fresh=True) as fresh, work("trains") as other:
+        assert results != fresh.map(counted, [Case(1.0)]) != other.map(counted, [Case(1.0)]) != results
+
+
+def test_a_case_that_fails_ends_the_study_and_is_not_kept(study_work):
+    for _ in range(2):
+        with pytest.raises(EstimationError, match="nobody knows"):
+            study_work.map(counted, [Case(-1.0)])
+    assert study_work.made == 0
+
+
+def test_studies_are_listed_with_what_they_are(capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["study"])
+    shown = " ".join(capsys.readouterr().out.split())
+    assert not end.value.code
+    for name in names():
+        assert f"{name} {summary(name)}" in shown
+
+
+@pytest.mark.parametrize("name", ["k_factors"])
+def test_every_study_says_its_options_and_is_named_as_its_folder(name, capsys):
+    with pytest.raises(SystemExit) as end:
+        main(["study", name, "--help"])
+    assert not end.value.code
+    assert "--scheduler" in capsys.readouterr().out
+    assert study_named(name).__module__ == f"railgrip.studies.{name}.study"
+
+
+def test_a_study_that_is_not_there_gets_a_sentence(capsys):
+    with pytest.raises(InputError, match="there is no study 'estimation'; there is axle_box"):
+        study_named("estimation")
+    with pytest.raises(SystemExit) as end:
+        main(["study", "estimation"])
+    assert end.value.code == 2
+    assert "No such command 'estimation'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("old", "new"), [("k-factors", "k_factors")])
+def test_a_command_of_an_earlier_release_is_refused_with_its_new_name(old, new, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([old, "--out", "here"])
+    assert end.value.code == 2
+    assert f"`railgrip {old}` is now `railgrip study {new}`." in capsys.readouterr().err
