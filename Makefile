@@ -121,7 +121,7 @@ check: $(DEV)
 ESTIMATIONS := harness/estimation/library
 
 estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' figures and tables, build/estimate
-	$(PROGRAM) rig
+	$(PROGRAM) study roller_rig
 	$(PROGRAM) observability $(ESTIMATIONS)/rig_own.toml
 	$(PROGRAM) observability $(ESTIMATIONS)/wagon.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/wagon.toml

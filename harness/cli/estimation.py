@@ -1,4 +1,4 @@
-"""What recordings tell: observability, estimate and the roller rig."""
+"""What recordings tell: observability and estimates."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -113,18 +113,6 @@ def estimate(
     problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
     if problems:
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
-
-
-@app.command()
-def rig(out: Annotated[Path, typer.Option(help="Folder for figures and tables.")] = OUT / "rig") -> None:
-    """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
-    from railgrip.studies.roller_rig.study import study, table_of
-
-    with progress("roller rig") as bar:
-        rows = study(out, lambda what: bar.update(doing=what))
-    wide = ("α bias", "α largest", "α NEES", "μ sd claimed")
-    show_table(table_of(rows, scenario="scenario").without(wide))
-    say(f"{out}/rig.md")
 
 
 def _say_flags(recording: "xarray.Dataset") -> None:

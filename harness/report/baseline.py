@@ -180,6 +180,16 @@ class Finding:
     valve_strokes: int | None = None
 
 
+def mean(name: str, value: float, unit: str = "1") -> Finding:
+    """Return a figure that is a mean: another machine's arithmetic moves it by no more than 2 %."""
+    return Finding(name, value, unit, 0.02 * abs(value))
+
+
+def extreme(name: str, value: float, unit: str = "1") -> Finding:
+    """Return a figure that is the largest of many: it may move by 10 %."""
+    return Finding(name, value, unit, 0.1 * abs(value))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Findings:
     """The numbers of a result, and the names of those that it should have and has not."""

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.errors import EstimationError
+from railgrip import studies
 from railgrip.report.baseline import Finding, Findings
 
 Tell = Callable[[str], None]
@@ -30,32 +31,8 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
         EstimationError: There is no such study.
     """
     if study not in STUDIES:
-        raise EstimationError(f"there is no study '{study}'; there is {', '.join(STUDIES)}.")
+        return studies.headlines(study)
     return Findings(values=tuple(finding for part in STUDIES[study] for finding in part(tell)))
-
-
-def rig(tell: Tell) -> list[Finding]:
-    """Return errors of adhesion and pad friction in both tests of the roller rig, with both filters."""
-    from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
-    from railgrip.scenario.load import load
-    from railgrip.studies.roller_rig.study import FILTERS, SCENARIOS, recording_of_rig, row_of
-
-    findings: list[Finding] = []
-    for name in SCENARIOS:
-        tell(f"rig, {name}")
-        scenario = load(Path(name))
-        recording = recording_of_rig(scenario)
-        for file in FILTERS:
-            specification = load_specification(LIBRARY / f"{file}.toml")
-            row = row_of(scenario, file, recording, estimate_of(specification, recording))
-            who = f"{scenario.name}, {specification.name}"
-            findings += [
-                _extreme(f"{who}: adhesion error outside protection events", row["alpha_outside"]),
-                Finding(f"{who}: longest adhesion error above 0.02", row["longest"], "s", 1.01 * row["period"]),
-                _mean(f"{who}: adhesion RMSE", row["alpha_rmse"]),
-                _mean(f"{who}: pad friction RMSE", row["mu_b_rmse"]),
-            ]
-    return findings
 
 
 def field(tell: Tell) -> list[Finding]:
@@ -174,7 +151,8 @@ def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
 
 
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
-    "estimate": (rig, field, monitor),
+    "field_test": (field,),
+    "pad_monitor": (monitor,),
     "lateral": (_elsewhere("lateral"),),
     "learn": (_elsewhere("axle_box"),),
     "trains": (trains,),
@@ -184,7 +162,3 @@ STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
 
 def _mean(name: str, value: float, unit: str = "1") -> Finding:
     return Finding(name, value, unit, MEAN * abs(value))
-
-
-def _extreme(name: str, value: float) -> Finding:
-    return Finding(name, value, "1", EXTREME * abs(value))

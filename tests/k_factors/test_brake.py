@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from railgrip.assemble import braking_distance, run_stop
 from railgrip.studies.k_factors import brake as brake_module
+from railgrip.studies.k_factors.k_dry import brake_of_scenario, quasi_static, scenario_of_draw
 from railgrip.studies.k_factors.rare import estimates
 from railgrip.studies.k_factors.specification import load_specification
-from railgrip.studies.k_factors.k_dry import brake_of_scenario, quasi_static, scenario_of_draw
 
 PER_DRAW = 0.01
 """Share of the deceleration: pads settle over 0.2 MJ of 5 MJ of a unit, in which friction rises by some 20 %."""

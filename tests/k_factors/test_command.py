@@ -48,7 +48,7 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     ]
     contents = []
     for _ in range(2):
-        main_ok([*command, "--set", "loop.samples=20", "--set", "loop.runs=2"])
+        main_ok([*command, *(f"--set=loop.{one}" for one in ("probability=0.1", "samples=20", "runs=2"))])
         contents.append(json.loads((tmp_path / "out" / "k_factors.json").read_text(encoding="utf-8")))
     first, again = contents
     assert (first["seconds"].pop("new_stops"), again["seconds"].pop("new_stops")) == (40, 0)

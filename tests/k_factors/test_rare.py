@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from linear import LinearBrake, brute_states, specification
 from scipy.stats import binom, norm
 
+from railgrip.studies.k_factors.k_dry import PROBABILITIES, quasi_static
 from railgrip.studies.k_factors.rare import (
     Sample,
     estimates,
@@ -19,7 +20,6 @@ from railgrip.studies.k_factors.rare import (
     subset_sample,
     worst_points,
 )
-from railgrip.studies.k_factors.k_dry import PROBABILITIES, quasi_static
 
 ISOLATED = 1e-3
 

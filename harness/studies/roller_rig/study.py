@@ -1,16 +1,18 @@
 """The tests of Schwarz and Keck (2020), §4, on a simulated rig: their filter and ours, judged against the truth."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from railgrip.assemble import run_stop
+from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge
 from railgrip.estimation.run import estimate, units_of
 from railgrip.estimation.spec import (
@@ -22,11 +24,13 @@ from railgrip.estimation.spec import (
     settings_for,
 )
 from railgrip.report import style
-from railgrip.report.page import write_page
+from railgrip.report.baseline import Finding, extreme, mean
+from railgrip.report.page import Page
 from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.sensors.white import White
+from railgrip.studies import Study
 from railgrip.trace.samples import evenly, period_of, reading_of, truth_of, with_signals
 
 Mask = NDArray[np.bool_]
@@ -128,58 +132,98 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     }
 
 
-def study(out: Path, tell: Callable[[str], None] = lambda what: None) -> tuple[Row, ...]:
-    """Run both tests with both filters; write figures, `scores.csv`, `sensitivity.csv` and `rig.md` into `out`.
-
-    Raises:
-        EstimationError: A file of the library does not fit the models.
-        PlantFailed: The rig refused a step.
-    """
-    filters = {spec.name: spec for spec in (load_specification(LIBRARY / f"{name}.toml") for name in FILTERS)}
-    rows: list[Row] = []
-    for name in SCENARIOS:
-        tell(name)
-        scenario = load(Path(name))
-        recording = recording_of_rig(scenario)
-        estimates_of = {key: estimate_of(spec, recording) for key, spec in filters.items()}
-        rows += [row_of(scenario, key, recording, estimates) for key, estimates in estimates_of.items()]
-        for key, estimates in estimates_of.items():
-            rig_run(recording, estimates, out / f"{name}_{key}.png", title=f"{scenario.description}: {key}")
-        tunings(recording, estimates_of, out / f"{name}_tunings.png")
-        Table(rows).write_csv(out / "scores.csv")
-        if name == "rig_sand":
-            over_slip(recording, estimates_of, out / "rig_sand_over_slip.png", between=DEEP_SLIDE, limit=LIMIT)
-    sensitivities = sensitivity(filters, tell)
-    Table(sensitivities).write_csv(out / "sensitivity.csv")
-    write_page(
-        out / "rig.md",
-        "studies/roller_rig/rig.md.jinja",
-        scores=table_of(rows, scenario="scenario"),
-        sensitivity=table_of(sensitivities, period="period", **{"σ of v": "speed_noise"}),
-    )
-    return tuple(rows)
+def tested(scenario: Scenario) -> tuple[xarray.Dataset, dict[str, xarray.Dataset]]:
+    """Return a run on the rig, and what each filter makes of it."""
+    recording = recording_of_rig(scenario)
+    return recording, {name: estimate_of(one, recording) for name, one in _filters().items()}
 
 
-def sensitivity(filters: dict[str, Specification], tell: Callable[[str], None] = lambda what: None) -> list[Row]:
-    """Return both filters on the sliding test at other sampling periods and other encoders of the roller.
+def with_encoder(scenario: Scenario) -> list[Row]:
+    """Return both filters on a run whose encoder of the roller may be another one.
 
     Our filter is told the noise of the encoder that it has; equation (20) is what it is.
     """
+    assert isinstance(scenario.sensors, White)
+    recording, noise = recording_of_rig(scenario), scenario.sensors.noise["speed"].si("m/s")
     rows: list[Row] = []
+    for name, one in _filters().items():
+        settings = settings_for(one, scenario.periods.communication)
+        if name == "rig-own":
+            settings = replace(settings, readings={**settings.readings, "speed": noise**2})
+        estimates = estimate(recording, prediction_for(one), settings, units=units_of(one.model.class_))
+        rows.append(row_of(scenario, name, recording, estimates))
+    return rows
+
+
+def _filters() -> dict[str, Specification]:
+    return {one.name: one for one in (load_specification(LIBRARY / f"{name}.toml") for name in FILTERS)}
+
+
+def _other_encoders() -> list[Scenario]:
+    """Return the sliding test at other sampling periods and with other encoders of the roller."""
+    scenarios: list[Scenario] = []
     for period in PERIODS:
         for noise in SPEED_NOISES:
-            tell(f"period {1e3 * period:g} ms, speed noise {noise:g} m/s")
             periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
             changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
-            scenario = load(Path("rig_slide"), [*changes, f'sensors.noise.speed="{noise} m/s"'])
-            recording = recording_of_rig(scenario)
-            for key, spec in filters.items():
-                settings = settings_for(spec, period)
-                if key == "rig-own":
-                    settings = replace(settings, readings={**settings.readings, "speed": noise**2})
-                estimates = estimate(recording, prediction_for(spec), settings, units=units_of(spec.model.class_))
-                rows.append(row_of(scenario, key, recording, estimates))
-    return rows
+            scenarios.append(load(Path("rig_slide"), [*changes, f'sensors.noise.speed="{noise} m/s"']))
+    return scenarios
+
+
+@dataclass(frozen=True)
+class RollerRig(Study):
+    """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
+
+    def page(self, work: Work) -> Page:
+        """Return both tests with both filters, and the sliding test with other periods and encoders."""
+        scenarios = [load(Path(name)) for name in SCENARIOS]
+        tests = work.map(tested, scenarios)
+        sensitivity = [row for rows in work.map(with_encoder, _other_encoders()) for row in rows]
+        rows = _rows(scenarios, tests)
+        figures: dict[str, Figure] = {}
+        for file, scenario, (recording, estimates) in zip(SCENARIOS, scenarios, tests, strict=True):
+            for name, one in estimates.items():
+                figures[f"{file}_{name}.png"] = rig_run(recording, one, title=f"{scenario.description}: {name}")
+            figures[f"{file}_tunings.png"] = tunings(recording, estimates)
+        figures["rig_sand_over_slip.png"] = over_slip(*tests[-1], between=DEEP_SLIDE, limit=LIMIT)
+        scores = table_of(rows, scenario="scenario")
+        return Page(
+            template="studies/roller_rig/rig.md.jinja",
+            values={
+                "scores": scores,
+                "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
+            },
+            figures=figures,
+            tables={"scores.csv": Table(rows), "sensitivity.csv": Table(sensitivity)},
+            screen=(scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")),),
+        )
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return errors of adhesion and pad friction in both tests, with both filters."""
+        scenarios = [load(Path(name)) for name in SCENARIOS]
+        findings: list[Finding] = []
+        for row in _rows(scenarios, work.map(tested, scenarios)):
+            who = f"{row['scenario']}, {row['filter']}"
+            findings += [
+                extreme(f"{who}: adhesion error outside protection events", row["alpha_outside"]),
+                Finding(f"{who}: longest adhesion error above 0.02", row["longest"], "s", 1.01 * row["period"]),
+                mean(f"{who}: adhesion RMSE", row["alpha_rmse"]),
+                mean(f"{who}: pad friction RMSE", row["mu_b_rmse"]),
+            ]
+        return findings
+
+
+STUDY = RollerRig
+
+
+def _rows(
+    scenarios: Sequence[Scenario], tests: Sequence[tuple[xarray.Dataset, dict[str, xarray.Dataset]]]
+) -> list[Row]:
+    return [
+        row_of(scenario, name, recording, one)
+        for scenario, (recording, estimates) in zip(scenarios, tests, strict=True)
+        for name, one in estimates.items()
+    ]
 
 
 def table_of(rows: Sequence[Row], **first: str) -> Table:
@@ -213,7 +257,7 @@ _FORMS: Mapping[str, Form] = {
 RADIUS = 0.46  # m, of the rig's wheelset
 
 
-def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, path: Path, *, title: str) -> Path:
+def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, *, title: str) -> Figure:
     """Draw speeds and pad force above, adhesion and pad friction below (Schwarz and Keck, 2020, figures 4 and 5)."""
     time = recording["time"].values
     drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True)
@@ -247,17 +291,16 @@ def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, path: Path, *,
     friction.plot(time, pads, color=style.VERMILION, lw=1.0, label="pad friction, estimated (right)")
     friction.set_ylim(0.0, 0.5)
     _legend(below, friction)
-    return style.save(drawing, path)
+    return drawing
 
 
 def over_slip(
     recording: xarray.Dataset,
     estimates: Mapping[str, xarray.Dataset],
-    path: Path,
     *,
     between: tuple[float, float],
     limit: float,
-) -> Path:
+) -> Figure:
     """Draw adhesion over slip and its error (figure 6), for every filter, from `between[0]` to `between[1]` seconds."""
     part = recording.sel(time=slice(*between))
     slip = truth_of(part, "slip")
@@ -277,10 +320,10 @@ def over_slip(
     style.legend(above)
     below.axhline(limit, color=style.BLACK, lw=0.8, ls=":")
     style.dress(below, x="slip", y="|error| of adhesion")
-    return style.save(drawing, path)
+    return drawing
 
 
-def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset], path: Path) -> Path:
+def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
     """Draw error and claimed spread of adhesion and pad friction, one column a filter."""
     drawing, axes = style.panels(10, 6, 2, len(estimates), sharex=True, squeeze=False)
     time = recording["time"].values
@@ -295,7 +338,7 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset], 
             at.set_ylim(-reach, reach)
             style.dress(at, x="time [s]" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
             style.legend(at, loc="upper right")
-    return style.save(drawing, path)
+    return drawing
 
 
 def _legend(axes: Axes, other: Axes) -> None:
