@@ -104,7 +104,7 @@ regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with 
 	$(PROGRAM) regress --across-compilers --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
-	$(PROGRAM) monitor-study
+	$(PROGRAM) study pad_monitor
 
 fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
 	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmu/test_malformed_description.py

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""
 
-_STUDIES: Final = {"k-factors": "k_factors", "rig": "roller_rig"}
+MOVED: Final = {"k-factors": "k_factors", "monitor-study": "pad_monitor", "rig": "roller_rig"}
 """What was a command of its own, and which study it is."""
 
 
@@ -23,8 +23,8 @@ class _Commands(TyperGroup):
     """Commands; one of an earlier release is refused with its new name."""
 
     def resolve_command(self, ctx: "click.Context", args: list[str]) -> Any:
-        if args[0] in _STUDIES:
-            raise InputError(f"`railgrip {args[0]}` is now `railgrip study {_STUDIES[args[0]]}`.")
+        if args[0] in MOVED:
+            raise InputError(f"`railgrip {args[0]}` is now `railgrip study {MOVED[args[0]]}`.")
         return super().resolve_command(ctx, args)
 
 

@@ -12,7 +12,6 @@ from typer.core import TyperGroup
 from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers, app
 from railgrip.console import progress, remark, say, show_table
 from railgrip.errors import ScenarioError
-from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 
 if TYPE_CHECKING:
     import click
@@ -286,6 +285,7 @@ def monitor(
 ) -> None:
     """Follow the friction of each brake group from stop to stop, print and plot its health, trend and alarms."""
     from railgrip.estimation.spec import load_specification
+    from railgrip.report.style import save
     from railgrip.studies.pad_monitor.folder import stops_in
     from railgrip.studies.pad_monitor.page import draw, health_table, summary_of
     from railgrip.studies.pad_monitor.watch import Design, watch
@@ -306,30 +306,7 @@ def monitor(
     history = watch(list(evidence.values()), design)
     show_table(health_table(history, list(evidence)))
     say(summary_of(history, design))
-    say(str(draw(history, design, out or folder / "monitor.png")))
-
-
-@app.command("monitor-study")
-def monitor_study(
-    out: Annotated[Path, typer.Option(help="Folder for figure and figures.")] = Path("build/monitor"),
-    seeds: Annotated[int, typer.Option(min=1, help="Lives.")] = 20,
-    stops: Annotated[int, typer.Option(min=40, help="Stops of each.")] = 200,
-    workers: Workers = 2,
-    pressure_offset: Annotated[
-        float, typer.Option(min=0.0, help="1σ of what pressure transducers are off for a whole life [Pa].")
-    ] = PRESSURE_OFFSET,
-) -> None:
-    """Simulate lives with a worn and a sticking brake; print delays of alarms and the rate of false ones."""
-    from railgrip.campaign.workers import workers as processes
-    from railgrip.studies.pad_monitor.page import draw
-    from railgrip.studies.pad_monitor.study import assessment_of, evidence_of_lives, lives
-    from railgrip.studies.pad_monitor.watch import Design, watch
-
-    design, plan = Design(), lives(seeds, stops, pressure_offset)
-    with progress("lives", seeds, is_count=True) as bar, processes(workers) as pool:
-        evidence = evidence_of_lives(plan, pool, lambda count: bar.update(amount=count))
-    show_table(assessment_of(plan, evidence, design).table())
-    say(str(draw(watch(evidence[0], design), design, out / "life.png")))
+    say(str(save(draw(history, design), out or folder / "monitor.png")))
 
 
 def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:

@@ -8,12 +8,11 @@ largest of many errors. A changed law moves it further.
 import math
 from collections.abc import Callable
 from importlib import import_module
-from pathlib import Path
 
 import numpy as np
 
-from railgrip.errors import EstimationError
 from railgrip import studies
+from railgrip.errors import EstimationError
 from railgrip.report.baseline import Finding, Findings
 
 Tell = Callable[[str], None]
@@ -74,29 +73,6 @@ def field(tell: Tell) -> list[Finding]:
     ]
 
 
-def monitor(tell: Tell) -> list[Finding]:
-    """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
-    from railgrip.studies.pad_monitor.evidence import evidence_of
-    from railgrip.studies.pad_monitor.life import Life, live
-    from railgrip.studies.pad_monitor.study import assessment_of
-    from railgrip.studies.pad_monitor.watch import Design
-
-    # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
-    life = Life(stops=52, seed=1, worn=28, worn_group=1, stuck=40, stuck_group=2)
-    evidence = []
-    for number, stop in enumerate(live(life)):
-        tell(f"monitor, stop {number + 1} of {life.stops}")
-        evidence.append(evidence_of(*stop))
-    assessment = assessment_of([life], [evidence], Design())
-    worn, stuck = assessment.worn_delays[0], assessment.stuck_delays[0]
-    # A chart that ends a hair below its threshold alarms with the next stop.
-    return [
-        Finding("monitor: stops until lost friction is found", worn, "stops", 1.0),
-        Finding("monitor: stops until a sticking brake is found", stuck, "stops", 1.0),
-        Finding("monitor: false alarms", float(assessment.false_alarms), "1", 0.5),
-    ]
-
-
 def trains(tell: Tell) -> list[Finding]:
     """Return dry distances of named trains, and two rows of the trial of sanders with its density of sand."""
     from railgrip.assemble import braking_distance
@@ -152,7 +128,6 @@ def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
 
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
     "field_test": (field,),
-    "pad_monitor": (monitor,),
     "lateral": (_elsewhere("lateral"),),
     "learn": (_elsewhere("axle_box"),),
     "trains": (trains,),

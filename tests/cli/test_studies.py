@@ -75,7 +75,7 @@ def test_studies_are_listed_with_what_they_are(capsys):
         assert f"{name} {summary(name)}" in shown
 
 
-@pytest.mark.parametrize("name", ["k_factors", "roller_rig"])
+@pytest.mark.parametrize("name", ["k_factors", "pad_monitor", "roller_rig"])
 def test_every_study_says_its_options_and_is_named_as_its_folder(name, capsys):
     with pytest.raises(SystemExit) as end:
         main(["study", name, "--help"])
@@ -93,7 +93,9 @@ def test_a_study_that_is_not_there_gets_a_sentence(capsys):
     assert "No such command 'estimation'" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("old", "new"), [("k-factors", "k_factors"), ("rig", "roller_rig")])
+@pytest.mark.parametrize(
+    ("old", "new"), [("k-factors", "k_factors"), ("rig", "roller_rig"), ("monitor-study", "pad_monitor")]
+)
 def test_a_command_of_an_earlier_release_is_refused_with_its_new_name(old, new, capsys):
     with pytest.raises(SystemExit) as end:
         main([old, "--out", "here"])

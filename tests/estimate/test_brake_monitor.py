@@ -1,11 +1,8 @@
 """The monitor finds the group that lost friction, and says so when stops cannot tell."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
-from railgrip.studies.pad_monitor import study as monitor_study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
@@ -271,16 +268,3 @@ def test_stops_on_disk_give_the_same_evidence(stops, tmp_path):
     assert not sentences
     here = evidence_of(recording, temperature)
     np.testing.assert_array_equal(evidence[recording.attrs["name"]].health, here.health)
-
-
-def test_a_life_is_run_once(monkeypatch):
-    life = Life(stops=2, seed=99)
-    with ThreadPoolExecutor(1) as pool:
-        (first,) = monitor_study.evidence_of_lives([life], pool)
-        monkeypatch.setattr(monitor_study, "live", None)
-        (second,) = monitor_study.evidence_of_lives([life], pool)
-        for one, again in zip(first, second, strict=True):
-            np.testing.assert_array_equal(one.health, again.health)
-            np.testing.assert_array_equal(one.covariance, again.covariance)
-        with pytest.raises(TypeError):
-            monitor_study.evidence_of_lives([Life(stops=2, seed=10**9)], pool)

@@ -20,11 +20,14 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import pressure_spread
 from railgrip.fmus.native import lower
 from railgrip.formation import Formation
-from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
 from railgrip.trace.samples import period_of, samples
 
 NOMINAL = 0.35
 """Friction at nominal conditions, `mu_nominal` of RailBraking.Friction.PadFriction."""
+
+PRESSURE_OFFSET = 5e3
+"""1σ of the offset of a cylinder's pressure transducer [Pa]: 0.5 % of 10 bar full scale, the class of the sensors in
+`table1.toml`. It belongs to the transducer, so it is taken to be the same in every stop."""
 
 _STATES = ("pad.mu", "disc.T_bulk", "disc.T_surface")
 

@@ -21,8 +21,7 @@ from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
-from railgrip.studies.pad_monitor.evidence import formation
-from railgrip.studies.pad_monitor.transducers import PRESSURE_OFFSET
+from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
 from railgrip.trace.samples import recording_of
 
 PLANT = "TwoPartTrain"

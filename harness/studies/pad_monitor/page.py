@@ -1,9 +1,9 @@
 """What the monitor found, as a figure and as rows of a table."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from railgrip.report import style
 from railgrip.report.table import Table
@@ -55,8 +55,8 @@ def summary_of(history: History, design: Design) -> str:
     return f"{opening}; the first {design.reference} of those are the reference."
 
 
-def draw(history: History, design: Design, path: Path) -> Path:
-    """Draw health and chart of each group over the stops and return the file."""
+def draw(history: History, design: Design) -> Figure:
+    """Draw health and chart of each group over the stops."""
     called = group_names()
     drawing, axes = style.panels(11.0, 2.0 * len(called), len(called), 2, sharex=True, width_ratios=(3, 2))
     number = np.arange(len(history.index)) + 1
@@ -84,4 +84,4 @@ def draw(history: History, design: Design, path: Path) -> Path:
     style.legend(axes[0, 0], loc="upper right", ncols=2)
     for part in axes[-1]:
         part.set_xlabel("stop")
-    return style.save(drawing, path)
+    return drawing
