@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Mapping
-from dataclasses import MISSING, fields, replace
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
 
@@ -248,31 +248,6 @@ def tune(
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
     say(str(out))
-
-
-@app.command()
-def lateral(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for results and report.")] = Path("build/lateral"),
-    quick: Annotated[bool, typer.Option(help="A few short runs: shows that it works, not what is true.")] = False,
-    prediction: Annotated[
-        str, typer.Option(metavar="fmu|compiled", help="What the filters evaluate: FMUs, or their equations.")
-    ] = "fmu",
-    workers: Workers = 2,
-) -> None:
-    """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
-    from railgrip.errors import EstimationError
-    from railgrip.studies.lateral.report import write_report
-    from railgrip.studies.lateral.study import FULL, QUICK, conduct
-
-    if prediction != "fmu" and prediction != "compiled":
-        raise EstimationError(f"lateral: there is no prediction '{prediction}'; there is fmu, compiled.")
-    plan = replace(QUICK if quick else FULL, prediction=prediction)
-    folder = out / "quick" if quick else out
-    with progress("lateral", len(plan.cases), is_count=True) as bar:
-        results = conduct(plan, workers=workers, tell=lambda case, was_there: bar.advance())
-        bar.update(doing="report")
-        page = write_report(plan, results, folder, tell=lambda what: bar.update(doing=what))
-    say(str(page))
 
 
 @app.command()

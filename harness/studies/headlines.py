@@ -128,7 +128,6 @@ def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
 
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
     "field_test": (field,),
-    "lateral": (_elsewhere("lateral"),),
     "learn": (_elsewhere("axle_box"),),
     "trains": (trains,),
     "type_test": (type_test,),

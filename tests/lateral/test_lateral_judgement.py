@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from railgrip.campaign.work import work
 from railgrip.errors import EstimatorError
 from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
-from railgrip.studies.lateral.report import write_report
 from railgrip.studies.lateral.run import Case
-from railgrip.studies.lateral.study import Plan, Result, conduct
-from railgrip.studies.lateral.tables import levels, spread
+from railgrip.studies.lateral.study import Plan, page_of
+from railgrip.studies.lateral.tables import Result, levels, spread
 from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
@@ -79,12 +79,11 @@ def test_what_has_been_run_is_found_again_and_reported(tmp_path):
     never_run = 25.0 + 1e-9 * time.time_ns() % 1e-3
     short = Trial(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
     plan = Plan(tests=(short,), speeds=(never_run,), seeds=1)
-    messages: list[bool] = []
-    first = conduct(plan, workers=1, tell=lambda case, cached: messages.append(cached))
-    again = conduct(plan, workers=1, tell=lambda case, cached: messages.append(cached))
-    assert messages == [False] * len(PLANTS) + [True] * len(PLANTS)
-    assert [result.measures for result in first] == [result.measures for result in again]
-    page = write_report(plan, again, tmp_path)
+    with work("lateral", workers=1) as own:
+        page_of(plan, own)
+        assert own.made == 2 * len(PLANTS)  # and the figures, which are not kept
+        page = page_of(plan, own).write(tmp_path)
+        assert own.made == 3 * len(PLANTS)
     text = page.read_text(encoding="utf-8")
     assert "well posed, track unknown" in text
     assert len(list(tmp_path.glob("*.png"))) == len(PLANTS)

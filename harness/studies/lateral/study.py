@@ -1,21 +1,43 @@
-"""Many runs of the lateral study, two at a time, each kept under a digest of everything that decides it."""
+"""The lateral study: which runs, its page, a figure of each test, and headline numbers."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Final
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Final
 
-import railgrip.estimators
-from railgrip.campaign.store import digest_of, results_of
-from railgrip.campaign.workers import workers as processes
+import numpy as np
+from matplotlib.figure import Figure
+from typer import Option
+
+from railgrip.campaign.work import Work
 from railgrip.estimation.run import Kind
-from railgrip.fmus.build import fmu
-from railgrip.fmus.native import lower
-from railgrip.studies.lateral import filters, judge, run, wheelset
-from railgrip.studies.lateral.filters import CLASSES
-from railgrip.studies.lateral.judge import measure
+from railgrip.report import style
+from railgrip.report.baseline import Finding
+from railgrip.report.page import Page
+from railgrip.studies import Study
+from railgrip.studies.lateral.filters import NAMES
+from railgrip.studies.lateral.judge import (
+    DETECTOR,
+    FRICTION_TOLERANCE,
+    QUANTITIES,
+    SHARE_TOLERANCE,
+    WINDOW,
+    beliefs_about,
+    measure,
+)
 from railgrip.studies.lateral.run import Case, simulate
-from railgrip.studies.lateral.wheelset import PLANTS, TESTS, Trial
+from railgrip.studies.lateral.tables import (
+    PLANT_TITLES,
+    TITLES,
+    Result,
+    detections,
+    error_rows,
+    error_tables,
+    flat,
+    innovation_table,
+    levels,
+    observability_table,
+    spread,
+)
+from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, Trial
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
@@ -61,35 +83,150 @@ QUICK: Final = Plan(tests=tuple(test.shortened(2.5) for test in TESTS), speeds=(
 """A few seconds of everything: shows that it runs, not what is true."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Result:
-    """What one run gave: its case and what `judge.measure` returned."""
-
-    case: Case
-    measures: dict[str, Any]
+def measured(case: Case) -> dict[str, Any]:
+    """Run and measure one case; observability is that of the model, which other plants do not keep to."""
+    return measure(simulate(case), observe=case.plant == "paper")
 
 
-def conduct(
-    plan: Plan, *, workers: int = 2, tell: Callable[[Case, bool], None] = lambda case, was_there: None
-) -> tuple[Result, ...]:
-    """Return the results of all runs of a plan, in its order; those in the user's cache are not run again."""
+def conduct(plan: Plan, work: Work) -> tuple[Result, ...]:
+    """Return the results of all runs of a plan, in its order."""
     # Compiled here once, so that the workers find everything made.
-    first = Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction)
-    simulate(first)
-    # What the compiler made, not the files it read: another vehicle in the library changes nothing here.
-    models = [lower(name) for name in (*CLASSES.values(), "RailBraking.FMUs.LateralContact")]
-    rests_on = digest_of(
-        *(fmu(name) for name in ("LateralWheelset", *(name.rpartition(".")[2] for name in CLASSES.values()))),
-        *(function.serialize().encode() for model in models for function in (model.derivative, model.output)),
-        repr([(p.name, p.start) for model in models for p in model.parameters]).encode(),
-        Path(railgrip.estimators.__file__ or "").parent,
-        *(filters, run, judge, wheelset),
-    )
-    with processes(workers) as pool:
-        measures = results_of("lateral-runs", plan.cases, one, pool, rests_on, tell)
+    simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
+    measures = work.map(measured, plan.cases)
     return tuple(Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True))
 
 
-def one(case: Case) -> dict[str, Any]:
-    """Run and measure one case; observability is that of the model, which other plants do not keep to."""
-    return measure(simulate(case), observe=case.plant == "paper")
+def page_of(plan: Plan, work: Work) -> Page:
+    """Run a plan; return tables over its seeds, and a figure of each test."""
+    results = conduct(plan, work)
+    rows, speed = error_rows(results), plan.middle_speed
+    cases = [Case(test=test, speed=speed, plant="paper", seed=1) for test in plan.tests]
+    cases += [Case(test=plan.tests[-1], speed=speed, plant=plant, seed=1) for plant in PLANTS if plant != "paper"]
+    files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in cases}
+    drawings = work.map(test_figure, files.values(), keep=False)
+    return Page(
+        template="studies/lateral/lateral.md.jinja",
+        values={
+            "seeds": plan.seeds,
+            "confidence": f"{spread([0.0] * plan.seeds).confidence:.0%}",
+            "friction_tolerance": FRICTION_TOLERANCE,
+            "share_tolerance": f"{SHARE_TOLERANCE:.0%}",
+            "window": WINDOW,
+            "sensors": SERVICE_SENSORS,
+            "speed": f"{speed:g}",
+            "detector": DETECTOR,
+            "announced": f"{DETECTOR.confidence:.0%}",
+            "errors": error_tables(rows),
+            "innovations": innovation_table(results),
+            "observability": observability_table(results),
+            "levels": levels(results),
+            "detections": detections(results),
+            "pictures": {name: case.test.name for name, case in files.items()},
+        },
+        figures=dict(zip(files, drawings, strict=True)),
+        tables={"errors.csv": flat(rows)},
+    )
+
+
+_TOLERANCE: Final = 0.05
+"""Relative, of rms errors: half a million steps of a filter at 1e-7 of its scale are another machine's arithmetic."""
+_HEADLINES: Final = {
+    "paper": ("literal", "known_track", "unknown_track"),
+    "softer": ("known_track",),
+    "slightly_softer": ("known_track",),
+    "service": ("known_track", "unknown_track"),
+}
+"""Filters that headlines are of, by plant."""
+
+
+@dataclass(frozen=True)
+class Lateral(Study):
+    """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
+
+    quick: bool = False
+    prediction: Annotated[Kind, Option(help="What the filters evaluate: FMUs, or their equations.")] = "fmu"
+
+    @property
+    def place(self) -> str:
+        """A folder of its own for the small form."""
+        return "quick" if self.quick else ""
+
+    def page(self, work: Work) -> Page:
+        """Return the page of all runs."""
+        return page_of(replace(QUICK if self.quick else FULL, prediction=self.prediction), work)
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return what filters make of one transition through all conditions, of softer contacts and other sensors."""
+        cases = [Case(test=TESTS[-1], speed=25.0, plant=plant, seed=1) for plant in _HEADLINES]
+        findings: list[Finding] = []
+        for (plant, names), measures in zip(_HEADLINES.items(), work.map(measured, cases), strict=True):
+            for name in names:
+                findings += _of_filter(f"lateral, {plant}, {name}", name, measures)
+            constant = measures["constant"]["friction"]
+            who = f"lateral, {plant}, the best constant"
+            findings.append(Finding(f"{who}: friction RMSE", constant, "1", _TOLERANCE * constant))
+            if measures["observability"] is not None:
+                least = min(value for value in measures["observability"]["service"] if value is not None)
+                who = f"lateral, {plant}: least sd of mu0, service sensors"
+                findings.append(Finding(who, least, "1", _TOLERANCE * least))
+        return findings
+
+
+STUDY = Lateral
+
+
+def _of_filter(who: str, name: str, measures: dict[str, Any]) -> list[Finding]:
+    rms = measures["errors"][name]["friction"]["rmse"]
+    findings = [Finding(f"{who}: friction RMSE", rms, "1", _TOLERANCE * abs(rms or 1))]
+    if name in measures["detection"]:
+        counts = measures["detection"][name]["confusion"]
+        right = sum(counts[k][k] for k in range(len(CONDITIONS))) / sum(map(sum, counts))
+        findings.append(Finding(f"{who}: condition right, share of time", right, "1", 0.01))
+    return findings
+
+
+COLOURS: Final = {"literal": style.VERMILION, "known_track": style.BLUE, "unknown_track": style.GREEN}
+LABELS: Final = {
+    "lateral_velocity": "lateral velocity [m/s]",
+    "yaw_rate": "yaw rate [rad/s]",
+    "creep": "creep",
+    "creep_force": "creep force [N]",
+    "friction": "friction coefficient",
+}
+
+
+def test_figure(case: Case) -> Figure:
+    """Run a case; draw truth and estimates on the left, errors on the right, a row for each quantity."""
+    trace = simulate(case)
+    drawing, panels = style.panels(11, 2.0 * len(QUANTITIES), len(QUANTITIES), 2, sharex=True)
+    beliefs = {name: beliefs_about(trace, name) for name in NAMES}
+    for (left, right), quantity in zip(panels, QUANTITIES, strict=True):
+        truth = trace.truth[quantity]
+        size = float(np.max(np.abs(truth)))
+        left.plot(trace.time, truth, color=style.BLACK, linewidth=1.2, label="true")
+        for name in NAMES:
+            mean = beliefs[name][quantity].mean
+            left.plot(trace.time, mean, color=COLOURS[name], linewidth=0.8, linestyle="--", label=TITLES[name])
+            right.plot(trace.time, np.abs(mean - truth), color=COLOURS[name], linewidth=0.7)
+        # Room for twice the truth: a filter that leaves the panel is wrong by more than all there is to estimate.
+        bottom = -1.5 * size if np.min(truth) < 0 else -0.1 * size
+        left.set_ylim(bottom, 1.5 * size)
+        style.dress(left, y=LABELS[quantity])
+        right.set_yscale("log")
+        right.set_ylim(1e-7 * size, 1e1 * size)
+        unit = LABELS[quantity].partition("[")[2]
+        style.dress(right, y=f"|error| [{unit}" if unit else "|error|")
+        for axes in (left, right):
+            for change in trace.changes[1:]:
+                axes.axvline(change, color=style.GREY, linewidth=0.8, linestyle=":")
+    panels[0, 0].legend(ncols=2, fontsize=7, loc="upper right", framealpha=0.9)
+    for axes in panels[-1]:
+        axes.set_xlabel("time [s]")
+        axes.set_xlim(0, trace.time[-1])
+    drawing.suptitle(
+        f"{case.test.name} at {case.speed:g} m/s, {PLANT_TITLES[case.plant]}, seed {case.seed}",
+        fontsize=11,
+        x=0.02,
+        ha="left",
+    )
+    return drawing

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -14,7 +13,7 @@ from scipy.stats import binom
 from railgrip.report.table import Table
 from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import QUANTITIES
-from railgrip.studies.lateral.study import Result
+from railgrip.studies.lateral.run import Case
 from railgrip.studies.lateral.wheelset import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
@@ -32,6 +31,14 @@ TITLES: Final = {
     "known_track": "well posed, track known",
     "unknown_track": "well posed, track unknown",
 }
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Result:
+    """What one run gave: its case and what `judge.measure` returned."""
+
+    case: Case
+    measures: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,21 +120,22 @@ def error_rows(results: Sequence[Result]) -> list[dict[str, Any]]:
     ]
 
 
-def write_csv(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write error rows with median, low and high in columns of their own."""
-    flat = [
-        {
-            key: value
-            for name, cell in row.items()
-            for key, value in (
-                ((name, cell.median), (f"{name}_low", cell.low), (f"{name}_high", cell.high))
-                if isinstance(cell, Spread)
-                else ((name, cell),)
-            )
-        }
-        for row in rows
-    ]
-    Table(flat).write_csv(path)
+def flat(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """Return error rows with median, low and high in columns of their own."""
+    return Table(
+        [
+            {
+                key: value
+                for name, cell in row.items()
+                for key, value in (
+                    ((name, cell.median), (f"{name}_low", cell.low), (f"{name}_high", cell.high))
+                    if isinstance(cell, Spread)
+                    else ((name, cell),)
+                )
+            }
+            for row in rows
+        ]
+    )
 
 
 def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
