@@ -78,7 +78,7 @@ type-test: fmus  ## all controllers in hundreds of cases that none was tuned on,
 	$(PROGRAM) type-test $(QUICK)
 
 trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains (QUICK=--quick)
-	$(PROGRAM) trains $(QUICK)
+	$(PROGRAM) study trains $(QUICK)
 
 bench: fmus  ## speed, as medians and ratios in one run
 	$(PROGRAM) bench

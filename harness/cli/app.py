@@ -15,7 +15,13 @@ if TYPE_CHECKING:
 RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""
 
-MOVED: Final = {"k-factors": "k_factors", "lateral": "lateral", "monitor-study": "pad_monitor", "rig": "roller_rig"}
+MOVED: Final = {
+    "k-factors": "k_factors",
+    "lateral": "lateral",
+    "monitor-study": "pad_monitor",
+    "rig": "roller_rig",
+    "trains": "trains",
+}
 """What was a command of its own, and which study it is."""
 
 

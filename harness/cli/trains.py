@@ -1,16 +1,13 @@
-"""Trains in files: begin one, look at one, check one; and the study of those of this project."""
+"""Trains in files: begin one, look at one, check one."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from railgrip.cli.app import app
-from railgrip.console import progress, remark, say, show_table
+from railgrip.console import remark, say, show_table
 from railgrip.errors import InputError
-
-if TYPE_CHECKING:
-    from railgrip.studies.trains.stops import DryStop
 
 trains = typer.Typer(help="Trains in files, for [vehicle] train of a scenario: begin, look at and check one.")
 app.add_typer(trains, name="train")
@@ -76,41 +73,3 @@ def check(file: TrainFile) -> None:
         say(equipment)
     for speed, stop in stops_by_hand(train).items():
         say(sentence_of_stop(train, speed, stop))
-
-
-@app.command("trains")
-def study(
-    quick: Annotated[bool, typer.Option(help="Without the longest train, and the cost of up to four cars.")] = False,
-    out: Annotated[Path, typer.Option(help="Folder for results and report.")] = Path("build/trains"),
-) -> None:
-    """Stop the trains of this project, compare them with what is published, and fit sand to a trial of sanders."""
-    from railgrip.files import scratch
-    from railgrip.rolling_stock.files import NAMED
-    from railgrip.scenario.file import installed
-    from railgrip.studies.trains.report import table_of, table_of_protected, table_of_sanders, write_report
-    from railgrip.studies.trains.sanders import compare, trial_of
-    from railgrip.studies.trains.stops import dry_stop, multiplied, protected_stop
-
-    names = [name for name in NAMED if not quick or name != "loco_coaches"]
-    counts = (1, 2, 4) if quick else (1, 2, 4, 8, 16)
-    trial, model = trial_of(), Path("emu387")
-    text = installed(model, "trains").read_text(encoding="utf-8")
-    pieces = len(names) + len(counts) + 2
-    with progress("trains", pieces, is_count=True) as bar, scratch("study") as folder:
-        files = [folder / f"{model}_{count}.toml" for count in counts]
-        for file, count in zip(files, counts, strict=True):
-            file.write_text(multiplied(text, count), encoding="utf-8")
-        dry_stops: list[DryStop] = []
-        for train in (*names, *files):
-            dry_stops.append(dry_stop(train))
-            bar.advance()
-        stops, series = dry_stops[: len(names)], dry_stops[len(names) :]
-        protected_stops = [protected_stop(period) for period in (1e-3, 10e-3)]
-        bar.advance()
-        density, comparisons = compare(trial)
-        bar.advance()
-        page = write_report(stops, series, protected_stops, trial, density, comparisons, out)
-    show_table(table_of(stops))
-    show_table(table_of_protected(protected_stops))
-    show_table(table_of_sanders(comparisons))
-    say(str(page))

@@ -12,15 +12,12 @@ from importlib import import_module
 import numpy as np
 
 from railgrip import studies
-from railgrip.errors import EstimationError
 from railgrip.report.baseline import Finding, Findings
 
 Tell = Callable[[str], None]
 
 MEAN, EXTREME = 0.02, 0.10
 """Relative tolerances of means and of the largest of many."""
-SLIP = 2e-3
-"""Of a distance under slip control: parameters moved by 1e-7 move it by 2e-4."""
 
 
 def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
@@ -73,37 +70,6 @@ def field(tell: Tell) -> list[Finding]:
     ]
 
 
-def trains(tell: Tell) -> list[Finding]:
-    """Return dry distances of named trains, and two rows of the trial of sanders with its density of sand."""
-    from railgrip.assemble import braking_distance
-    from railgrip.studies.trains.sanders import distance_of, scenario_tables, trial_of
-    from railgrip.studies.trains.stops import dry_scenario
-
-    findings: list[Finding] = []
-    for train, speed in (("vt642", 85 / 3.6), ("emu387", 120 / 3.6), ("tram", 50 / 3.6)):
-        tell(f"trains, {train}")
-        distance = _stopped(braking_distance(dry_scenario(train, speed)), train)
-        # Nothing slides: only the solver's steps differ on another machine.
-        findings.append(Finding(f"trains, {train}: dry distance", distance, "m", 1e-4 * distance))
-    trial = trial_of()
-    tables = scenario_tables(trial)
-    for row in trial.rows:
-        if row.sanders in ("two fixed", "two variable"):
-            tell(f"trains, {row.sanders}")
-            distance = _stopped(distance_of(trial, row, _SAND, tables), row.sanders)
-            findings.append(Finding(f"trains, sanders {row.sanders}: distance", distance, "m", SLIP * distance))
-    return findings
-
-
-_SAND = 5.4e-3  # kg/m, what docs/trains.md has from the fit on one row
-
-
-def _stopped(distance: float | None, what: str) -> float:
-    if distance is None:
-        raise EstimationError(f"{what} does not come to stand; `railgrip trains` shows the stop.")
-    return distance
-
-
 def type_test(tell: Tell) -> list[Finding]:
     """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set."""
     from railgrip.assemble import braking_distance
@@ -129,7 +95,6 @@ def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
     "field_test": (field,),
     "learn": (_elsewhere("axle_box"),),
-    "trains": (trains,),
     "type_test": (type_test,),
 }
 
