@@ -131,7 +131,7 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	  --set model.parameters.adhesion_transfer=0
 	$(PROGRAM) observability $(ESTIMATIONS)/field.toml
 	$(PROGRAM) estimate $(ESTIMATIONS)/field.toml
-	$(PROGRAM) field
+	$(PROGRAM) study field_test
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
 	$(PROGRAM) tune paper --out harness/studies/field_test/library/paper.toml

@@ -280,7 +280,7 @@ def test_every_command_that_runs_scenarios_takes_folders():
         "estimate",
         "observability",
         "study k_factors",
-        "field",
+        "study field_test",
         "tune",
     ):
         assert "--import-from" in runner.invoke(app, [*command.split(), "--help"]).output, command

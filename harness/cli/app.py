@@ -16,6 +16,7 @@ RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""
 
 MOVED: Final = {
+    "field": "field_test",
     "k-factors": "k_factors",
     "lateral": "lateral",
     "monitor-study": "pad_monitor",

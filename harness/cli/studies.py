@@ -111,11 +111,6 @@ _COMMON: Final[Mapping[str, Any]] = {
 
 OUT: Final = Path("build/learn")
 
-FieldTest = Annotated[
-    Path | None,
-    typer.Option("--campaign", metavar="FILE.toml", help="Cases of a field test; field_test unless given."),
-]
-
 
 @app.command()
 def learn(
@@ -177,26 +172,12 @@ def ride(
 
 
 @app.command()
-def field(
-    out: Annotated[Path, typer.Option(help="Folder for figures and page.")] = Path("build/estimate/field"),
-    campaign: FieldTest = None,
-    import_from: ImportFrom = None,
-) -> None:
-    """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
-    from railgrip.studies.field_test.report import write_report
-    from railgrip.studies.field_test.runs import cases
-
-    with progress("field test") as bar:
-        page = write_report(cases(campaign), out, lambda what: bar.update(doing=what), import_from or ())
-    say(page.read_text(encoding="utf-8"))
-    say(str(page))
-
-
-@app.command()
 def tune(
     kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
     out: Annotated[Path, typer.Option(help="File for the noises.")],
-    campaign: FieldTest = None,
+    campaign: Annotated[
+        Path | None, typer.Option(metavar="FILE.toml", help="Cases of a field test; field_test unless given.")
+    ] = None,
     population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
     generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
     stage: Annotated[int, typer.Option(min=1, help="Generations between two checkpoints.")] = 10,
@@ -205,6 +186,7 @@ def tune(
     import_from: ImportFrom = None,
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
+    from railgrip.campaign.work import work
     from railgrip.errors import EstimationError
     from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, task_of
     from railgrip.studies.field_test.noise import save_noise
@@ -216,8 +198,8 @@ def tune(
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     model, name = equations(), "field_test" if campaign is None else campaign.stem
-    with progress("field test") as bar:
-        field_runs = runs(cases(campaign), TUNING, lambda case: bar.update(doing=case), import_from or ())
+    with work("field_test") as own:
+        field_runs = runs(cases(campaign), TUNING, own, import_from or ())
     tasks = [task_of(run.braking, model) for run in field_runs.values()]
     search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
     checkpoint = Path("build/tune") / f"{name}-{kind}.npz"

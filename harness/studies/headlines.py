@@ -31,45 +31,6 @@ def headlines(study: str, tell: Tell = lambda what: None) -> Findings:
     return Findings(values=tuple(finding for part in STUDIES[study] for finding in part(tell)))
 
 
-def field(tell: Tell) -> list[Finding]:
-    """Return what was recovered of the track in case 6, and the errors of both tuned filters in it."""
-    from railgrip.studies.field_test.filtering import filter_of, follow, prediction, task_of
-    from railgrip.studies.field_test.noise import LIBRARY, PHYSICAL, load_noise
-    from railgrip.studies.field_test.runs import TEST, cases, run
-    from railgrip.studies.field_test.score import score, track_score
-
-    tell(f"field test, case {TEST}")
-    test_run = run(cases()[TEST], TEST)
-    track = track_score(test_run)
-    findings = [
-        # Of the smoothed motion; 1e-5 are 1 cm over the run.
-        Finding(f"field {TEST}: distance, relative error", track["distance"], "1", 1e-5),
-        _mean(f"field {TEST}: curvature RMSE", track["curvature"], "1/m"),
-        _mean(f"field {TEST}: slope RMSE", track["slope"]),
-        _mean(f"field {TEST}: track force RMSE", track["force"], "N"),
-    ]
-    model = prediction()
-    task = task_of(test_run.braking, model)
-    filter_ = filter_of(model, task.period)
-    noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in ("paper", "consistent")} | {"physical": PHYSICAL}
-    scores = {name: score(task, follow(task, filter_, noise)) for name, noise in noises.items()}
-    for name, result in scores.items():
-        who = f"field {TEST}, noises '{name}'"
-        findings += [
-            Finding(f"{who}: braking distance, relative error", result["distance"], "1", 5e-5),
-            _mean(f"{who}: adhesion RMSE", result["adhesion"]),
-            _mean(f"{who}: pad friction RMSE", result["pad_friction"]),
-            _mean(f"{who}: mean pad friction RMSE", result["mean_pad_friction"]),
-        ]
-    best, who = scores["physical"], f"field {TEST}, the best constant"
-    return [
-        *findings,
-        _mean(f"{who}: adhesion RMSE", best["adhesion_constant"]),
-        _mean(f"{who}: pad friction RMSE", best["pad_friction_constant"]),
-        _mean(f"{who}: mean pad friction RMSE", best["mean_pad_friction_constant"]),
-    ]
-
-
 def type_test(tell: Tell) -> list[Finding]:
     """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set."""
     from railgrip.assemble import braking_distance
@@ -93,7 +54,6 @@ def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
 
 
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
-    "field_test": (field,),
     "learn": (_elsewhere("axle_box"),),
     "type_test": (type_test,),
 }

@@ -26,7 +26,7 @@ from railgrip.trace.samples import reading_of, truth_of, with_signals
 
 @pytest.fixture(scope="module")
 def journey() -> Run:
-    return run_case(cases()["c1"], "c1")
+    return run_case(("c1", cases()["c1"]))
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +59,7 @@ def test_the_case_is_driven_as_table_4_says(run):
 
 
 def test_other_sensors_read_the_same_run_otherwise(run):
-    other = run_case(cases()["c1"].model_copy(update={"seed": 1}), "c1").recording
+    other = run_case(("c1", cases()["c1"].model_copy(update={"seed": 1}))).recording
     np.testing.assert_array_equal(truth_of(other, "v"), truth_of(run, "v"))
     apart = reading_of(other, "speed") - reading_of(run, "speed")
     # Two of 0.02 m/s white, and two scales of 0.1 %, which of 18 m/s are as much again.

@@ -1,11 +1,13 @@
 """The six runs of the field test: stops of the scenarios of a campaign."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import xarray
 
+from railgrip.campaign.work import Work
 from railgrip.errors import EstimationError
 from railgrip.estimation.stop import stop_read
 from railgrip.estimation.track.braking import Braking, braking_of
@@ -55,13 +57,14 @@ def cases(file: Path | None = None) -> dict[str, Scenario]:
     return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
 
 
-def run(scenario: Scenario, name: str, import_from: Sequence[Path] = ()) -> Run:
-    """Return the run of a case; classes that its scenario names are imported from the folders `import_from`.
+def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> Run:
+    """Return the run of a case by its name; classes that its scenario names are imported from `import_from`.
 
     Raises:
         EstimationError: See `braking_of`.
         ScenarioError: The stop fails.
     """
+    name, scenario = case
     track = scenario.track
     assert track.plan is not None  # of every scenario of `cases`
     assert track.train_mass is not None
@@ -74,10 +77,7 @@ def run(scenario: Scenario, name: str, import_from: Sequence[Path] = ()) -> Run:
 
 
 def runs(
-    scenarios: Mapping[str, Scenario],
-    names: Sequence[str],
-    tell: Callable[[str], None] = lambda case: None,
-    import_from: Sequence[Path] = (),
+    scenarios: Mapping[str, Scenario], names: Sequence[str], work: Work, import_from: Sequence[Path] = ()
 ) -> dict[str, Run]:
     """Return the run of each case; `import_from` as for `run`.
 
@@ -87,8 +87,7 @@ def runs(
     missing = [name for name in names if name not in scenarios]
     if missing:
         raise EstimationError(f"the field test wants the cases {', '.join(names)}; there is no {', '.join(missing)}.")
-    result: dict[str, Run] = {}
-    for name in names:
-        tell(f"case {name}")
-        result[name] = run(scenarios[name], name, import_from)
-    return result
+    one_run = partial(run, import_from=tuple(import_from))
+    return dict(
+        zip(names, work.map(one_run, [(name, scenarios[name]) for name in names], keep=not import_from), strict=True)
+    )

@@ -1,13 +1,14 @@
 """How near the truth the filter came, and how near its sensors the track."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from railgrip.campaign.workers import ended, workers
-from railgrip.errors import EstimationError, RailgripError
+from railgrip.campaign.work import Work
+from railgrip.errors import EstimationError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.scenario.schema import Scenario
@@ -89,39 +90,25 @@ SEEDS = tuple(range(1, 13))
 
 
 def over_seeds(
-    scenario: Scenario,
-    noises: Mapping[str, Noise],
-    seeds: Sequence[int],
-    tell: Callable[[str], None] = lambda what: None,
-    import_from: Sequence[Path] = (),
+    scenario: Scenario, noises: Mapping[str, Noise], work: Work, import_from: Sequence[Path] = ()
 ) -> tuple[list[Figures], dict[str, list[Figures]]]:
-    """Return the errors in case 6 with sensors of every seed, in the order of the seeds.
+    """Return the errors in case 6 with sensors of every seed, in the order of `SEEDS`.
 
     Of what was recovered of the track, and of the filter, by the title of its noises; `import_from` as for `run`.
 
     Raises:
         EstimationError: See `railgrip.studies.field_test.runs.run`.
     """
-    by_seed: dict[int, tuple[Figures, dict[str, Figures]]] = {}
-    with workers(2) as pool:
-        tasks = {
-            pool.submit(_errors, scenario.model_copy(update={"seed": seed}), noises, import_from): seed
-            for seed in seeds
-        }
-        for seed, errors in ended(tasks):
-            if isinstance(errors, RailgripError):
-                raise errors
-            by_seed[seed] = errors
-            tell(f"sensors {len(by_seed)} of {len(seeds)}")
-    rows = [by_seed[seed] for seed in seeds]
+    scenarios = [scenario.model_copy(update={"seed": seed}) for seed in SEEDS]
+    rows = work.map(partial(case_6, noises=noises, import_from=tuple(import_from)), scenarios, keep=not import_from)
     return [track for track, _ in rows], {title: [scores[title] for _, scores in rows] for title in noises}
 
 
-def _errors(
-    scenario: Scenario, noises: Mapping[str, Noise], import_from: Sequence[Path]
+def case_6(
+    scenario: Scenario, noises: Mapping[str, Noise], import_from: Sequence[Path] = ()
 ) -> tuple[Figures, dict[str, Figures]]:
     """Return the errors of a run: of its track, and of the filter by the title of its noises."""
-    model, field_run = prediction(), run(scenario, TEST, import_from)
+    model, field_run = prediction(), run((TEST, scenario), import_from)
     task = task_of(field_run.braking, model)
     filter_ = filter_of(model, task.period)
     return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}

@@ -1,0 +1,228 @@
+"""The field test: the track recovered, case 6 with each set of noises, and what tuning cannot see."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from railgrip.campaign.work import Work
+from railgrip.report.baseline import Finding, mean
+from railgrip.report.page import Page
+from railgrip.report.table import Table
+from railgrip.scenario.track import CurveLaw, curve_coefficient
+from railgrip.studies import Study
+from railgrip.studies.field_test.figures import (
+    degeneracy_figure,
+    friction_figure,
+    readings_figure,
+    speed_figure,
+    track_figure,
+)
+from railgrip.studies.field_test.filtering import filter_of, follow, lost, prediction, task_of
+from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
+from railgrip.studies.field_test.objective import terms_of
+from railgrip.studies.field_test.runs import TEST, TUNING, cases, runs
+from railgrip.studies.field_test.score import (
+    Figures,
+    case_6,
+    common_factor,
+    over_seeds,
+    readings_trusted,
+    score,
+    track_score,
+)
+from railgrip.trace.samples import truth_of
+
+TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
+
+
+@dataclass(frozen=True)
+class FieldTest(Study):
+    """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
+
+    campaign: Annotated[
+        Path | None, Option(metavar="FILE.toml", help="Cases of a field test; field_test unless given.")
+    ] = None
+    import_from: list[Path] | None = None
+
+    def page(self, work: Work) -> Page:
+        """Run the six cases, recover their track and filter case 6.
+
+        Raises:
+            EstimationError: A set of noises or a case is missing, or a case cannot be run.
+        """
+        folders, scenarios = self.import_from or (), cases(self.campaign)
+        noises = {title: load_noise(LIBRARY / f"{name}.toml") for title, name in TUNED.items()}
+        noises["sensors and physics"] = PHYSICAL
+        model, of_case = prediction(), runs(scenarios, (*TUNING, TEST), work, folders)
+        tasks = {case: task_of(run.braking, model) for case, run in of_case.items()}
+        test, run = tasks[TEST], of_case[TEST]
+        braking, filter_ = run.braking, filter_of(model, test.period)
+        estimates = {title: follow(test, filter_, noise) for title, noise in noises.items()}
+        work.tell("sweeps")
+        others = [tasks[case] for case in TUNING]
+        common = common_factor(others, filter_, PHYSICAL)
+        trusted = readings_trusted(others, filter_, PHYSICAL)
+        track_spread, score_spread = over_seeds(scenarios[TEST], noises, work, folders)
+        worst = {
+            title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in others)
+            for title, noise in noises.items()
+        }
+
+        def pads_of(noise: Noise) -> list[float]:
+            scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
+            return [one["pad_friction"] / one["pad_friction_constant"] for one in scores]
+
+        scores = {title: score(test, estimate) for title, estimate in estimates.items()}
+        instants = {title: lost(test, estimate) for title, estimate in estimates.items()}
+        tracks = Table.of(
+            ("case", "distance", "curvature RMSE [1/km]", "slope RMSE [‰]", "track force RMSE [N]"),
+            [(case, *_track(track_score(one))) for case, one in of_case.items()],
+        )
+        shown = _case(scores, worst)
+        return Page(
+            template="studies/field_test/field.md.jinja",
+            values={
+                "tracks": tracks,
+                "seconds": (braking.recording.sizes["time"] - 1 - braking.brake) * test.period,
+                "force": -float(truth_of(braking.recording, "track_force").mean()),
+                "bends": {name: float(curve_coefficient(1 / 600, law)) * 84e3 * 9.81 for name, law in _LAWS.items()},
+                "case": shown,
+                "groups": Table.of(
+                    ("noises", "MB 1", "JTB front", "JTB rear", "MB 2"),
+                    [
+                        (
+                            title,
+                            *(
+                                f"{a:.4f} / {m:.4f}"
+                                for a, m in zip(s["adhesion_of"], s["pad_friction_of"], strict=True)
+                            ),
+                        )
+                        for title, s in scores.items()
+                    ],
+                ),
+                "lost": {title: instant for title, instant in instants.items() if instant is not None},
+                "pads": Table.of(
+                    ("noises", *tasks), [(title, *pads_of(noise)) for title, noise in noises.items()], "{:.2f}"
+                ),
+                "sets": len(track_spread),
+                "track_spread": Table.of(
+                    tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
+                ),
+                "score_spread": _score_spread(score_spread),
+                "noises": Table.of(
+                    ("entry", *noises),
+                    [
+                        (f"{name} [{unit}]", *(noise.values[i] for noise in noises.values()))
+                        for i, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
+                    ],
+                    "{:.2e}",
+                ),
+                "common": common,
+                "trusted": trusted,
+            },
+            figures={
+                "track.png": track_figure(run),
+                "speed.png": speed_figure(run.recording),
+                "readings.png": readings_figure(braking),
+                "friction.png": friction_figure(test, estimates),
+                "degeneracy.png": degeneracy_figure(common, trusted),
+            },
+            screen=(tracks, shown),
+        )
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return what was recovered of the track in case 6, and the errors of the tuned filters in it."""
+        noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in TUNED.values()} | {"physical": PHYSICAL}
+        ((track, scores),) = work.map(partial(case_6, noises=noises), [cases()[TEST]])
+        findings = [
+            # Of the smoothed motion; 1e-5 are 1 cm over the run.
+            Finding(f"field {TEST}: distance, relative error", track["distance"], "1", 1e-5),
+            mean(f"field {TEST}: curvature RMSE", track["curvature"], "1/m"),
+            mean(f"field {TEST}: slope RMSE", track["slope"]),
+            mean(f"field {TEST}: track force RMSE", track["force"], "N"),
+        ]
+        for name, result in scores.items():
+            who = f"field {TEST}, noises '{name}'"
+            findings += [
+                Finding(f"{who}: braking distance, relative error", result["distance"], "1", 5e-5),
+                mean(f"{who}: adhesion RMSE", result["adhesion"]),
+                mean(f"{who}: pad friction RMSE", result["pad_friction"]),
+                mean(f"{who}: mean pad friction RMSE", result["mean_pad_friction"]),
+            ]
+        best, who = scores["physical"], f"field {TEST}, the best constant"
+        return [
+            *findings,
+            mean(f"{who}: adhesion RMSE", best["adhesion_constant"]),
+            mean(f"{who}: pad friction RMSE", best["pad_friction_constant"]),
+            mean(f"{who}: mean pad friction RMSE", best["mean_pad_friction_constant"]),
+        ]
+
+
+STUDY = FieldTest
+
+
+_LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "Protopapadakis": "protopapadakis"}
+
+
+def _track(score: Figures) -> tuple[str, ...]:
+    return tuple(
+        f"{factor * score[name]:{form}}{' %' if name == 'distance' else ''}"
+        for name, form, factor in _TRACK_SPREAD.values()
+    )
+
+
+def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:
+    rows = [
+        {
+            "noises": title, "(14), cases 1–5 [m/s]": worst[title], "O_6 [m/s]": s["deviation"], "NIS": s["nis"],
+            "NEES": s["nees"], "speed RMSE [m/s]": s["speed"], "distance": 100 * s["distance"],
+            "adhesion RMSE": s["adhesion"], "pad friction RMSE": s["pad_friction"],
+            "mean pad friction RMSE": s["mean_pad_friction"],
+        }
+        for title, s in scores.items()
+    ]  # fmt: skip
+    constant = next(iter(scores.values()))
+    best = {
+        "noises": "the best constant", "adhesion RMSE": constant["adhesion_constant"],
+        "pad friction RMSE": constant["pad_friction_constant"],
+        "mean pad friction RMSE": constant["mean_pad_friction_constant"],
+    }  # fmt: skip
+    forms = {
+        **dict.fromkeys(rows[0], "{:.2e}"), **dict.fromkeys(("NIS", "NEES"), "{:.3g}"), "distance": "{:+.3f} %",
+        **dict.fromkeys(best, "{:.4f}"),
+    }  # fmt: skip
+    return Table([*rows, dict.fromkeys(rows[0]) | best], forms, left=("noises",))
+
+
+_TRACK_SPREAD: Mapping[str, tuple[str, str, float]] = {
+    "distance [%]": ("distance", "+.4f", 100.0), "curvature RMSE [1/km]": ("curvature", ".3f", 1e3),
+    "slope RMSE [‰]": ("slope", ".2f", 1e3), "track force RMSE [N]": ("force", ".0f", 1.0),
+}  # fmt: skip
+
+_SCORE_SPREAD: Mapping[str, tuple[str, str, float]] = {
+    "braking distance [%]": ("distance", "+.3f", 100.0), "adhesion RMSE": ("adhesion", ".4f", 1.0),
+    "pad friction RMSE": ("pad_friction", ".4f", 1.0), "mean pad friction RMSE": ("mean_pad_friction", ".4f", 1.0),
+    "NEES": ("nees", ".2g", 1.0),
+}  # fmt: skip
+
+
+def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:
+    rows = [
+        {"noises": title} | {name: _spread(scores, *of) for name, of in _SCORE_SPREAD.items()}
+        for title, scores in spread.items()
+    ]
+    scores = next(iter(spread.values()))
+    best = {name: _spread(scores, f"{of}_constant", form) for name, (of, form, *_) in _SCORE_SPREAD.items()
+            if name.endswith("RMSE")}  # fmt: skip
+    return Table([*rows, dict.fromkeys(rows[0]) | {"noises": "the best constant"} | best], left=("noises",))
+
+
+def _spread(scores: Sequence[Figures], name: str, form: str, factor: float = 1.0) -> str:
+    """Return mean (least … largest) of a figure over seeds."""
+    values = factor * np.array([one[name] for one in scores])
+    return f"{values.mean():{form}} ({values.min():{form}} … {values.max():{form}})"
