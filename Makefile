@@ -141,7 +141,7 @@ lateral: $(READY)  ## estimate friction of a wandering wheelset with three filte
 	$(PROGRAM) study lateral
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)
-	$(PROGRAM) learn
+	$(PROGRAM) study axle_box
 
 k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
 	$(PROGRAM) study k_factors vt642 --loop

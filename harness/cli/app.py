@@ -19,6 +19,7 @@ MOVED: Final = {
     "field": "field_test",
     "k-factors": "k_factors",
     "lateral": "lateral",
+    "learn": "axle_box",
     "monitor-study": "pad_monitor",
     "rig": "roller_rig",
     "trains": "trains",

@@ -11,12 +11,9 @@ from typer.core import TyperGroup
 
 from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers, app
 from railgrip.console import progress, remark, say, show_table
-from railgrip.errors import ScenarioError
 
 if TYPE_CHECKING:
     import click
-
-    from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 
 
 class _Studies(TyperGroup):
@@ -107,38 +104,6 @@ _COMMON: Final[Mapping[str, Any]] = {
     "quick": Annotated[bool, typer.Option(help="A small form of it: shows that everything works, not what is true.")],
 }
 """Options of many commands, by the name of the field."""
-
-
-OUT: Final = Path("build/learn")
-
-
-@app.command()
-def learn(
-    file: Annotated[
-        Path | None,
-        typer.Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own.py."),
-    ] = None,
-    inputs: Annotated[
-        str | None,
-        typer.Option(help="What the paper's networks listen to, as 'left, right'; longitudinal unless given."),
-    ] = None,
-    quick: Annotated[
-        bool, typer.Option(help="A small study that shows everything works; its figures mean nothing.")
-    ] = False,
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for report, figures, estimators and FMUs; build/learn or …/learn_NAME.")
-    ] = None,
-    workers: Workers = 2,
-) -> None:
-    """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
-    from railgrip.estimators.learned.channels import COMBINATIONS
-
-    if inputs is not None and inputs not in COMBINATIONS:
-        raise ScenarioError(f"--inputs is '{inputs}'; there is {'; '.join(COMBINATIONS)}.")
-    if file is not None and quick:
-        raise ScenarioError("--quick is of the paper's study; your own runs are taken as they are.")
-    page = _paper(inputs, quick, out or OUT, workers) if file is None else _own(file, inputs, out, workers)
-    say(str(page))
 
 
 @app.command()
@@ -264,54 +229,3 @@ def monitor(
     show_table(health_table(history, list(evidence)))
     say(summary_of(history, design))
     say(str(save(draw(history, design), out or folder / "monitor.png")))
-
-
-def _paper(inputs: str | None, quick: bool, out: Path, workers: int) -> Path:
-    """Run the study of the paper and write its report, figures, estimators and their FMUs."""
-    from railgrip.files import write_text
-    from railgrip.studies.axle_box.figures import draw
-    from railgrip.studies.axle_box.study import FULL, QUICK, estimators_of, pieces, study
-    from railgrip.studies.axle_box.tables import report
-
-    size = QUICK if quick else FULL
-    with progress("learn", pieces(size), is_count=True) as bar:
-        results = study(size, inputs=inputs or "longitudinal", workers=workers, tell=bar.advance)
-        bar.update(doing="figures and FMUs")
-        figures = draw(results, out)
-        _export(estimators_of(results), out)
-    page = out / "report.md"
-    write_text(page, report(results, [path.stem for path in figures]))
-    return page
-
-
-def _own(file: Path, inputs: str | None, out: Path | None, workers: int) -> Path:
-    """Train and judge on a user's runs, write the report, the estimators and their FMUs."""
-    from railgrip.files import write_text
-    from railgrip.studies.axle_box.own import judge_own, own_pieces, read_own
-    from railgrip.studies.axle_box.users import read_folder, read_labels
-
-    specification = read_own(file)
-    network = specification.network if inputs is None else specification.network.model_copy(update={"inputs": inputs})
-    folder = out or OUT.with_name(f"learn_{specification.name}")
-    labels = file.parent / specification.runs.labels
-    with progress("learn", len(read_labels(labels)), is_count=True) as bar:
-        runs, remarks = read_folder(file.parent / specification.runs.folder, labels, specification.data, bar.advance)
-        bar.update(doing="training and judging", total=len(runs) + own_pieces(runs))
-        text, trained = judge_own(runs, network.recipe(), workers=workers, remarks=remarks, tell=bar.advance)
-        bar.update(doing="FMUs")
-        _export(trained, folder)
-    page = folder / "report.md"
-    write_text(page, text)
-    return page
-
-
-def _export(trained: "Mapping[str, PaperEstimator | GeneralEstimator]", out: Path) -> None:
-    """Write every estimator as a file of numbers and as an FMU."""
-    from railgrip.estimators.learned.trained import as_fmu, save
-    from railgrip.files import replacing
-    from railgrip.fmus.native.package import pack
-
-    for name, one in trained.items():
-        with replacing(out / f"{name}.json") as partial:
-            save(one, partial)
-        pack(as_fmu(one.online()), out / f"{name}.fmu")

@@ -54,7 +54,6 @@ def _elsewhere(study: str) -> Callable[[Tell], list[Finding]]:
 
 
 STUDIES: dict[str, tuple[Callable[[Tell], list[Finding]], ...]] = {
-    "learn": (_elsewhere("axle_box"),),
     "type_test": (type_test,),
 }
 

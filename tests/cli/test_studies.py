@@ -75,7 +75,9 @@ def test_studies_are_listed_with_what_they_are(capsys):
         assert f"{name} {summary(name)}" in shown
 
 
-@pytest.mark.parametrize("name", ["field_test", "k_factors", "lateral", "pad_monitor", "roller_rig", "trains"])
+@pytest.mark.parametrize(
+    "name", ["axle_box", "field_test", "k_factors", "lateral", "pad_monitor", "roller_rig", "trains"]
+)
 def test_every_study_says_its_options_and_is_named_as_its_folder(name, capsys):
     with pytest.raises(SystemExit) as end:
         main(["study", name, "--help"])

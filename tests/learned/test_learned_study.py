@@ -1,18 +1,20 @@
 """The study from runs to report, figures and estimators, on made-up runs: what it says of them must be so."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from one_process import one_process
 
+from railgrip.campaign.work import work
 from railgrip.estimators.learned.channels import COMBINATIONS
-from railgrip.studies.axle_box import gather as gathering
+from railgrip.report.page import rendered
+from railgrip.report.style import save
 from railgrip.studies.axle_box.evaluate import Recipe
 from railgrip.studies.axle_box.figures import draw
 from railgrip.studies.axle_box.reduction import Run
-from railgrip.studies.axle_box.study import QUICK, concluded, dry_or_not, estimators_of, passes, pieces
-from railgrip.studies.axle_box.tables import report
+from railgrip.studies.axle_box.tables import tables_of
+from railgrip.studies.axle_box.training import QUICK, concluded, dry_or_not, estimators_of, passes
 
 SIZE = replace(QUICK, starts=2, members=6)
 
@@ -33,11 +35,12 @@ def study():
     sets = passes(SIZE)
     numbers = iter(range(1000))
     runs = {name: [made_up(run, next(numbers)) for run in part] for name, part in sets.items()}
-    messages = []
-    with ThreadPoolExecutor(1) as pool:
-        made = concluded(SIZE, runs, Recipe(starts=2, steps=40), pool, messages.append)
-    assert len(messages) + sum(map(len, runs.values())) == pieces(SIZE)
-    return made
+    with one_process(), work("axle_box") as own:
+        return concluded(SIZE, runs, Recipe(starts=2, steps=40), own)
+
+
+def report(study):
+    return rendered("studies/axle_box/report.md.jinja", **tables_of(study), figures={})
 
 
 def test_a_study_of_recognisable_runs_says_that_they_are_recognised(study):
@@ -71,21 +74,10 @@ def test_the_rule_of_dry_or_not_says_two_labels_and_is_judged_as_the_estimator(s
 
 
 def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
-    assert [path.stem for path in draw(study, tmp_path)] == ["errors", "processed", "campaign", "within_runs"]
-    assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
+    figures = draw(study)
+    assert list(figures) == ["errors.png", "processed.png", "campaign.png", "within_runs.png"]
+    assert all(save(figure, tmp_path / name).stat().st_size > 10_000 for name, figure in figures.items())
     trained = estimators_of(study)
     assert set(trained) == {"friction", "friction_60mph"}
     answer = trained["friction_60mph"].offline(np.full((500, 12), 268.0), np.full(500, 26.8), backwards=False)
     assert len(answer.friction) == 500 // 50
-
-
-def test_a_run_is_simulated_once(monkeypatch):
-    short = replace(next(iter(passes(QUICK).values()))[0], length=30.0)
-    with ThreadPoolExecutor(1) as pool:
-        (first,) = gathering.gather([short], pool)
-        monkeypatch.setattr(gathering, "readings", None)
-        (again,) = gathering.gather([short], pool)
-        assert np.array_equal(first.blocks, again.blocks)
-        assert first.slope == again.slope
-        with pytest.raises(TypeError):
-            gathering.gather([replace(short, seed=10**9)], pool)

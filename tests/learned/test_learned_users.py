@@ -3,13 +3,16 @@
 import numpy as np
 import pandas as pd
 import pytest
+from one_process import one_process
 from scipy.io import savemat
 
+from railgrip.campaign.work import work
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.report.page import rendered
 from railgrip.studies.axle_box.evaluate import Recipe
-from railgrip.studies.axle_box.own import judge_own, own_pieces, read_own
+from railgrip.studies.axle_box.own import judge_own, read_own
 from railgrip.studies.axle_box.users import PERIOD, UNITS, plain_table, read_folder, read_labels
 from railgrip.trace.table import DataTable
 
@@ -58,12 +61,10 @@ def test_runs_become_a_report_and_estimators(dataset):
     assert [run.group for run in dataset[0]] == [60] * 4
     assert [run.friction for run in dataset[0]] == pytest.approx([0.10, 0.18, 0.26, 0.34])
     assert dataset[0][0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
-    messages = []
     recipe = Recipe(inputs="left, right", starts=1, steps=10)
-    text, trained = judge_own(
-        dataset[0], recipe, workers=1, members=12, remarks=("0.parquet: mended.",), tell=messages.append
-    )
-    assert len(messages) == own_pieces(dataset[0])
+    with one_process(), work("axle_box") as own:
+        tables, trained = judge_own(dataset[0], recipe, own, members=12)
+    text = rendered("studies/axle_box/own.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])
     assert "a run left out" in text
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text

@@ -1,6 +1,4 @@
-"""Figures of a study."""
-
-from pathlib import Path
+"""Figures of a results."""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -11,27 +9,27 @@ from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.evaluate import average, exchanged, labels_of, parts_of
 from railgrip.studies.axle_box.gather import spectral_features
 from railgrip.studies.axle_box.reduction import CHANNELS
-from railgrip.studies.axle_box.study import PUBLISHED, Study
+from railgrip.studies.axle_box.training import PUBLISHED, Results
 
 
-def draw(study: Study, folder: Path) -> list[Path]:
-    """Draw every figure of a study into a folder."""
-    return [
-        style.save(errors(study), folder / "errors.png"),
-        style.save(processed(study), folder / "processed.png"),
-        style.save(campaign(study), folder / "campaign.png"),
-        style.save(over_time(study), folder / "within_runs.png"),
-    ]
+def draw(results: Results) -> dict[str, Figure]:
+    """Draw every figure, by the name of its file."""
+    return {
+        "errors.png": errors(results),
+        "processed.png": processed(results),
+        "campaign.png": campaign(results),
+        "within_runs.png": over_time(results),
+    }
 
 
-def errors(study: Study) -> Figure:
+def errors(results: Results) -> Figure:
     """Mean absolute error of each way of judging, beside always saying the mean."""
-    published = float(np.mean([PUBLISHED[s][1] for s in study.runs]))
+    published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, style.GREY)]
     for name, row, colour in (
-        *((f"4-6-1: {k}", v, style.BLUE) for k, v in study.split.items()),
-        *((f"4-6-1: {k}", v, style.VERMILION) for k, v in study.honest.items()),
-        *((f"all speeds: {k}", v, style.GREEN) for k, v in study.general.items()),
+        *((f"4-6-1: {k}", v, style.BLUE) for k, v in results.split.items()),
+        *((f"4-6-1: {k}", v, style.VERMILION) for k, v in results.honest.items()),
+        *((f"all speeds: {k}", v, style.GREEN) for k, v in results.general.items()),
     ):
         mean = average(row.values())
         rows.append((name, mean.mae, mean.mae_of_mean, colour))
@@ -46,36 +44,36 @@ def errors(study: Study) -> Figure:
     return sheet
 
 
-def campaign(study: Study) -> Figure:
+def campaign(results: Results) -> Figure:
     """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
     sheet = style.figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
-        np.atleast_1d(sheet.subplots(1, len(study.runs), sharey=True)), study.runs.items(), strict=True
+        np.atleast_1d(sheet.subplots(1, len(results.runs), sharey=True)), results.runs.items(), strict=True
     ):
         for k, run in enumerate(sorted(runs, key=lambda r: r.friction)):
-            estimate = study.ensemble(spectral_features(run))
+            estimate = results.ensemble(spectral_features(run))
             place = k + np.linspace(-0.3, 0.3, len(estimate.friction))
             axes.vlines(
                 place, estimate.lower, estimate.upper, color=style.GREEN, alpha=0.3, linewidth=1, label="90 % interval"
             )
             axes.plot(place, estimate.friction, ".", color=style.GREEN, markersize=3, label="estimate")
             axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
-        if speed == next(iter(study.runs)):
+        if speed == next(iter(results.runs)):
             axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
         axes.set_xticks([])
         axes.set_ylim(0, 0.55)
         style.dress(
-            axes, x="runs by friction", y="friction" if speed == next(iter(study.runs)) else "", title=f"{speed} mph"
+            axes, x="runs by friction", y="friction" if speed == next(iter(results.runs)) else "", title=f"{speed} mph"
         )
     return sheet
 
 
-def processed(study: Study) -> Figure:
+def processed(results: Results) -> Figure:
     """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
-    sheet = style.figure(8.0, 1.7 * len(study.runs))
-    rows = np.atleast_1d(sheet.subplots(len(study.runs), 1))
+    sheet = style.figure(8.0, 1.7 * len(results.runs))
+    rows = np.atleast_1d(sheet.subplots(len(results.runs), 1))
     colours = style.lead_to_trail(4)
-    for axes, (speed, runs) in zip(rows, study.runs.items(), strict=True):
+    for axes, (speed, runs) in zip(rows, results.runs.items(), strict=True):
         ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
         amplitudes = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
         seconds = np.arange(len(amplitudes)) * (BLOCKS[speed] / RATE)
@@ -87,7 +85,7 @@ def processed(study: Study) -> Figure:
                       ha="center", va="top", color=style.GREY)  # fmt: skip
         axes.set_xlim(0, ends[-1])
         axes.set_ylim(0, 1.25 * float(amplitudes.max()))
-        last = speed == list(study.runs)[-1]
+        last = speed == list(results.runs)[-1]
         style.dress(
             axes,
             x="time of the linked runs [s]" if last else "",
@@ -98,22 +96,22 @@ def processed(study: Study) -> Figure:
     return sheet
 
 
-def over_time(study: Study) -> Figure:
+def over_time(results: Results) -> Figure:
     """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
-    sheet = style.figure(8.0, 1.9 * len(study.runs))
-    grid = np.atleast_2d(sheet.subplots(len(study.runs), 2, sharex="row", sharey=True))
-    for pair, (speed, runs) in zip(grid, study.runs.items(), strict=True):
+    sheet = style.figure(8.0, 1.9 * len(results.runs))
+    grid = np.atleast_2d(sheet.subplots(len(results.runs), 2, sharex="row", sharey=True))
+    for pair, (speed, runs) in zip(grid, results.runs.items(), strict=True):
         for axes, fitted, labels, title in (
-            (pair[0], study.networks[speed], labels_of, "labels of the runs"),
-            (pair[1], study.exchanged[speed], exchanged, "labels of other runs"),
+            (pair[0], results.networks[speed], labels_of, "labels of the runs"),
+            (pair[1], results.exchanged[speed], exchanged, "labels of other runs"),
         ):
-            _, late = parts_of(runs, study.recipe, labels)
+            _, late = parts_of(runs, results.recipe, labels)
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
             axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
             axes.plot(
                 seconds, fitted(np.vstack([x for x, _ in late])), color=style.ORANGE, linewidth=0.9, label="estimate"
             )
-            last = speed == list(study.runs)[-1]
+            last = speed == list(results.runs)[-1]
             style.dress(
                 axes, x="time of the linked parts [s]" if last else "", y="friction" if labels is labels_of else "",
                 title=f"{speed} mph, {title}",

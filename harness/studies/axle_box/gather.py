@@ -1,28 +1,18 @@
-"""From a pass of the car to what estimators are trained on, cached by content."""
+"""From a pass of the car to what estimators are trained on."""
 
-import json
-import sys
-from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
-from dataclasses import asdict, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
-import railgrip.estimators.learned.channels
-import railgrip.estimators.learned.preprocessing
-import railgrip.studies.axle_box.accelerometer
-import railgrip.studies.axle_box.instrumented_car
-import railgrip.studies.axle_box.reduction
-import railgrip.track.irregularity
-from railgrip.campaign.store import digest_of, results_of
+from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
-from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
-from railgrip.studies.axle_box.instrumented_car import FMU, Pass, Ride, ride, slope
 from railgrip.studies.axle_box.instrumented_car import RATE as TWIN_RATE
-from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Readings, Run, reduce
+from railgrip.studies.axle_box.instrumented_car import Pass, Ride, ride, slope
+from railgrip.studies.axle_box.reduction import SPECTRAL, Readings, Run, reduce
 
 VEHICLE: Final = 7
 """Seed of the sensors' own properties: one car carries the same accelerometers on every run."""
@@ -48,8 +38,6 @@ def measured(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
     )  # fmt: skip
 
 
-KIND: Final = "axle-box-runs"
-"""Their shelf in the user's cache."""
 EVERY: Final = 20.0
 """m between the spectral features that are kept."""
 SETTLED: Final = 60.0
@@ -65,19 +53,11 @@ def spectral_features(run: Run) -> Array:
     return every[np.searchsorted(metres, np.arange(min(first, last), last, EVERY))]
 
 
-def gather(passes: Sequence[Pass], pool: Executor, *, tell: Callable[[str], None] = lambda _: None) -> list[Run]:
-    """Return the reduced runs of passes, simulating those that are not in the user's cache."""
-    rests_on = digest_of(
-        fmu(FMU), json.dumps([asdict(AXLE_BOX), asdict(SLOW), VEHICLE]).encode(),
-        railgrip.estimators.learned.channels, railgrip.estimators.learned.preprocessing,
-        sys.modules[__name__], railgrip.studies.axle_box.reduction,
-        railgrip.studies.axle_box.accelerometer, railgrip.studies.axle_box.instrumented_car,
-        railgrip.track.irregularity,
-    )  # fmt: skip
+def gather(passes: Sequence[Pass], work: Work) -> list[Run]:
+    """Return the reduced runs of passes."""
     # Longest first, so that no worker is left with a long one at the end.
     order = sorted(passes, key=lambda one: one.speed / one.length)
-    runs = results_of(KIND, order, run_of, pool, rests_on, lambda run, was_there: tell(run.name))
-    run_of_pass = dict(zip(order, runs, strict=True))
+    run_of_pass = dict(zip(order, work.map(run_of, order), strict=True))
     return [replace(run_of_pass[one], slope=slope(one)) for one in passes]
 
 

@@ -1,12 +1,13 @@
 """A user's runs, from their file to the judgement as of the paper's: its split and, beside it, each run left out."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictInt
 
-from railgrip.campaign.workers import workers as processes
+from railgrip.campaign.work import Work, call
 from railgrip.errors import EstimationError
 from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble
@@ -15,8 +16,8 @@ from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average, best_of, judge, within_runs, without_each
 from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
-from railgrip.studies.axle_box.study import general, paper_estimator
-from railgrip.studies.axle_box.tables import own_report
+from railgrip.studies.axle_box.tables import own_tables
+from railgrip.studies.axle_box.training import general, paper_estimator
 from railgrip.trace.table import DataTable
 
 
@@ -63,19 +64,12 @@ FEWEST = 4
 
 
 def judge_own(
-    runs: Sequence[Run],
-    recipe: Recipe,
-    *,
-    workers: int = 2,
-    members: int = MEMBERS,
-    remarks: Sequence[str] = (),
-    tell: Callable[[str], None] = lambda piece: None,
-) -> tuple[str, dict[str, PaperEstimator | GeneralEstimator]]:
-    """Return the report on a user's runs and the estimators trained on them, by the name of their files.
+    runs: Sequence[Run], recipe: Recipe, work: Work, *, members: int = MEMBERS
+) -> tuple[dict[str, Any], dict[str, PaperEstimator | GeneralEstimator]]:
+    """Return the tables on a user's runs and the estimators trained on them, by the name of their files.
 
     Args:
         recipe: Of the networks of the paper's kind, one for each speed class.
-        tell: Told each piece that is done; `own_pieces` says how often.
 
     Raises:
         EstimationError: There are too few runs.
@@ -83,34 +77,26 @@ def judge_own(
     if len(runs) < FEWEST:
         raise EstimationError(f"there are {len(runs)} labelled runs; training and judging need {FEWEST} or more.")
     several = _classes(runs)
-    with processes(workers) as pool:
-        whole = pool.submit(general, runs, members)
-        within = {g: pool.submit(within_runs, own, recipe) for g, own in several.items()}
-        without_one = {g: pool.submit(without_each, own, recipe) for g, own in several.items()}
-        networks = {g: pool.submit(best_of, own, recipe) for g, own in several.items()}
-        each = [pool.submit(_without, runs, k, members) for k in range(len(runs))]
-        for future in (whole, *within.values(), *without_one.values(), *networks.values(), *each):
-            future.result()
-            tell("training and judging")
-    ensemble: Ensemble = whole.result()[0]
-    text = own_report(
-        len(runs),
+    tasks: dict[tuple[str, int], Callable[[], Any]] = {("whole", 0): partial(general, runs, members)}
+    for group, own in several.items():
+        tasks["within", group] = partial(within_runs, own, recipe)
+        tasks["without one", group] = partial(without_each, own, recipe)
+        tasks["network", group] = partial(best_of, own, recipe)
+    tasks |= {("each", k): partial(_without, runs, k, members) for k in range(len(runs))}
+    work.tell("training and judging")
+    results: dict[tuple[str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
+    ensemble: Ensemble = results["whole", 0][0]
+    tables = own_tables(
         recipe,
-        {g: one.result() for g, one in within.items()},
-        {g: one.result() for g, one in without_one.items()},
-        average(one.result() for one in each),
-        remarks,
+        {group: results["within", group] for group in several},
+        {group: results["without one", group] for group in several},
+        average(results["each", k] for k in range(len(runs))),
     )
     trained: dict[str, PaperEstimator | GeneralEstimator] = {
         "friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble)
     }
-    trained |= {f"friction_{g}mph": paper_estimator(one.result(), g, recipe) for g, one in networks.items()}
-    return text, trained
-
-
-def own_pieces(runs: Sequence[Run]) -> int:
-    """Return how many pieces `judge_own` tells of."""
-    return 1 + len(runs) + 3 * len(_classes(runs))
+    trained |= {f"friction_{group}mph": paper_estimator(results["network", group], group, recipe) for group in several}
+    return tables, trained
 
 
 def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:

@@ -15,8 +15,8 @@ length = "400 m"
 direction = 1                       # -1: the fourth wheelset leads
 
 [estimator]
-kind = "learned"                    # what `railgrip learn` trained, in CasADi; or "fmu", any FMU of the same interface
-file = "build/learn/friction.json"      # from here or from the folder of this file
+kind = "learned"                    # what `railgrip study axle_box` trained, in CasADi; or "fmu", any FMU of the same interface
+file = "build/axle_box/friction.json"      # from here or from the folder of this file
 """
 
 from collections.abc import Callable, Mapping
@@ -65,7 +65,7 @@ class EstimatorTable(Table):
 
     kind: Literal["learned", "fmu"]
     file: str = Field(
-        description=".json of `railgrip learn`, or an FMU; from the working directory or this file's folder"
+        description=".json of `railgrip study axle_box`, or an FMU; from the working directory or this file's folder"
     )
     trust: bool = Field(default=False, description="load an FMU into this process; otherwise it has one of its own")
 
@@ -156,7 +156,7 @@ def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Arra
 
 
 def bound_estimator(file: Path) -> tuple[Description, Binding]:
-    """Return an FMU made by `railgrip learn`, or by anybody, and the tie of its variables.
+    """Return an FMU made by `railgrip study axle_box`, or by anybody, and the tie of its variables.
 
     Args:
         file: Co-simulation FMU with inputs out of `INPUTS`, and outputs `friction`, `known` and, if it gives an

@@ -1,251 +1,136 @@
-"""The whole study: gather runs, train, judge; a value that tables and figures are made from."""
+"""Friction learned from axle-box accelerations: the paper's study, a user's own runs, and headline numbers."""
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, as_completed
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Final
+from pathlib import Path
+from typing import Annotated, Final
 
 import numpy as np
+from typer import Argument, Option
 
-from railgrip.campaign.workers import workers as processes
+from railgrip.campaign.work import Work, call
+from railgrip.errors import ScenarioError
 from railgrip.estimators.learned.channels import COMBINATIONS
-from railgrip.estimators.learned.ensemble import Ensemble, fit
-from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
-from railgrip.scenario.seed import generator
-from railgrip.studies.axle_box.evaluate import (
-    Recipe,
-    ScaledNetwork,
-    Score,
-    best_of,
-    elsewhere,
-    exchanged,
-    inside_training,
-    judge,
-    within_runs,
-    without_each,
-)
-from railgrip.studies.axle_box.gather import gather, spectral_features
-from railgrip.studies.axle_box.instrumented_car import Pass
-from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
-from railgrip.studies.axle_box.runs import SPEEDS, abroad, campaign, design
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, as_fmu, save
+from railgrip.files import replacing
+from railgrip.fmus.native.package import pack
+from railgrip.report.baseline import Finding
+from railgrip.report.page import Page
+from railgrip.studies import Study
+from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, without_each
+from railgrip.studies.axle_box.figures import draw
+from railgrip.studies.axle_box.gather import run_of, spectral_features
+from railgrip.studies.axle_box.instrumented_car import MPH
+from railgrip.studies.axle_box.own import judge_own, read_own
+from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL
+from railgrip.studies.axle_box.runs import campaign
+from railgrip.studies.axle_box.tables import tables_of
+from railgrip.studies.axle_box.training import FULL, QUICK, conducted, dry_or_not, estimators_of, passes
+from railgrip.studies.axle_box.users import read_folder
 
-PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
-    16: (0.0053, 0.0041),
-    26: (0.0038, 0.0028),
-    40: (0.0141, 0.0083),
-    60: (0.0080, 0.0063),
-}
-"""Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
-
-DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
-"""Weights of the squared weights that are tried inside of the training part."""
-
-Rows = Mapping[str, Mapping[int, Score]]
-"""What was judged → speed [mph] → score."""
+_SPEED: Final = 60
+"""mph, the shortest runs."""
+_LENGTH: Final = 200.0
+"""m, half of the paper's."""
+_TRAINED: Final = 0.5
+"""Relative tolerance of errors of networks: rounding sends training to another of its minima, some of them no better.
+A plant, filter or split that has changed moves them by more."""
+_LEVEL: Final = 1e-3
+"""Relative tolerance of means over signals, which no training stands behind."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Size:
-    """How much is simulated and trained.
+@dataclass(frozen=True)
+class AxleBox(Study):
+    """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
 
-    Attributes:
-        speeds: mph.
-        starts: Random starts of the paper's networks; honest_starts: where every run is left out once.
-        design: Runs for the estimator for all speeds; members: its networks.
-        length: m of the campaign's runs; away: of all others.
-    """
+    file: Annotated[
+        Path | None, Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own.py.")
+    ] = None
+    inputs: Annotated[
+        str | None, Option(help="What the paper's networks listen to, as 'left, right'; longitudinal unless given.")
+    ] = None
+    quick: bool = False
 
-    speeds: tuple[int, ...]
-    starts: int
-    honest_starts: int
-    design: int
-    members: int
-    length: float
-    away: float
+    def __post_init__(self) -> None:
+        """Check options against each other."""
+        if self.inputs is not None and self.inputs not in COMBINATIONS:
+            raise ScenarioError(f"--inputs is '{self.inputs}'; there is {'; '.join(COMBINATIONS)}.")
+        if self.file is not None and self.quick:
+            raise ScenarioError("--quick is of the paper's study; your own runs are taken as they are.")
 
+    @property
+    def place(self) -> str:
+        """A folder for each file of a user's runs."""
+        return "" if self.file is None else read_own(self.file).name
 
-FULL: Final = Size(speeds=SPEEDS, starts=15, honest_starts=3, design=80, members=20, length=400.0, away=200.0)
-QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3, length=200.0, away=200.0)
-"""Shows that everything works; its figures mean nothing."""
+    def page(self, work: Work) -> Page:
+        """Return the report on the simulated campaign or on a user's runs, with the estimators trained on them."""
+        if self.file is not None:
+            return self._own(self.file, work)
+        size = QUICK if self.quick else FULL
+        results = conducted(size, Recipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
+        return Page(
+            template="studies/axle_box/report.md.jinja",
+            values=tables_of(results),
+            figures=draw(results),
+            files=_files(estimators_of(results)),
+        )
 
+    def _own(self, file: Path, work: Work) -> Page:
+        specification = read_own(file)
+        network = specification.network
+        if self.inputs is not None:
+            network = network.model_copy(update={"inputs": self.inputs})
+        folder, labels = file.parent / specification.runs.folder, file.parent / specification.runs.labels
+        runs, remarks = read_folder(folder, labels, specification.data, work.tell)
+        tables, trained = judge_own(runs, network.recipe(), work)
+        return Page(
+            template="studies/axle_box/own.md.jinja",
+            values={**tables, "count": len(runs), "remarks": remarks},
+            files=_files(trained),
+        )
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Study:
-    """What came out.
-
-    Attributes:
-        recipe: Of the paper's networks, all rows but those that say otherwise.
-        split: Rows of the paper's split, among them what takes the paper's networks apart.
-        decays: Trained on the first 64 % of each run, judged on the following 16 %: where `evaluate.DECAY` is from.
-        inputs: The paper's split with the other combinations of motions.
-        honest: Rows of the paper's networks on runs they have not seen.
-        general: Rows of the estimator for all speeds on the same runs.
-        ensemble: That estimator.
-        networks: By speed, the network that fits the training part best; exchanged: the same under other labels.
-        runs: The campaign, by speed.
-    """
-
-    recipe: Recipe
-    split: Rows
-    decays: Rows
-    inputs: Rows
-    honest: Rows
-    general: Rows
-    ensemble: Ensemble
-    networks: Mapping[int, ScaledNetwork]
-    exchanged: Mapping[int, ScaledNetwork]
-    runs: Mapping[int, Sequence[Run]]
-
-
-def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
-    """Return every run of the study by set; `campaign` and `design` are what estimators are trained on."""
-    home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
-    return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
-
-
-def study(
-    size: Size, *, inputs: str = "longitudinal", workers: int = 2, tell: Callable[[str], None] = lambda _: None
-) -> Study:
-    """Simulate what is not in the cache, train and judge.
-
-    Args:
-        inputs: Of the paper's networks, key of `channels.COMBINATIONS`.
-        tell: Told each run that is there and each piece that is judged; `pieces` says how often.
-    """
-    plan = passes(size)
-    with processes(workers) as pool:
-        everything = iter(gather([p for part in plan.values() for p in part], pool, tell=tell))
-        runs = {name: [next(everything) for _ in part] for name, part in plan.items()}
-        return concluded(size, runs, Recipe(inputs=inputs, starts=size.starts), pool, tell)
-
-
-def concluded(
-    size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Recipe, pool: Executor, tell: Callable[[str], None]
-) -> Study:
-    """Train and judge."""
-    few = replace(recipe, starts=size.honest_starts)
-    by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
-    away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}
-    # Slowest speeds have the most samples; the estimator for all speeds is one long piece and goes first.
-    all_speeds = pool.submit(general, runs_of_part["design"], size.members)
-    futures = {
-        (table, name, s): pool.submit(one, by_speed[s])
-        for table, rows in _pieces(recipe, few).items()
-        for name, one in rows.items()
-        for s in size.speeds
-    }
-    abroad_of = {
-        s: pool.submit(elsewhere, by_speed[s], {n: _at(r, s) for n, r in away.items()}, recipe) for s in size.speeds
-    }
-    networks = {s: pool.submit(best_of, by_speed[s], few) for s in size.speeds}
-    others = {s: pool.submit(best_of, by_speed[s], few, exchanged) for s in size.speeds}
-    pending = [all_speeds, *futures.values(), *abroad_of.values(), *networks.values(), *others.values()]
-    for future in as_completed(pending):
-        future.result()
-        tell("training and judging")
-    tables: dict[str, dict[str, dict[int, Score]]] = {}
-    for (table, name, s), future in futures.items():
-        tables.setdefault(table, {}).setdefault(name, {})[s] = future.result()
-    for s, future in abroad_of.items():
-        for name, score in future.result().items():
-            tables["honest"].setdefault(name, {})[s] = score
-    ensemble, mean = all_speeds.result()
-    sets = {"campaign": runs_of_part["campaign"], **away}
-    rule = dry_or_not(passes(size))
-    return Study(
-        recipe=recipe,
-        split=tables["split"],
-        decays=tables["decays"],
-        inputs=tables["inputs"],
-        honest=tables["honest"],
-        general={
-            name: {
-                s: judge(ensemble, mean, _at(runs, s), [rule[name][run.name] for run in _at(runs, s)])
-                for s in size.speeds
-            }
-            for name, runs in sets.items()
-        },
-        ensemble=ensemble,
-        networks={s: one.result() for s, one in networks.items()},
-        exchanged={s: one.result() for s, one in others.items()},
-        runs=by_speed,
-    )
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return errors of the paper's networks at one speed, and levels and features of what they were trained on."""
+        recipe = Recipe(starts=3)
+        runs = work.map(run_of, [run for run in campaign(length=_LENGTH) if run.speed == _SPEED * MPH])
+        training = {
+            "bias inside": partial(within_runs, runs, recipe),
+            "bias outside": partial(within_runs, runs, replace(recipe, bias="outside")),
+            "labels exchanged": partial(within_runs, runs, recipe, exchanged),
+            "a run left out": partial(without_each, runs, replace(recipe, starts=1)),
+        }
+        scores = dict(zip(training, work.map(call, training.values()), strict=True))
+        who = f"learn {_SPEED} mph"
+        findings = [
+            Finding(f"{who}, {name}: MAE", score.mae, "1", _TRAINED * score.mae) for name, score in scores.items()
+        ]
+        mean = scores["bias inside"].mae_of_mean
+        findings.append(Finding(f"{who}, always the mean: MAE", mean, "1", _LEVEL * mean))
+        sets = passes(FULL)
+        reports = dry_or_not(sets)["campaign"]
+        rule = float(np.mean([abs(run.friction - reports[run.name]) for run in sets["campaign"]]))
+        findings.append(Finding("learn, dry or not: MAE", rule, "1", _LEVEL * rule))
+        for motion in COMBINATIONS["longitudinal, lateral, yaw"]:
+            level = float(np.mean([run.blocks[:, CHANNELS[motion]].mean() for run in runs]))
+            findings.append(Finding(f"{who}, {motion}: mean of blocks", level, "m/s2", _LEVEL * level))
+        features = np.mean([spectral_features(run)[-1] for run in runs], axis=0)
+        for name in ("lateral over yaw leading, 2 Hz", "quadrature leading, 4 Hz"):
+            value = float(features[SPECTRAL.names.index(name)])
+            findings.append(Finding(f"{who}, {name}", value, "1", _LEVEL))
+        return findings
 
 
-def pieces(size: Size) -> int:
-    """Return how many runs and pieces `study` tells of."""
-    runs = sum(len(part) for part in passes(size).values())
-    judgements = sum(len(rows) for rows in _pieces(Recipe(), Recipe()).values())
-    return runs + 1 + len(size.speeds) * (3 + judgements)
+STUDY = AxleBox
 
 
-def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
-    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed.
-
-    Args:
-        recipe: With all random starts.
-        few: With those that suffice where a mean over speeds or runs counts.
-    """
-    free = replace(recipe, decay=0.0)
-    return {
-        "split": {
-            "bias inside": partial(within_runs, recipe=free),
-            "bias outside": partial(within_runs, recipe=replace(free, bias="outside")),
-            "bias inside, weights kept small": partial(within_runs, recipe=recipe),
-            "bias outside, weights kept small": partial(within_runs, recipe=replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_runs, recipe=recipe, labels=exchanged),
-            "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
-        },
-        "decays": {f"{decay:g}": partial(inside_training, recipe=replace(few, decay=decay)) for decay in DECAYS},
-        "inputs": {name: partial(within_runs, recipe=replace(few, inputs=name)) for name in COMBINATIONS},
-        "honest": {"a run left out": partial(without_each, recipe=few)},
-    }
+def _files(trained: Mapping[str, PaperEstimator | GeneralEstimator]) -> dict[str, Callable[[Path], object]]:
+    """Return what writes each estimator as a file of numbers and as an FMU."""
+    numbers = {f"{name}.json": partial(_write_numbers, one) for name, one in trained.items()}
+    return numbers | {f"{name}.fmu": partial(pack, as_fmu(one.online())) for name, one in trained.items()}
 
 
-def estimators_of(study: Study) -> dict[str, PaperEstimator | GeneralEstimator]:
-    """Return what a study trained, by the name of the file it goes into."""
-    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=study.ensemble)
-    papers = {f"friction_{s}mph": paper_estimator(one, s, study.recipe) for s, one in study.networks.items()}
-    return {"friction": general, **papers}
-
-
-def paper_estimator(fitted: ScaledNetwork, speed: int, recipe: Recipe) -> PaperEstimator:
-    """Return a network with all that stands in front of it, for a speed class, mph."""
-    return PaperEstimator(
-        chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
-        scale=fitted.scale,
-        networks=(fitted.network,),
-        inputs=recipe.inputs,
-    )
-
-
-def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
-    """Train the estimator for all speeds; return it and the mean label of its training.
-
-    It has two stages where every run is simulated, which knows the slope of its creep curve.
-    """
-    features = [spectral_features(run) for run in runs]
-    labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
-    number = np.concatenate([np.full(len(f), k, dtype=np.int64) for k, f in enumerate(features)])
-    values = [run.slope for run in runs if run.slope is not None]
-    slopes = np.array(values)[number] if len(values) == len(runs) else None
-    network = fit(
-        np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), slope=slopes, members=members
-    )
-    return network, float(labels.mean())
-
-
-def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]]:
-    """Return for each pass of each set the mean label of the design's passes on rails as dry, or not dry, as its own.
-
-    It takes no estimator to tell a dry rail from a covered one: what an estimator is good for begins beyond this.
-    """
-    labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
-    mean = {dry: float(np.mean(values)) for dry, values in labels.items()}
-    return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
-
-
-def _at(runs: Sequence[Run], speed: int) -> list[Run]:
-    return [run for run in runs if run.group == speed]
+def _write_numbers(one: PaperEstimator | GeneralEstimator, path: Path) -> None:
+    with replacing(path) as partial_file:
+        save(one, partial_file)

@@ -1,12 +1,11 @@
-"""The pages of a study and of a user's own runs, in Markdown."""
+"""The tables of the paper's study and of a user's own runs."""
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
-from railgrip.report.page import rendered
 from railgrip.report.table import Table
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average
-from railgrip.studies.axle_box.study import PUBLISHED, Rows, Study
+from railgrip.studies.axle_box.training import PUBLISHED, Results, Rows
 
 READINGS_OF_EQUATION_4: Final = (
     "bias inside", "bias outside", "bias inside, weights kept small", "bias outside, weights kept small",
@@ -15,33 +14,26 @@ TAKES_APART: Final = ("bias inside, weights kept small", "labels exchanged", "fi
 _FORM: Final = "{:.4f}"
 
 
-def report(study: Study, figures: Sequence[str] = ()) -> str:
-    """Return the report as Markdown, with figures by their file names at its end."""
-    speeds = list(study.runs)
-    return rendered(
-        "studies/axle_box/report.md.jinja",
-        recipe=study.recipe,
-        table3=_table3(study.split, speeds),
-        decays=_scores({f"decay {name}": row for name, row in study.decays.items()}, speeds),
-        decay_starts=_starts(study.decays),
-        apart=_scores({name: study.split[name] for name in TAKES_APART}, speeds),
-        inputs=_scores(study.inputs, speeds),
-        input_starts=_starts(study.inputs),
-        honest=_scores(study.honest, speeds, beside=True),
-        general=_general(study.general, speeds),
-        figures=figures,
-    )
+def tables_of(results: Results) -> dict[str, Any]:
+    """Return what the page of the paper's study names."""
+    speeds = list(results.runs)
+    return {
+        "recipe": results.recipe,
+        "table3": _table3(results.split, speeds),
+        "decays": _scores({f"decay {name}": row for name, row in results.decays.items()}, speeds),
+        "decay_starts": _starts(results.decays),
+        "apart": _scores({name: results.split[name] for name in TAKES_APART}, speeds),
+        "inputs": _scores(results.inputs, speeds),
+        "input_starts": _starts(results.inputs),
+        "honest": _scores(results.honest, speeds, beside=True),
+        "general": _general(results.general, speeds),
+    }
 
 
-def own_report(
-    count: int,
-    recipe: Recipe,
-    split: Mapping[int, Score],
-    left_out: Mapping[int, Score],
-    general: Score,
-    remarks: Sequence[str],
-) -> str:
-    """Return the report on a user's runs as Markdown; rows by speed class in mph.
+def own_tables(
+    recipe: Recipe, split: Mapping[int, Score], left_out: Mapping[int, Score], general: Score
+) -> dict[str, Any]:
+    """Return what the page on a user's runs names; rows by speed class in mph.
 
     Args:
         split: Under the paper's split; empty where no speed class has two runs.
@@ -49,20 +41,17 @@ def own_report(
         general: Of the estimator for all speeds, each run left out once.
     """
     rows = {"last 20 % of runs seen": split, "a run left out": left_out}
-    return rendered(
-        "studies/axle_box/own.md.jinja",
-        count=count,
-        recipe=recipe,
-        starts=_starts({"": split}) if split else "",
-        networks=_scores(rows, list(split), beside=True) if split else None,
-        general=Table.of(
+    return {
+        "recipe": recipe,
+        "starts": _starts({"": split}) if split else "",
+        "networks": _scores(rows, list(split), beside=True) if split else None,
+        "general": Table.of(
             ("MAE", "always the mean", "coverage of the 90 % interval", "width"),
             [(general.mae, general.mae_of_mean, _coverage(general), general.width or 0.0)],
             _FORM,
             left=0,
         ),
-        remarks=remarks,
-    )
+    }
 
 
 def _table3(split: Rows, speeds: Sequence[int]) -> Table:

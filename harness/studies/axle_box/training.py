@@ -1,0 +1,227 @@
+"""Training and judging on the runs of the campaign and elsewhere; a value that tables and figures are made from."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+
+from railgrip.campaign.work import Work, call
+from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.ensemble import Ensemble, fit
+from railgrip.estimators.learned.preprocessing import BLOCKS, Chain
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.scenario.seed import generator
+from railgrip.studies.axle_box.evaluate import (
+    Recipe,
+    ScaledNetwork,
+    Score,
+    best_of,
+    elsewhere,
+    exchanged,
+    inside_training,
+    judge,
+    within_runs,
+    without_each,
+)
+from railgrip.studies.axle_box.gather import gather, spectral_features
+from railgrip.studies.axle_box.instrumented_car import Pass
+from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run
+from railgrip.studies.axle_box.runs import SPEEDS, abroad, campaign, design
+
+PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
+    16: (0.0053, 0.0041),
+    26: (0.0038, 0.0028),
+    40: (0.0141, 0.0083),
+    60: (0.0080, 0.0063),
+}
+"""Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
+
+DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
+"""Weights of the squared weights that are tried inside of the training part."""
+
+Rows = Mapping[str, Mapping[int, Score]]
+"""What was judged → speed [mph] → score."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Size:
+    """How much is simulated and trained.
+
+    Attributes:
+        speeds: mph.
+        starts: Random starts of the paper's networks; honest_starts: where every run is left out once.
+        design: Runs for the estimator for all speeds; members: its networks.
+        length: m of the campaign's runs; away: of all others.
+    """
+
+    speeds: tuple[int, ...]
+    starts: int
+    honest_starts: int
+    design: int
+    members: int
+    length: float
+    away: float
+
+
+FULL: Final = Size(speeds=SPEEDS, starts=15, honest_starts=3, design=80, members=20, length=400.0, away=200.0)
+QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3, length=200.0, away=200.0)
+"""Shows that everything works; its figures mean nothing."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Results:
+    """What came out.
+
+    Attributes:
+        recipe: Of the paper's networks, all rows but those that say otherwise.
+        split: Rows of the paper's split, among them what takes the paper's networks apart.
+        decays: Trained on the first 64 % of each run, judged on the following 16 %: where `evaluate.DECAY` is from.
+        inputs: The paper's split with the other combinations of motions.
+        honest: Rows of the paper's networks on runs they have not seen.
+        general: Rows of the estimator for all speeds on the same runs.
+        ensemble: That estimator.
+        networks: By speed, the network that fits the training part best; exchanged: the same under other labels.
+        runs: The campaign, by speed.
+    """
+
+    recipe: Recipe
+    split: Rows
+    decays: Rows
+    inputs: Rows
+    honest: Rows
+    general: Rows
+    ensemble: Ensemble
+    networks: Mapping[int, ScaledNetwork]
+    exchanged: Mapping[int, ScaledNetwork]
+    runs: Mapping[int, Sequence[Run]]
+
+
+def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
+    """Return every run of the study by set; `campaign` and `design` are what estimators are trained on."""
+    home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
+    return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
+
+
+def conducted(size: Size, recipe: Recipe, work: Work) -> Results:
+    """Simulate the runs of the study, train and judge."""
+    plan = passes(size)
+    everything = iter(gather([one for part in plan.values() for one in part], work))
+    return concluded(size, {name: [next(everything) for _ in part] for name, part in plan.items()}, recipe, work)
+
+
+def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Recipe, work: Work) -> Results:
+    """Train and judge."""
+    few = replace(recipe, starts=size.honest_starts)
+    by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
+    away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}
+    # The estimator for all speeds is one long piece and goes first.
+    tasks: dict[tuple[str, str, int], Callable[[], Any]] = {
+        ("all speeds", "", 0): partial(general, runs_of_part["design"], size.members)
+    }
+    for s, runs in by_speed.items():
+        for table, rows in _pieces(recipe, few).items():
+            tasks |= {(table, name, s): partial(one, runs) for name, one in rows.items()}
+        tasks["elsewhere", "", s] = partial(elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
+        tasks["network", "", s] = partial(best_of, runs, few)
+        tasks["exchanged", "", s] = partial(best_of, runs, few, exchanged)
+    work.tell("training and judging")
+    results: dict[tuple[str, str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
+    tables: dict[str, dict[str, dict[int, Any]]] = {}
+    for (table, name, s), result in results.items():
+        tables.setdefault(table, {}).setdefault(name, {})[s] = result
+    for s, scores in tables["elsewhere"][""].items():
+        for name, score in scores.items():
+            tables["honest"].setdefault(name, {})[s] = score
+    ensemble, mean = results["all speeds", "", 0]
+    sets = {"campaign": runs_of_part["campaign"], **away}
+    rule = dry_or_not(passes(size))
+    return Results(
+        recipe=recipe,
+        split=tables["split"],
+        decays=tables["decays"],
+        inputs=tables["inputs"],
+        honest=tables["honest"],
+        general={
+            name: {
+                s: judge(ensemble, mean, _at(runs, s), [rule[name][run.name] for run in _at(runs, s)])
+                for s in size.speeds
+            }
+            for name, runs in sets.items()
+        },
+        ensemble=ensemble,
+        networks=tables["network"][""],
+        exchanged=tables["exchanged"][""],
+        runs=by_speed,
+    )
+
+
+def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
+    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed.
+
+    Args:
+        recipe: With all random starts.
+        few: With those that suffice where a mean over speeds or runs counts.
+    """
+    free = replace(recipe, decay=0.0)
+    return {
+        "split": {
+            "bias inside": partial(within_runs, recipe=free),
+            "bias outside": partial(within_runs, recipe=replace(free, bias="outside")),
+            "bias inside, weights kept small": partial(within_runs, recipe=recipe),
+            "bias outside, weights kept small": partial(within_runs, recipe=replace(recipe, bias="outside")),
+            "labels exchanged": partial(within_runs, recipe=recipe, labels=exchanged),
+            "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
+        },
+        "decays": {f"{decay:g}": partial(inside_training, recipe=replace(few, decay=decay)) for decay in DECAYS},
+        "inputs": {name: partial(within_runs, recipe=replace(few, inputs=name)) for name in COMBINATIONS},
+        "honest": {"a run left out": partial(without_each, recipe=few)},
+    }
+
+
+def estimators_of(results: Results) -> dict[str, PaperEstimator | GeneralEstimator]:
+    """Return what was trained, by the name of the file it goes into."""
+    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=results.ensemble)
+    papers = {f"friction_{s}mph": paper_estimator(one, s, results.recipe) for s, one in results.networks.items()}
+    return {"friction": general, **papers}
+
+
+def paper_estimator(fitted: ScaledNetwork, speed: int, recipe: Recipe) -> PaperEstimator:
+    """Return a network with all that stands in front of it, for a speed class, mph."""
+    return PaperEstimator(
+        chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
+        scale=fitted.scale,
+        networks=(fitted.network,),
+        inputs=recipe.inputs,
+    )
+
+
+def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
+    """Train the estimator for all speeds; return it and the mean label of its training.
+
+    It has two stages where every run is simulated, which knows the slope of its creep curve.
+    """
+    features = [spectral_features(run) for run in runs]
+    labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
+    number = np.concatenate([np.full(len(f), k, dtype=np.int64) for k, f in enumerate(features)])
+    values = [run.slope for run in runs if run.slope is not None]
+    slopes = np.array(values)[number] if len(values) == len(runs) else None
+    network = fit(
+        np.vstack(features), labels, number, generator=generator(0, "learn.ensemble"), slope=slopes, members=members
+    )
+    return network, float(labels.mean())
+
+
+def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]]:
+    """Return for each pass of each set the mean label of the design's passes on rails as dry, or not dry, as its own.
+
+    It takes no estimator to tell a dry rail from a covered one: what an estimator is good for begins beyond this.
+    """
+    labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
+    mean = {dry: float(np.mean(values)) for dry, values in labels.items()}
+    return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
+
+
+def _at(runs: Sequence[Run], speed: int) -> list[Run]:
+    return [run for run in runs if run.group == speed]
