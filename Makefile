@@ -75,7 +75,7 @@ tune-control: fmus  ## search the parameters of slip- and adhesion-based control
 	$(PROGRAM) tune-control
 
 type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour; QUICK=--quick)
-	$(PROGRAM) type-test $(QUICK)
+	$(PROGRAM) study type_test $(QUICK)
 
 trains: $(READY)  ## trains of this project against published stops, UIC 540 and a trial of sanders, build/trains (QUICK=--quick)
 	$(PROGRAM) study trains $(QUICK)

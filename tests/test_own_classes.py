@@ -276,7 +276,7 @@ def test_every_command_that_runs_scenarios_takes_folders():
         "campaign",
         "conditioning",
         "regress",
-        "type-test",
+        "study type_test",
         "estimate",
         "observability",
         "study k_factors",

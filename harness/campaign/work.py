@@ -17,9 +17,11 @@ from pydantic import BaseModel
 
 from railgrip import cache
 from railgrip.campaign import workers as processes
+from railgrip.campaign.one_stop import Runner
+from railgrip.campaign.run import CampaignRun, Report, State, run_campaigns
 from railgrip.campaign.sources import sources_digest
-from railgrip.console import Progress, progress
-from railgrip.errors import RailgripError
+from railgrip.console import Progress, complain, progress
+from railgrip.errors import InputError, RailgripError
 from railgrip.fmus.build import choose
 from railgrip.scenario.schema import Scenario
 
@@ -110,6 +112,45 @@ class Work:
             results.append(function(case))
             self.advance()
         return results
+
+    def stops(
+        self,
+        runs: Sequence[CampaignRun],
+        runner: Runner,
+        *,
+        on_complete: Callable[[int], None] = lambda number: None,
+        is_any_outcome: bool = False,
+    ) -> int:
+        """Run the stops of campaigns into their folders; complain of what went wrong, return the exit code for it.
+
+        Args:
+            runs: As for `run_campaigns`.
+            runner: As there.
+            on_complete: As there.
+            is_any_outcome: Whether a stop may end otherwise than its campaign expects.
+        """
+        self.expect(sum(len(one.campaign.stops) for one in runs))
+        fine: set[State] = {"found", "done", "unexpected"} if is_any_outcome else {"found", "done"}
+        code = 0
+
+        def tell(report: Report) -> None:
+            nonlocal code
+            self.advance()
+            if report.state not in fine:
+                complain(f"{report.stop.name}: {report.sentence}")
+                is_refused = report.state == "refused" or code == InputError.exit_code
+                code = InputError.exit_code if is_refused else RailgripError.exit_code
+
+        run_campaigns(
+            runs,
+            runner,
+            workers=self.count,
+            scheduler=self.scheduler,
+            fresh=self.fresh,
+            tell=tell,
+            on_complete=on_complete,
+        )
+        return code
 
     def _started(self) -> tuple[Executor, Callable[[], None]]:
         if self._pool is None:

@@ -23,6 +23,7 @@ MOVED: Final = {
     "monitor-study": "pad_monitor",
     "rig": "roller_rig",
     "trains": "trains",
+    "type-test": "type_test",
 }
 """What was a command of its own, and which study it is."""
 

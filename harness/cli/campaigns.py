@@ -339,27 +339,15 @@ def _run_campaigns(
 
     `on_complete` is called with the number of a campaign that is complete, and with what tells the user of its doing.
     """
-    from railgrip.campaign.run import Report, run_campaigns
+    from railgrip.campaign.work import work
 
-    names = ", ".join(one.campaign.name for one in runs)
-    with progress(names, sum(len(one.campaign.stops) for one in runs), is_count=True) as bar:
-
-        def tell(report: Report) -> None:
-            bar.advance()
-            if report.state not in {"found", "done"}:
-                complain(f"{report.stop.name}: {report.sentence}")
+    with work(", ".join(one.campaign.name for one in runs), workers=workers, fresh=fresh) as own:
 
         def complete(number: int) -> None:
-            on_complete(number, lambda what: bar.update(doing=f"drawing {what}"))
-            bar.update(doing="")
+            on_complete(number, lambda what: own.tell(f"drawing {what}"))
+            own.tell("")
 
-        reports = run_campaigns(
-            runs, runner(import_from=import_from), workers=workers, fresh=fresh, tell=tell, on_complete=complete
-        )
-    states = {report.state for group in reports for report in group}
-    if "refused" in states:
-        return ScenarioError.exit_code
-    return RUN_FAILED if states & {"failed", "unexpected"} else 0
+        return own.stops(runs, runner(import_from=import_from), on_complete=complete)
 
 
 def _numbers_of(
@@ -375,10 +363,9 @@ def _numbers_of(
         runs = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
         code = _run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)
         return code, findings_of(read_results(out))
-    from railgrip.studies.headlines import headlines
+    from railgrip.studies import headlines
 
-    with progress(path.stem) as bar:
-        findings = headlines(str(baseline.study), lambda what: bar.update(doing=what))
+    findings = headlines(str(baseline.study), workers=workers)
     write_findings(findings, out)
     return 0, findings
 

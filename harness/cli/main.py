@@ -6,11 +6,11 @@ Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence o
 from typing import Final
 
 import railgrip.cli.runs  # first: help lists commands in the order of these imports
-from railgrip.cli import bench, campaigns, estimation, fmus, studies, trains, type_test
+from railgrip.cli import bench, campaigns, estimation, fmus, studies, trains
 from railgrip.cli.app import app
 from railgrip.console import answer
 
-FAMILIES: Final = (railgrip.cli.runs, fmus, trains, campaigns, type_test, estimation, bench, studies)
+FAMILIES: Final = (railgrip.cli.runs, fmus, trains, campaigns, estimation, bench, studies)
 """Modules whose import has put their commands on `app`."""
 
 

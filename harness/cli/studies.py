@@ -66,8 +66,8 @@ def _conduct(
         else:
             show_table(part)
     say(str(path))
-    if page.problem is not None:
-        raise page.problem
+    if page.exit_code:
+        raise typer.Exit(page.exit_code)
 
 
 def _command(name: str) -> "click.Command":

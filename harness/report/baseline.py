@@ -18,7 +18,7 @@ plant, the same but for rounding, stops elsewhere, its distance stands there as 
 Beside the distances stand the longest lock of any group [s] and the strokes of all valves, as of the last `make
 accept`: shown, not compared.
 
-The same for the figures of a study of `railgrip.studies.headlines`:
+The same for the figures of a study of `railgrip.studies`:
 
     study = "estimate"
 
@@ -125,7 +125,7 @@ class Baseline(Table):
     """A baseline file."""
 
     campaign: str | None = Field(default=None, description="campaign file, from this one's folder")
-    study: str | None = Field(default=None, description="name of a study of railgrip.studies.headlines")
+    study: str | None = Field(default=None, description="name of a study of railgrip.studies")
     stops: dict[str, Accepted] = Field(default={}, description="name of a stop → what is accepted")
     figures: dict[str, AcceptedFigure] = Field(default={}, description="name of a figure → what is accepted")
 

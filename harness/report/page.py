@@ -7,7 +7,6 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railgrip.errors import RailgripError
 from railgrip.files import write_json, write_text
 from railgrip.report.table import Table
 
@@ -30,7 +29,7 @@ class Page:
         data: File name → content, as JSON.
         files: File name → what writes it.
         screen: Tables and sentences.
-        problem: What a user is told at the end, and the exit code follows from, of cases that failed.
+        exit_code: What the command line answers with; 0 where no case failed.
     """
 
     template: str
@@ -40,7 +39,7 @@ class Page:
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])
     files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Any])
     screen: Sequence[Table | str] = ()
-    problem: RailgripError | None = None
+    exit_code: int = 0
 
     def write(self, folder: Path) -> Path:
         """Write everything into a folder; return the page, index.html or what its template is called.

@@ -1,4 +1,4 @@
-"""`railgrip type-test` runs what is missing, judges it, and writes what others read."""
+"""`railgrip study type_test` runs what is missing, judges it, and writes what others read."""
 
 import csv
 import json
@@ -10,7 +10,7 @@ from one_process import one_process
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
-from railgrip.studies.type_test.report import compared
+from railgrip.studies.type_test.study import compared
 
 OWN = """
 name = "own"
@@ -26,7 +26,7 @@ kind = "none"
 
 def run(*arguments):
     with one_process(), pytest.raises(SystemExit) as end:
-        main(["type-test", *arguments])
+        main(["study", "type_test", *arguments])
     return end.value.code
 
 
@@ -73,7 +73,7 @@ def test_the_table_of_cases_has_a_row_for_each_stop(results):
 def test_the_page_can_be_sent_alone(results):
     page = (results / "index.html").read_text(encoding="utf-8")
     assert "verify in the" in page
-    assert "railgrip type-test --controller own --case 1of2-15595" in page
+    assert "railgrip study type_test --controller own --case 1of2-15595" in page
     assert page.count("data:image/png;base64,") == 3
     assert "http" not in page
     assert page.count("<details>") == page.count("</details>")
@@ -107,7 +107,7 @@ def test_redistribution_shortens_a_service_brake_on_a_rail_that_wheels_clean(tmp
     assert "Distance over that of slip_three_state, case by case" in capsys.readouterr().out
     folder = tmp_path / "service_brake"
     distances = {case["controller"]: case["distance_m"] for case in content_of(folder)["cases"]}
-    rows = {row["controller"]: row for row in compared(folder, "slip_three_state").rows}
+    rows = {row["controller"]: row for row in compared(content_of(folder)["cases"], "slip_three_state").rows}
     other = "slip_three_state_redistributed"
     assert set(rows) == {"ideal_bound", other}
     assert rows[other]["mean"] == pytest.approx(distances[other] / distances["slip_three_state"])

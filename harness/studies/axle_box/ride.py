@@ -15,8 +15,8 @@ length = "400 m"
 direction = 1                       # -1: the fourth wheelset leads
 
 [estimator]
-kind = "learned"                    # what `railgrip study axle_box` trained, in CasADi; or "fmu", any FMU of the same interface
-file = "build/axle_box/friction.json"      # from here or from the folder of this file
+kind = "learned"                    # what `railgrip study axle_box` trained, in CasADi; or "fmu", any FMU alike
+file = "build/axle_box/friction.json"   # from here or from the folder of this file
 """
 
 from collections.abc import Callable, Mapping

@@ -1,25 +1,40 @@
-"""The result of a type test as files: JSON, CSV, and a page that can be sent on."""
+"""The type test: its options, its page, JSON and CSV, and headline numbers."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
+from typer import Option
 
-from railgrip.files import write_text
+from railgrip.assemble import OwnParties, braking_distance, run_stop
+from railgrip.campaign.run import CampaignRun, write_description
+from railgrip.campaign.work import Work
+from railgrip.errors import ScenarioError
 from railgrip.report import style
-from railgrip.report.page import image, write_page
-from railgrip.report.results import Results
+from railgrip.report.baseline import Finding, mean
+from railgrip.report.index import write_report as write_panels
+from railgrip.report.page import Page
+from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
-from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import JUDGED, Judged, Limits, Summary, judgements, summaries
+from railgrip.studies import Study
+from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
+from railgrip.studies.type_test.entrants import (
+    Entrant,
+    campaign_of,
+    entrants,
+    entrants_named,
+    task_of,
+    train_of,
+    training_cases,
+)
+from railgrip.studies.type_test.judge import JUDGED, Judged, Limits, Summary, judgements, limits_of, summaries
 
-FILE: Final = "type_test.json"
 _WORST: Final = 10
 _SAME: Final = 0.002
 """Relative; stops that differ by less are the same: what moved parameters of the plant do to a stop."""
@@ -28,48 +43,130 @@ _JSON: Final = ("case", "controller", "tuned", "outcome", "distance_m", "bound_m
 """What is said first of each case; the rest follows."""
 
 
-def write_report(
-    results: Results, taking_part: Mapping[str, Entrant], limits: Limits, directory: Path, again: str = ""
-) -> Path:
-    """Write type_test.json, cases.csv and index.html with its figures into a folder; return the page.
+@dataclass(frozen=True)
+class TypeTest(Study):
+    """Stop a train in hundreds of cases under each controller, judge every stop, and rank them."""
+
+    controller: Annotated[
+        list[str] | None,
+        Option(help="One of ours, a scenario (.toml), an .fmu or module:Class; all of ours without it. Repeatable."),
+    ] = None
+    train: Annotated[
+        str | None, Option(help="A scenario (.toml) whose train it is, a train, an .fmu or a recipe; ours without it.")
+    ] = None
+    task: Annotated[
+        Path | None, Option(help="A scenario (.toml) whose demand and [adhesion.conditioning] hold in every case.")
+    ] = None
+    against: Annotated[
+        str | None, Option(help="A controller of the test: distances of the others over its own, case by case.")
+    ] = None
+    quick: Annotated[bool, Option(help="A tenth of the cases: shows where a controller stands.")] = False
+    validation: Annotated[bool, Option(help="Other cases, which nobody may look at while tuning.")] = False
+    count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
+    case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
+    limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
+    import_from: list[Path] | None = None
+
+    @property
+    def place(self) -> str:
+        """A folder for each train, task, and for single cases."""
+        own = [Path(file).stem for file in (self.train, self.task) if file is not None]
+        return "/".join([*own, "cases"] if self.case else own)
+
+    def page(self, work: Work) -> Page:
+        """Run what is missing, judge it with what was there, and rank the controllers."""
+        judging, ours = limits_of(self.limits), entrants()
+        candidates = ours if self.controller is None else entrants_named(self.controller, ours)
+        taking_part = ours | candidates
+        if self.against is not None and self.against not in taking_part:
+            raise ScenarioError(f"--against {self.against}: is none of {', '.join(taking_part)}")
+        # What others are measured with is run, too; what they are compared with comes from earlier runs.
+        running = {name for name, one in ours.items() if one.role in {"reference", "bound"}} | candidates.keys()
+        if self.case:
+            design = tuple(case_named(name) for name in self.case)
+        else:
+            count = self.count or (QUICK if self.quick else CASES)
+            design = cases(count, VALIDATION_SEED if self.validation else SEED)
+        task = None if self.task is None else task_of(self.task)
+        whole = campaign_of(design, taking_part, train_of(self.train), task=task, keep_traces=bool(self.case))
+        stops = whole.only(lambda stop: stop.variants["controller"] in running)
+        runner = partial(run_stop, own=OwnParties(folders=tuple(self.import_from or ())))
+        exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
+        write_description(whole, work.folder)
+        page = page_of(read_results(work.folder), taking_part, judging, against=self.against, again=self._again)
+        panels = [
+            str(write_panels(work.folder / stop.name))
+            for stop in (stops.stops if self.case else ())
+            if stop.variants["controller"] in candidates and (work.folder / stop.name / "trace.nc").exists()
+        ]
+        return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
+
+    @property
+    def _again(self) -> str:
+        """Options of the command line that run a case again, beside controller and case."""
+        options = (("train", self.train), ("task", self.task))
+        return "".join(f" --{name} {value}" for name, value in options if value is not None)
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set."""
+        taking_part = {name: entrants()[name] for name in ("constant_slip", "extremum_seeking", "slope_seeking")}
+        stops = campaign_of(training_cases(6), taking_part, train_of(None)).stops
+        # What does not stop is endlessly long; a baseline that does not is none to compare with.
+        distances = np.array([one or math.inf for one in work.map(braking_distance, [stop.scenario for stop in stops])])
+        *baselines, own = distances.reshape(-1, len(taking_part)).T
+        ratios = own / np.min(baselines, axis=0)
+        who = "slope seeking, distance over that of the better tuned baseline"
+        return [mean(f"{who}: median of 6", float(np.median(ratios))), mean(f"{who}: worst of 6", float(max(ratios)))]
+
+
+STUDY = TypeTest
+
+
+def page_of(
+    results: Results, taking_part: Mapping[str, Entrant], limits: Limits, *, against: str | None = None, again: str = ""
+) -> Page:
+    """Return the page of a type test.
 
     Args:
         results: Of the test; who has none is left out.
         taking_part: By name.
         limits: What stops are judged by.
-        directory: The folder.
+        against: Whom the others are compared with case by case, on the screen.
         again: Options of the command line that run a case of it again, beside controller and case.
     """
     stops = judgements(results.stops, taking_part, limits)
     board = summaries(stops, taking_part)
-    content = {
-        "cases": [{name: plain[name] for name in _JSON} | plain for plain in (stop.to_plain() for stop in stops)],
-        "summary": {one.controller: asdict(one) for one in board},
-        "limits": limits.model_dump(mode="json"),
-    }
-    write_text(directory / FILE, json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n")
-    table_of(stops).write_csv(directory / "cases.csv")
+    plain = [{name: one[name] for name in _JSON} | one for one in (stop.to_plain() for stop in stops)]
     present = {result.variants["controller"] for result in results.stops}
-    figures: dict[str, str] = {}
-    for name, caption, draw in (
+    drawings = (
         ("ratios", "Distance over that of the best tuned baseline in the same case", _ratios),
         ("utilisation", "Use of the adhesion there was, by creep curve", _by_curve),
         ("friction", "Distance over the ideal bound against friction", _over_friction),
-    ):
-        if stops:
-            figures[caption] = image(style.save(draw(stops, board), directory / "figures" / f"{name}.png"))
-    cases = {stop.case: stop.variants for stop in stops}
-    return write_page(
-        directory / "index.html",
-        "studies/type_test/type_test.html.jinja",
-        board=leaderboard(board),
-        clauses=clauses(board, limits),
-        count=len(cases),
-        figures=figures,
-        rankings={case: (variants, ranking(stops, case)) for case, variants in cases.items()},
-        worst=[(one, worst(stops, one.controller, again)) for one in board],
-        missing=names([name for name in results.missing if name.rpartition("-")[2] in present]),
-        supply=limits.supply,
+    )
+    variants_of = {stop.case: stop.variants for stop in stops}
+    leaders = leaderboard(board)
+    return Page(
+        template="studies/type_test/type_test.html.jinja",
+        values={
+            "board": leaders,
+            "clauses": clauses(board, limits),
+            "count": len(variants_of),
+            "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
+            "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
+            "worst": [(one, worst(stops, one.controller, again)) for one in board],
+            "missing": names([name for name in results.missing if name.rpartition("-")[2] in present]),
+            "supply": limits.supply,
+        },
+        figures={f"figures/{name}.png": draw(stops, board) for name, _, draw in drawings if stops},
+        tables={"cases.csv": table_of(stops)},
+        data={
+            "type_test.json": {
+                "cases": plain,
+                "summary": {one.controller: asdict(one) for one in board},
+                "limits": limits.model_dump(mode="json"),
+            }
+        },
+        screen=(leaders,) if against is None else (leaders, compared(plain, against)),
     )
 
 
@@ -83,20 +180,13 @@ def table_of(stops: Sequence[Judged]) -> Table:
     return Table(rows)
 
 
-def leaderboard_of(directory: Path) -> Table:
-    """Return the leaderboard that stands in a folder's type_test.json."""
-    content = json.loads((directory / FILE).read_text(encoding="utf-8"))
-    return leaderboard([Summary(**one) for one in content["summary"].values()])
-
-
-def compared(directory: Path, against: str) -> Table:
-    """Return how much longer than one controller the others of a folder's type_test.json stop in the same cases.
+def compared(cases: Sequence[Mapping[str, Any]], against: str) -> Table:
+    """Return how much longer than one controller the others stop in the same cases, which are as in type_test.json.
 
     Figures are of the cases in which both come to a stand; differences are positive where a stop is longer.
     """
-    content = json.loads((directory / FILE).read_text(encoding="utf-8"))
     distances: dict[str, dict[str, float | None]] = {}
-    for row in content["cases"]:
+    for row in cases:
         distances.setdefault(row["controller"], {})[row["case"]] = row["distance_m"]
     rows: list[dict[str, object]] = []
     own = distances.pop(against, {})
@@ -210,7 +300,7 @@ def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
             "distance": stop.outcome if stop.distance_m is None else stop.distance_m,
             "over best": None if stop.over_best is None else stop.over_best - 1,
             **stop.variants,
-            "again": f"railgrip type-test --controller {controller} --case {stop.case}{again}",
+            "again": f"railgrip study type_test --controller {controller} --case {stop.case}{again}",
         }
         for stop in own[:_WORST]
     ]
