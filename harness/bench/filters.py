@@ -119,7 +119,7 @@ def rig_step(*, count: int = 20_000, rounds: int = 7, period: float = 5e-3) -> f
 
 def of_recording() -> Iterator[Row]:
     """Yield what the test case of the field test costs; a value of the tuning is of five copies, of the mean length."""
-    field_run, spec, model = run(cases()[TEST], TEST), specification(), prediction()
+    field_run, spec, model = run((TEST, cases()[TEST])), specification(), prediction()
     course = spec.course
     assert course is not None
     task = task_of(field_run.braking, model)

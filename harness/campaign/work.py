@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import numpy as np
+import xarray
 from pydantic import BaseModel
 
 from railgrip import cache
@@ -187,7 +188,9 @@ def _plain(value: Any) -> object:
         case BaseModel():
             return value.model_dump(mode="json")
         case np.ndarray():
-            return [value.shape, str(value.dtype), hashlib.sha256(np.ascontiguousarray(value)).hexdigest()]
+            return [value.shape, str(value.dtype), hashlib.sha256(value.tobytes()).hexdigest()]
+        case xarray.Dataset():
+            return [value.attrs, {name: [one.dims, one.values, one.attrs] for name, one in value.variables.items()}]
         case np.generic():
             return value.item()
         case Mapping():

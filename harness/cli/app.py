@@ -1,16 +1,13 @@
 """The program that the commands belong to, and the arguments that several of them take."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, NoReturn
+from typing import Annotated, Any, Final, NoReturn
 
 import typer
 from typer.core import TyperGroup
 
 from railgrip.console import complain
 from railgrip.errors import InputError
-
-if TYPE_CHECKING:
-    import click
 
 RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""
@@ -31,7 +28,7 @@ MOVED: Final = {
 class _Commands(TyperGroup):
     """Commands; one of an earlier release is refused with its new name."""
 
-    def resolve_command(self, ctx: "click.Context", args: list[str]) -> Any:
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         if args[0] in MOVED:
             raise InputError(f"`railgrip {args[0]}` is now `railgrip study {MOVED[args[0]]}`.")
         return super().resolve_command(ctx, args)

@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final, get_type_hints
+from typing import Annotated, Any, Final, get_type_hints
 
 import typer
 from typer.core import TyperGroup
@@ -12,22 +12,19 @@ from typer.core import TyperGroup
 from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers, app
 from railgrip.console import progress, remark, say, show_table
 
-if TYPE_CHECKING:
-    import click
-
 
 class _Studies(TyperGroup):
     """Commands by the names of studies; a study is imported when it is asked for, and its fields are its options."""
 
-    def list_commands(self, ctx: "click.Context") -> list[str]:
+    def list_commands(self, ctx: Any) -> list[str]:
         from railgrip.studies import names
 
         return names()
 
-    def get_command(self, ctx: "click.Context", cmd_name: str) -> "click.Command | None":
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
         return _command(cmd_name) if cmd_name in self.list_commands(ctx) else None
 
-    def format_commands(self, ctx: "click.Context", formatter: "click.HelpFormatter") -> None:
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
         from railgrip.studies import names, summary
 
         with formatter.section("Studies"):
@@ -70,7 +67,7 @@ def _conduct(
         raise typer.Exit(page.exit_code)
 
 
-def _command(name: str) -> "click.Command":
+def _command(name: str) -> Any:
     """Return the command of a study: its own options before those of all."""
     from railgrip.studies import study_named
 
@@ -87,7 +84,7 @@ def _command(name: str) -> "click.Command":
             default=inspect.Parameter.empty if one.default is MISSING else one.default,
             annotation=_COMMON.get(one.name, hints[one.name]),
         )
-        for one in fields(own)
+        for one in fields(own)  # pyright: ignore[reportArgumentType] - every study is a dataclass
     ]
     parameters += [one for one in inspect.signature(_conduct).parameters.values() if one.kind is one.KEYWORD_ONLY]
     command.__signature__ = inspect.Signature(parameters)  # pyright: ignore[reportFunctionMemberAccess]
@@ -145,9 +142,9 @@ def tune(
     ] = None,
     population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
     generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
-    stage: Annotated[int, typer.Option(min=1, help="Generations between two checkpoints.")] = 10,
+    stage: Annotated[int, typer.Option(min=1, help="Generations that are kept together.")] = 10,
     seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn.")] = 1,
-    workers: Annotated[int, typer.Option(min=1, max=64, help="Threads.")] = 2,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Threads, or processes.")] = 2,
     import_from: ImportFrom = None,
 ) -> None:
     """Find the twelve noises of the field test's filter on cases 1 to 5; taken up where it was interrupted."""
@@ -162,21 +159,12 @@ def tune(
 
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
-    model, name = equations(), "field_test" if campaign is None else campaign.stem
-    with work("field_test") as own:
+    search = Search(population=population, generations=generations, stage=stage, seed=seed)
+    with work("field_test", workers=workers) as own:
         field_runs = runs(cases(campaign), TUNING, own, import_from or ())
-    tasks = [task_of(run.braking, model) for run in field_runs.values()]
-    search = Search(population=population, generations=generations, stage=stage, seed=seed, workers=workers)
-    checkpoint = Path("build/tune") / f"{name}-{kind}.npz"
-    with progress("generations", generations, is_count=True) as bar:
-        noise, value, history = search_for(
-            kind,
-            tasks,
-            model,
-            search,
-            checkpoint,
-            lambda generation, best: bar.update(amount=generation, doing=f"best {best:.6f} m/s"),
-        )
+        model = equations()
+        tasks = [task_of(run.braking, model) for run in field_runs.values()]
+        noise, value, history = search_for(kind, tasks, search, own)
     command = (
         f"railgrip tune {kind} --population {population} --generations {generations} --stage {stage} --seed {seed} "
         f"--out {out}"

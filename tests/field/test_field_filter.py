@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from railgrip.campaign.work import work
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.run import prediction_of
@@ -176,20 +177,18 @@ def test_the_paper_s_objective_rewards_repeating_the_readings(task, model):
     assert value("consistent", [blind]) > value("consistent", [honest])
 
 
-def test_an_interrupted_search_ends_as_one_that_was_not(task, model, tmp_path: Path):
-    def search(generations: int, checkpoint: Path):
-        of = Search(population=8, generations=generations, stage=1, seed=3, workers=2)
-        return tune("paper", [task], model, of, checkpoint)
+@pytest.mark.usefixtures("in_process", "own_cache")
+def test_an_interrupted_search_ends_as_one_that_was_not(task):
+    def search(generations: int, fresh: bool = False):
+        of = Search(population=8, generations=generations, stage=1, seed=3)
+        with work("field_test", fresh=fresh) as own:
+            return tune("paper", [task], of, own), own.made
 
-    whole = search(2, tmp_path / "whole.npz")
-    search(1, tmp_path / "parts.npz")
-    assert search(2, tmp_path / "parts.npz") == whole
+    search(1)
+    whole, made = search(2)
+    assert made == 1
+    assert search(2, fresh=True) == (whole, 2)
     assert len(whole[2]) == 2
-    with pytest.raises(EstimationError, match="belongs to another search"):
-        tune(
-            "consistent", [task], model, Search(population=8, generations=2, stage=1, seed=3, workers=1),
-            tmp_path / "whole.npz",
-        )  # fmt: skip
 
 
 def test_noises_are_kept_to_the_digit_that_matters(tmp_path: Path):

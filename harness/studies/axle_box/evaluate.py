@@ -33,7 +33,7 @@ class Score:
         best: Lowest mae of them.
         worst: Highest mae of them.
         spread: Standard deviation of mae over them.
-        rmse_of_mean, mae_of_mean: Of the predictor that always says the mean label of what was trained on.
+        mae_of_mean: Of the predictor that always says the mean label of what was trained on.
         coverage: Share of labels inside the 90 % interval, where the estimator gives one.
         width: Mean width of that interval.
         mae_of_rule: Of who is told only whether the rail is dry and says the mean label of training on such rails.
@@ -45,7 +45,6 @@ class Score:
     best: float
     worst: float
     spread: float
-    rmse_of_mean: float
     mae_of_mean: float
     coverage: float | None = None
     width: float | None = None
@@ -224,7 +223,7 @@ def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
     return Score(
         starts=len(errors),
         rmse=float(np.mean([_rms(e) for e in errors])), mae=float(np.mean(absolute)), best=min(absolute),
-        worst=max(absolute), spread=float(np.std(absolute)), rmse_of_mean=_rms(of_mean),
+        worst=max(absolute), spread=float(np.std(absolute)),
         mae_of_mean=float(np.abs(of_mean).mean()),
     )  # fmt: skip
 

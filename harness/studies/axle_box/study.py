@@ -127,8 +127,11 @@ STUDY = AxleBox
 
 def _files(trained: Mapping[str, PaperEstimator | GeneralEstimator]) -> dict[str, Callable[[Path], object]]:
     """Return what writes each estimator as a file of numbers and as an FMU."""
-    numbers = {f"{name}.json": partial(_write_numbers, one) for name, one in trained.items()}
-    return numbers | {f"{name}.fmu": partial(pack, as_fmu(one.online())) for name, one in trained.items()}
+    files: dict[str, Callable[[Path], object]] = {}
+    for name, one in trained.items():
+        files[f"{name}.json"] = partial(_write_numbers, one)
+        files[f"{name}.fmu"] = partial(pack, as_fmu(one.online()))
+    return files
 
 
 def _write_numbers(one: PaperEstimator | GeneralEstimator, path: Path) -> None:
