@@ -14,8 +14,7 @@ from railgrip.errors import InputError, RailgripError, RecordError
 from railgrip.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
-from railgrip.report.compilers import OURS, makers
-from railgrip.report.results import clear_campaign
+from railgrip.report.results import OURS, clear_campaign, makers
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.kinds import Custom

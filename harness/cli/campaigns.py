@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatch
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -13,7 +13,6 @@ from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Overrides, Workers, 
 from railgrip.cli.runs import runner
 from railgrip.console import complain, progress, say, show_table
 from railgrip.errors import ScenarioError
-from railgrip.report.panels import Panels
 
 if TYPE_CHECKING:
     from railgrip.campaign.run import CampaignRun
@@ -23,6 +22,8 @@ if TYPE_CHECKING:
     from railgrip.report.row import Row
     from railgrip.scenario.conditioning import Repeated
 
+Panels = Literal["all", "abc", "none"]
+"""As `railgrip.scenario.campaign` has them, which takes longer to load than a sentence may."""
 BASELINES = Path("tests/baselines")
 REGRESS = Path("build/regress")
 
@@ -45,9 +46,8 @@ def campaign(
     """Run the stops of campaigns, keep what is done, and write table, figures and report of each."""
     from railgrip.campaign.run import CampaignRun
     from railgrip.report.baseline import beyond_accepted
-    from railgrip.report.compilers import by_compiler
     from railgrip.report.distances import rows_of
-    from railgrip.report.results import read_results
+    from railgrip.report.results import by_compiler, read_results
     from railgrip.scenario.campaign import load_campaign
 
     campaigns = [load_campaign(file, overrides or []) for file in files]
@@ -63,9 +63,7 @@ def campaign(
         from railgrip.report.index import write_report  # takes half a second to load, in which stops may run already
 
         one = runs[number]
-        write_report(
-            one.directory, panels=panels or Panels(one.campaign.panels), tell=drawing, baseline=baselines[number]
-        )
+        write_report(one.directory, panels=panels or one.campaign.panels, tell=drawing, baseline=baselines[number])
 
     problem = _run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
     for one, baseline in zip(runs, baselines, strict=True):
@@ -144,7 +142,7 @@ def _repeated_before(path: Path, relative: float) -> "dict[str, Repeated]":
 @app.command()
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
-    panels: Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")] = Panels.ALL,
+    panels: Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")] = "all",
 ) -> None:
     """Make one page of table, figures and definitions from the results in a folder."""
     from railgrip.report.index import write_report

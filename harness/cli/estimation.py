@@ -44,7 +44,7 @@ def observability(
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import load_specification, prediction_for
     from railgrip.files import remove
-    from railgrip.report.observability import information
+    from railgrip.report.estimation import information
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
@@ -91,7 +91,7 @@ def estimate(
     from railgrip.estimation.sources import recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
     from railgrip.files import remove, write_bytes
-    from railgrip.report.estimated import estimated
+    from railgrip.report.estimation import estimated
 
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name

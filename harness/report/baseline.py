@@ -41,9 +41,8 @@ from pydantic import Field, NonNegativeInt, model_validator
 from railgrip.errors import RecordError, ScenarioError
 from railgrip.files import write_json, write_text
 from railgrip.report import table
-from railgrip.report.compilers import from_elsewhere
 from railgrip.report.distances import rows_of
-from railgrip.report.results import Result, Results
+from railgrip.report.results import Result, Results, from_elsewhere
 from railgrip.report.row import Row
 from railgrip.scenario.conditioning import Repeated
 from railgrip.scenario.load import read_toml, validated

@@ -11,16 +11,17 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.files import write_json
-from railgrip.report.compilers import from_elsewhere, makers
-from railgrip.report.conditioning import spread_text
 from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.page import write_page
 from railgrip.report.reference import best, controller_of, is_published, is_tuned, label, law_of
-from railgrip.report.results import Result, Results
+from railgrip.report.results import Result, Results, from_elsewhere, makers
 from railgrip.report.row import Row
 from railgrip.report.table import Form, Table, change, names, share
 from railgrip.scenario.campaign import DRAW
+from railgrip.scenario.conditioning import Repeated
 from railgrip.trace.outcome import Outcome
+
+STALE = "stale: other repeats"
 
 VALVES = "pneumatic"
 """The actuation that has valves; the ideal one has turns of the pressure command."""
@@ -142,6 +143,24 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Seq
         outside=max((*(metrics.adhesion_outside or ()), *(metrics.pad_friction_outside or ())), default=None),
         stop=result.name,
     )
+
+
+def spread_text(conditioning: Repeated | None, digest: str, distance: float | None) -> str:
+    """Return median and range of the repeats of a stop, nothing without any; repeats of another stop are said to be so.
+
+    Args:
+        digest: Of the scenario of the stop.
+        distance: Of the stop [m], None without standstill.
+    """
+    if conditioning is None:
+        return ""
+    if not conditioning.belongs(digest, distance):
+        return STALE
+    others = "".join(
+        f"; {compiler} {'no stop' if spread is None else f'{spread:.1f} m'}"
+        for compiler, spread in conditioning.compilers.items()
+    )
+    return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}"
 
 
 def _best_tuned(stops: Sequence[Result]) -> list[Result]:

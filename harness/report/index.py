@@ -10,17 +10,15 @@ from matplotlib.figure import Figure
 from railgrip.errors import RecordError
 from railgrip.report import style
 from railgrip.report.baseline import beyond_accepted
-from railgrip.report.compilers import from_elsewhere
 from railgrip.report.distances import rows_of, tables_of, write_table
 from railgrip.report.distribution import distributions_of
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.page import image, write_page
-from railgrip.report.panels import Panels
 from railgrip.report.reference import is_published
-from railgrip.report.results import Result, Results, read_results
+from railgrip.report.results import Result, Results, from_elsewhere, read_results
 from railgrip.report.table import names
-from railgrip.scenario.campaign import DRAW
+from railgrip.scenario.campaign import DRAW, Panels
 from railgrip.trace.metrics import meanings
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, read_stop
@@ -36,7 +34,7 @@ Tell = Callable[[str], None]
 
 
 def write_report(
-    directory: Path, *, panels: Panels = Panels.ALL, tell: Tell = lambda _: None, baseline: Path | None = None
+    directory: Path, *, panels: Panels = "all", tell: Tell = lambda _: None, baseline: Path | None = None
 ) -> Path:
     """Write index.html, and for a campaign table and figures beside it; return the page.
 
@@ -85,8 +83,8 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
     if scenarios:
         add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
     single_stops = [stop for stop in results.stops if DRAW not in stop.variants]
-    pairs = _pairs(single_stops) if panels is not Panels.NONE else []
-    with_panels = {stop.name for stop in single_stops} if panels is Panels.ALL else {abc.name for _, abc in pairs}
+    pairs = _pairs(single_stops) if panels != "none" else []
+    with_panels = {stop.name for stop in single_stops} if panels == "all" else {abc.name for _, abc in pairs}
     for sbc, abc in pairs:
         name = f"adhesion-{abc.name}"
         add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))

@@ -26,6 +26,9 @@ _LONGEST_NAME = 200  # characters; file systems take 255
 DRAW = "draw"
 """The axis of `draws`: stops that differ in nothing else are one distribution."""
 
+Panels = Literal["all", "abc", "none"]
+"""Of which stops the panels are drawn, about a second each: all, those with adhesion-based control, none."""
+
 
 class Reference(Table):
     """A distance that someone else published for some of the stops."""
@@ -88,9 +91,7 @@ class CampaignFile(Table):
     conditioning: str | None = Field(
         default=None, description="file that `railgrip conditioning` writes, from this one's folder"
     )
-    panels: Literal["all", "abc", "none"] = Field(
-        default="all", description="of which stops the panels are drawn, about a second each"
-    )
+    panels: Panels = Field(default="all", description="of which stops the panels are drawn, about a second each")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -124,7 +125,7 @@ class Campaign:
     description: str
     stops: tuple[PlannedStop, ...]
     references: tuple[Reference, ...]
-    panels: Literal["all", "abc", "none"] = "all"
+    panels: Panels = "all"
     conditioning: Path | None = None
 
     def only(self, keep: Callable[[PlannedStop], bool]) -> "Campaign":

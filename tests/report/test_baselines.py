@@ -21,8 +21,7 @@ from railgrip.report.baseline import (
     write_baseline,
     write_findings,
 )
-from railgrip.report.compilers import by_compiler
-from railgrip.report.results import read_results
+from railgrip.report.results import by_compiler, read_results
 from railgrip.trace.outcome import Outcome
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}

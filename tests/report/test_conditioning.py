@@ -18,8 +18,7 @@ from railgrip.report.baseline import (
     load_baseline,
     write_baseline,
 )
-from railgrip.report.conditioning import STALE, spread_text
-from railgrip.report.distances import rows_of
+from railgrip.report.distances import STALE, rows_of, spread_text
 from railgrip.report.results import read_results
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of

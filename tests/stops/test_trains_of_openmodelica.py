@@ -8,7 +8,7 @@ import pytest
 import railgrip.scenario
 from railgrip.assemble import files, run_stop
 from railgrip.report.baseline import ACROSS_COMPILERS
-from railgrip.report.compilers import OURS, makers
+from railgrip.report.results import OURS, makers
 from railgrip.scenario.load import load, scenario_of
 from railgrip.trace.outcome import Outcome
 

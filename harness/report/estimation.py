@@ -1,4 +1,4 @@
-"""A figure of an estimate: every state with its spread and, where known, the truth; what the filter was given."""
+"""Figures of recordings and estimates: what readings can tell along the way, and every state with its spread."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -11,6 +11,8 @@ from railgrip.report import style
 from railgrip.trace.samples import knows, reading_of, truth_of, unit_of
 
 _COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.VERMILION)
+_STATE_COLOURS = (style.BLUE, style.BLACK, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY)
+_DASHES = ("-", "--", ":", "-.")
 _WORDS = {
     "v": "speed [m/s]",
     "w": "wheelset speed [rad/s]",
@@ -90,3 +92,41 @@ def _reach(values: np.ndarray) -> tuple[float, float]:
     low, high = np.percentile(finite, (0.2, 99.8))
     margin = 0.15 * max(high - low, 1e-6)
     return float(low - margin), float(high + margin)
+
+
+def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, *, inputs: tuple[str, ...]) -> Path:
+    """Draw the inputs, and below them the smallest singular value of the Gramian, of all and of each state.
+
+    Windows that tell nothing of a state have no point on the logarithmic axis: the line is broken there.
+    """
+    drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True, height_ratios=(1, 2))
+    for name, color in zip(inputs, (style.ORANGE, style.BLUE), strict=False):
+        factor, unit = style.readable(unit_of(recording, name))
+        above.plot(
+            recording["time"], factor * reading_of(recording, name), color=color, lw=0.8, label=f"{name} [{unit}]"
+        )
+    style.dress(above, title=f"{windows.attrs['name']}: windows of {windows.attrs['window']:g} s")
+    style.legend(above, loc="upper left")
+    time = windows["time"].values
+    families: dict[str, int] = {}
+    for state in windows["state"].values:
+        # A colour a kind of state, a dash an element of it.
+        family = str(state).partition("[")[0]
+        color = _STATE_COLOURS[list(families).index(family) if family in families else len(families)]
+        families[family] = families.get(family, -1) + 1
+        values = windows["singular"].sel(state=state).values
+        below.semilogy(
+            time,
+            np.where(values > 0.0, values, np.nan),
+            color=color,
+            ls=_DASHES[families[family] % len(_DASHES)],
+            lw=1.1,
+            label=str(state),
+        )
+    smallest = windows["smallest"].values
+    positive = np.where(np.isfinite(windows["deviation"].values).all(axis=1), smallest, np.nan)
+    below.semilogy(time, positive, color="#999999", lw=2.5, alpha=0.6, label="smallest of all")
+    below.axhline(1.0, color=style.BLACK, lw=0.7, ls=":")
+    style.dress(below, x="time [s]", y="(typical size / deviation)²")
+    style.legend(below, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
+    return style.save(drawing, path)
