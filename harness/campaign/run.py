@@ -1,6 +1,6 @@
 """Many stops at once: each in a process, each result kept as soon as it is there, none run twice."""
 
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -125,19 +125,12 @@ def _running(
         yield iter(())
         return
     try:
-        if scheduler is not None:
-            with processes.cluster(scheduler) as (pool, check):
-                far = {pool.submit(_perform_far, order, runner): order for order in orders}
-                yield (
-                    (order, _failed(order, result) if isinstance(result, RailgripError) else _fetched(order, result))
-                    for order, result in processes.ended(far, check)
-                )
-            return
-        with processes.workers(min(workers, len(orders))) as pool:
-            running = {pool.submit(_perform, order, runner): order for order in orders}
+        with processes.pool(min(workers, len(orders)), scheduler) as (pool, check):
+            perform = _perform if scheduler is None else _perform_far
+            running = {pool.submit(perform, order, runner): order for order in orders}
             yield (
-                (order, _failed(order, report) if isinstance(report, RailgripError) else report)
-                for order, report in processes.ended(running)
+                (order, _failed(order, result) if isinstance(result, RailgripError) else _fetched(order, *result))
+                for order, result in processes.ended(running, check)
             )
     finally:
         # What a process was writing when it was ended or crashed.
@@ -145,15 +138,15 @@ def _running(
             half.unlink(missing_ok=True)
 
 
-def _perform(order: _Order, runner: Runner) -> Report:
-    """Run one stop in this process."""
+def _perform(order: _Order, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
+    """Run one stop in this process; return its report, and no file: they lie where they belong."""
     planned_stop = order.stop
     stop = processes.answer(
         lambda: run(planned_stop.scenario, order.folder, runner, keep_trace=planned_stop.keep_trace)
     )
     if isinstance(stop, RailgripError):
-        return _failed(order, stop)
-    return _report(planned_stop, "done", stop.outcome, stop.reason)
+        return _failed(order, stop), {}
+    return _report(planned_stop, "done", stop.outcome, stop.reason), {}
 
 
 def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome, reason: str) -> Report:
@@ -164,17 +157,16 @@ def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome
     return Report(stop=stop, state="unexpected", sentence=sentence)
 
 
-def _perform_far(order: _Order, runner: Runner) -> tuple[Report, dict[str, bytes]]:
+def _perform_far(order: _Order, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
     """Run one stop on another machine; return its files beside the report."""
     with scratch("far") as folder:
-        report = _perform(replace(order, folder=folder / order.stop.name), runner)
+        report, _ = _perform(replace(order, folder=folder / order.stop.name), runner)
         files = {path.name: path.read_bytes() for path in (folder / order.stop.name).glob("*")}
     return report, files
 
 
-def _fetched(order: _Order, result: tuple[Report, dict[str, bytes]]) -> Report:
+def _fetched(order: _Order, report: Report, files: Mapping[str, bytes]) -> Report:
     """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
-    report, files = result
     if files:
         clear_stop(order.folder)
     for name in sorted(files, key=lambda name: name == STOP_FILE):

@@ -93,7 +93,9 @@ class Work:
                 results[key] = pickle.loads(zlib.decompress(file.read_bytes()))
                 self.advance()
         missing = [key for key in case_of if key not in results]
-        pool, check = self._started() if missing else (None, lambda: None)
+        if missing and self._pool is None:
+            self._pool = self._stack.enter_context(processes.pool(self.count, self.scheduler))
+        pool, check = self._pool or (None, lambda: None)
         running = {pool.submit(function, case_of[key]): key for key in missing} if pool else {}
         for key, result in processes.ended(running, check):
             if isinstance(result, RailgripError):
@@ -152,14 +154,6 @@ class Work:
             on_complete=on_complete,
         )
         return code
-
-    def _started(self) -> tuple[Executor, Callable[[], None]]:
-        if self._pool is None:
-            if self.scheduler is not None:
-                self._pool = self._stack.enter_context(processes.cluster(self.scheduler))
-            else:
-                self._pool = self._stack.enter_context(processes.workers(self.count)), lambda: None
-        return self._pool
 
 
 def call(task: Callable[[], R]) -> R:

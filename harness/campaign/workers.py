@@ -113,6 +113,17 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
             raise
 
 
+@contextmanager
+def pool(count: int, scheduler: str | None) -> Generator[tuple[Executor, Callable[[], None]]]:
+    """Yield `count` processes here, or the workers of a Dask cluster, and a check for `ended`."""
+    if scheduler is not None:
+        with cluster(scheduler) as far:
+            yield far
+        return
+    with workers(count) as here:
+        yield here, lambda: None
+
+
 class _LastingLocks(SpawnContext):
     """Spawns processes, because CasADi holds threads and a library reads the variables when it is loaded.
 

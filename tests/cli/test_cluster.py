@@ -1,5 +1,6 @@
 """Stops on a Dask cluster: what a lost worker was doing is done by another, and results come back to one place."""
 
+import math
 import os
 import signal
 import sys
@@ -15,6 +16,7 @@ from distributed import LocalCluster
 from synthetic_runner import run_stop
 
 from railgrip.campaign.run import CampaignRun, run_campaigns
+from railgrip.campaign.work import work
 from railgrip.campaign.workers import cluster
 from railgrip.errors import InputError, RailgripError
 from railgrip.scenario.campaign import load_campaign
@@ -60,6 +62,14 @@ def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
     repeats = []
     run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=repeats.append)
     assert {report.state for report in repeats} == {"found"}  # so nobody was asked
+
+
+def test_cases_of_a_study_run_there_and_are_kept_here(two_workers, own_cache):
+    for _ in range(2):
+        with work("lateral", scheduler=two_workers.scheduler_address) as own:
+            assert own.map(math.sqrt, [4.0, 9.0]) == [2.0, 3.0]
+            made = own.made
+    assert made == 0
 
 
 def test_who_does_not_answer_and_workers_with_threads_are_refused(monkeypatch):
