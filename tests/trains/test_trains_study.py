@@ -12,7 +12,7 @@ from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.file import installed
 from railgrip.studies.trains import sanders, stops
 from railgrip.studies.trains.stops import DryStop, Filling, ProtectedStop, multiplied, protected_stop
-from railgrip.studies.trains.study import Results, page_of
+from railgrip.studies.trains.study import page_of
 
 
 def laid(scenario):
@@ -73,11 +73,8 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
         sanders.Comparison(sanders="none", distance=None, measured=1200.0, at_least=True, fitted=False),
     ]
     protected = ProtectedStop(estimator_period=0.01, simulated=30.0, processor=1.2)
-    results = Results(
-        stops=[stop_of(train, filling=filling)], series=series, protected=[protected], trial=sanders.trial_of(),
-        density=0.011, comparisons=rows,
-    )  # fmt: skip
-    page = page_of(results).write(tmp_path)
+    stops = [stop_of(train, filling=filling)]
+    page = page_of(stops, series, [protected], sanders.trial_of(), 0.011, rows).write(tmp_path)
     written = json.loads((tmp_path / "trains.json").read_text(encoding="utf-8"))
     trains = written["trains"]
     assert [one["times_real_time"] for one in written["protected_stop"]] == [pytest.approx(25.0)]

@@ -88,21 +88,15 @@ def measured(case: Case) -> dict[str, Any]:
     return measure(simulate(case), observe=case.plant == "paper")
 
 
-def conduct(plan: Plan, work: Work) -> tuple[Result, ...]:
-    """Return the results of all runs of a plan, in its order."""
+def page_of(plan: Plan, work: Work) -> Page:
+    """Run a plan; return tables over its seeds, and a figure of each test."""
     # Compiled here once, so that the workers find everything made.
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measured, plan.cases)
-    return tuple(Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True))
-
-
-def page_of(plan: Plan, work: Work) -> Page:
-    """Run a plan; return tables over its seeds, and a figure of each test."""
-    results = conduct(plan, work)
+    results = [Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True)]
     rows, speed = error_rows(results), plan.middle_speed
-    cases = [Case(test=test, speed=speed, plant="paper", seed=1) for test in plan.tests]
-    cases += [Case(test=plan.tests[-1], speed=speed, plant=plant, seed=1) for plant in PLANTS if plant != "paper"]
-    files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in cases}
+    drawn = replace(plan, speeds=(speed,), seeds=1).cases
+    files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in drawn}
     drawings = work.map(test_figure, files.values(), keep=False)
     return Page(
         template="studies/lateral/lateral.md.jinja",

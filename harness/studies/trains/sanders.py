@@ -13,6 +13,7 @@ from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.quantity import Unit
+from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Friction, Speed, Table, broken
 from railgrip.studies.trains.stops import LIBRARY
 
@@ -110,13 +111,13 @@ def scenario_tables(trial: Trial) -> dict[str, Any]:
     )
 
 
-def distance_of(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> float | None:
-    """Return the distance of a row with a density of sand [m]."""
+def scenario_of_row(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> Scenario:
+    """Return the stop of a row with a density of sand."""
     own: dict[str, Any] = {}
     if row.laid:
         law = {"mu0": trial.law.mu0, "left": trial.law.left, "density": density}
         own = {"adhesion": {"sand": law}, "sanders": [dict(sander) for sander in row.laid]}
-    return braking_distance(scenario_of(merged(tables, own), directory=LIBRARY, origin="sanders.toml"))
+    return scenario_of(merged(tables, own), directory=LIBRARY, origin="sanders.toml")
 
 
 def compare(trial: Trial) -> tuple[float, list[Comparison]]:
@@ -125,14 +126,14 @@ def compare(trial: Trial) -> tuple[float, list[Comparison]]:
     fitted = next(row for row in trial.rows if row.sanders == trial.fitted)
 
     def excess(density: float) -> float:
-        distance = distance_of(trial, fitted, density, tables)
+        distance = braking_distance(scenario_of_row(trial, fitted, density, tables))
         return (trial.speed * _HORIZON if distance is None else distance) - fitted.measured
 
     density = float(root_scalar(excess, bracket=trial.law.density, rtol=_CLOSE).root)
     return density, [
         Comparison(
             sanders=row.sanders,
-            distance=distance_of(trial, row, density, tables),
+            distance=braking_distance(scenario_of_row(trial, row, density, tables)),
             measured=row.measured,
             at_least=row.at_least,
             fitted=row is fitted,

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 
 from railgrip.assemble import braking_distance
 from railgrip.campaign.work import Work
-from railgrip.errors import EstimationError
 from railgrip.files import scratch
 from railgrip.report import style
 from railgrip.report.baseline import Finding
@@ -19,7 +18,7 @@ from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
 from railgrip.scenario.file import installed
 from railgrip.studies import Study
-from railgrip.studies.trains.sanders import Comparison, Trial, compare, distance_of, scenario_tables, trial_of
+from railgrip.studies.trains.sanders import Comparison, Trial, compare, scenario_of_row, scenario_tables, trial_of
 from railgrip.studies.trains.stops import (
     FILLING,
     PROPAGATION,
@@ -53,46 +52,32 @@ class Trains(Study):
             stops = work.timed(dry_stop, [*names, *files])
         protected = work.timed(protected_stop, [1e-3, 10e-3])
         density, comparisons = compare(trial)
-        return page_of(
-            Results(
-                stops=stops[: len(names)],
-                series=stops[len(names) :],
-                protected=protected,
-                trial=trial,
-                density=density,
-                comparisons=comparisons,
-            )
-        )
+        return page_of(stops[: len(names)], stops[len(names) :], protected, trial, density, comparisons)
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return dry distances of named trains, and two rows of the trial of sanders with its density of sand."""
-        findings: list[Finding] = []
-        for train, speed in (("vt642", 85 / 3.6), ("emu387", 120 / 3.6), ("tram", 50 / 3.6)):
-            work.tell(train)
-            distance = _stopped(braking_distance(dry_scenario(train, speed)), train)
-            # Nothing slides: only the solver's steps differ on another machine.
-            findings.append(Finding(f"trains, {train}: dry distance", distance, "m", 1e-4 * distance))
         trial = trial_of()
         tables = scenario_tables(trial)
-        for row in trial.rows:
-            if row.sanders in ("two fixed", "two variable"):
-                work.tell(row.sanders)
-                distance = _stopped(distance_of(trial, row, _SAND, tables), row.sanders)
-                findings.append(Finding(f"trains, sanders {row.sanders}: distance", distance, "m", _SLIP * distance))
-        return findings
+        # Nothing slides in a dry stop: only the solver's steps differ on another machine. Under slip control,
+        # parameters moved by 1e-7 move a distance by 2e-4.
+        stops = {
+            f"trains, {train}: dry distance": (dry_scenario(train, speed), 1e-4)
+            for train, speed in (("vt642", 85 / 3.6), ("emu387", 120 / 3.6), ("tram", 50 / 3.6))
+        } | {
+            f"trains, sanders {row.sanders}: distance": (scenario_of_row(trial, row, _SAND, tables), 2e-3)
+            for row in trial.rows
+            if row.sanders in ("two fixed", "two variable")
+        }
+        distances = work.map(braking_distance, [scenario for scenario, _ in stops.values()])
+        return [
+            Finding(name, distance, "m", relative * (distance or 0.0))
+            for (name, (_, relative)), distance in zip(stops.items(), distances, strict=True)
+        ]
 
 
 STUDY = Trains
 
 _SAND = 5.4e-3  # kg/m, what docs/trains.md has from the fit on one row
-_SLIP = 2e-3
-"""Relative tolerance of a distance under slip control: parameters moved by 1e-7 move it by 2e-4."""
-
-
-def _stopped(distance: float | None, what: str) -> float:
-    if distance is None:
-        raise EstimationError(f"{what} does not come to stand; `railgrip study trains` shows the stop.")
-    return distance
 
 
 def row_of(stop: DryStop) -> dict[str, object]:
@@ -121,28 +106,22 @@ def row_of(stop: DryStop) -> dict[str, object]:
     }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Results:
-    """What the study found.
+def page_of(
+    stops: Sequence[DryStop],
+    series: Sequence[DryStop],
+    protected_stops: Sequence[ProtectedStop],
+    trial: Trial,
+    density: float,
+    comparisons: Sequence[Comparison],
+) -> Page:
+    """Return the page of the study.
 
-    Attributes:
+    Args:
         stops: Of the trains of this project.
         series: Of trains of one, two, four … equal cars.
-        protected: What the stop with estimator and valves costs.
+        protected_stops: What the stop with estimator and valves costs.
         density: Of sand, fitted [kg/m].
     """
-
-    stops: Sequence[DryStop]
-    series: Sequence[DryStop]
-    protected: Sequence[ProtectedStop]
-    trial: Trial
-    density: float
-    comparisons: Sequence[Comparison]
-
-
-def page_of(found: Results) -> Page:
-    """Return the page of the study."""
-    stops, series, trial = found.stops, found.series, found.trial
     real_time = [
         {
             "estimator_period_s": one.estimator_period,
@@ -150,16 +129,16 @@ def page_of(found: Results) -> Page:
             "processor_s": one.processor,
             "times_real_time": one.times_real_time,
         }
-        for one in found.protected
+        for one in protected_stops
     ]
     rows = [
         {"sanders": one.sanders, "distance_m": one.distance, "measured_m": one.measured, "fitted": one.fitted}
         | ({"at_least": True} if one.at_least else {})
-        for one in found.comparisons
+        for one in comparisons
     ]
-    law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": found.density, "source": trial.source}
-    distances, protected = table_of(stops), table_of_protected(found.protected)
-    sanders = table_of_sanders(found.comparisons)
+    law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
+    distances, protected = table_of(stops), table_of_protected(protected_stops)
+    sanders = table_of_sanders(comparisons)
     drawings = {one.train.name: f"figures/{one.train.name}.png" for one in stops}
     return Page(
         template="studies/trains/trains.html.jinja",
@@ -172,13 +151,13 @@ def page_of(found: Results) -> Page:
             "protected": protected,
             "sanders": sanders,
             "trial": trial,
-            "density": 1e3 * found.density,
+            "density": 1e3 * density,
             "drawings": drawings,
         },
         figures={
             **{drawings[one.train.name]: drawing(one.train) for one in stops},
             **({"figures/cost.png": _cost_figure(series)} if series else {}),
-            "figures/sanders.png": _sander_figure(found.comparisons),
+            "figures/sanders.png": _sander_figure(comparisons),
         },
         data={
             "trains.json": {"trains": [row_of(stop) for stop in (*stops, *series)], "protected_stop": real_time},
