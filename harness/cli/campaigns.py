@@ -361,7 +361,7 @@ def _numbers_of(
         runs = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
         code = _run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)
         return code, findings_of(read_results(out))
-    from railgrip.studies import headlines
+    from railgrip.studies.study import headlines
 
     findings = headlines(str(baseline.study), workers=workers)
     write_findings(findings, out)

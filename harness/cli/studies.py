@@ -52,7 +52,7 @@ def _conduct(
     fresh: Fresh = False,
     **options: Any,
 ) -> None:
-    from railgrip.studies import conduct, study_named
+    from railgrip.studies.study import conduct, study_named
 
     name = options.pop("study")
     own = study_named(name)(**options)
@@ -69,7 +69,7 @@ def _conduct(
 
 def _command(name: str) -> Any:
     """Return the command of a study: its own options before those of all."""
-    from railgrip.studies import study_named
+    from railgrip.studies.study import study_named
 
     own = study_named(name)
 

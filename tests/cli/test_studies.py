@@ -12,7 +12,8 @@ from railgrip.campaign.work import work
 from railgrip.cli.main import main
 from railgrip.errors import EstimationError, InputError
 from railgrip.scenario.load import load
-from railgrip.studies import names, study_named, summary
+from railgrip.studies import names, summary
+from railgrip.studies.study import study_named
 
 COUNT = itertools.count(1)
 

@@ -17,7 +17,6 @@ from railgrip.files import replacing
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies import Study
 from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, without_each
 from railgrip.studies.axle_box.figures import draw
 from railgrip.studies.axle_box.gather import run_of, spectral_features
@@ -28,6 +27,7 @@ from railgrip.studies.axle_box.runs import campaign
 from railgrip.studies.axle_box.tables import tables_of
 from railgrip.studies.axle_box.training import FULL, QUICK, conducted, dry_or_not, estimators_of, passes
 from railgrip.studies.axle_box.users import read_folder
+from railgrip.studies.study import Study
 
 _SPEED: Final = 60
 """mph, the shortest runs."""

@@ -14,7 +14,6 @@ from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.scenario.track import CurveLaw, curve_coefficient
-from railgrip.studies import Study
 from railgrip.studies.field_test.figures import (
     degeneracy_figure,
     friction_figure,
@@ -35,6 +34,7 @@ from railgrip.studies.field_test.score import (
     score,
     track_score,
 )
+from railgrip.studies.study import Study
 from railgrip.trace.samples import truth_of
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}

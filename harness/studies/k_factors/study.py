@@ -19,7 +19,6 @@ from railgrip.report.page import Page
 from railgrip.report.style import band, dress, figure, lead_to_trail, legend
 from railgrip.report.table import Table
 from railgrip.scenario.schema import Scenario
-from railgrip.studies import Study
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (
     PROBABILITIES,
@@ -32,6 +31,7 @@ from railgrip.studies.k_factors.k_dry import (
 )
 from railgrip.studies.k_factors.rare import estimates, pooled
 from railgrip.studies.k_factors.specification import Specification, load_specification
+from railgrip.studies.study import Study
 
 _LEVELS = (0, 3, 6, 9)
 """EBCL whose convergence is drawn."""

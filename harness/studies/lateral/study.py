@@ -12,7 +12,6 @@ from railgrip.estimation.run import Kind
 from railgrip.report import style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies import Study
 from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import (
     DETECTOR,
@@ -38,6 +37,7 @@ from railgrip.studies.lateral.tables import (
     spread,
 )
 from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, Trial
+from railgrip.studies.study import Study
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""

@@ -11,11 +11,11 @@ from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.report.table import Table
-from railgrip.studies import Study
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.page import draw
 from railgrip.studies.pad_monitor.watch import Design, watch
+from railgrip.studies.study import Study
 
 SEEDS = 20
 STOPS = 200

@@ -30,7 +30,7 @@ from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.sensors.white import White
-from railgrip.studies import Study
+from railgrip.studies.study import Study
 from railgrip.trace.samples import evenly, period_of, reading_of, truth_of, with_signals
 
 Mask = NDArray[np.bool_]

@@ -17,7 +17,7 @@ from railgrip.report.table import Table
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
 from railgrip.scenario.file import installed
-from railgrip.studies import Study
+from railgrip.studies.study import Study
 from railgrip.studies.trains.sanders import Comparison, Trial, compare, scenario_of_row, scenario_tables, trial_of
 from railgrip.studies.trains.stops import (
     FILLING,

@@ -22,7 +22,7 @@ from railgrip.report.index import write_report as write_panels
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
-from railgrip.studies import Study
+from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
 from railgrip.studies.type_test.entrants import (
     Entrant,
