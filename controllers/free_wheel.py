@@ -4,8 +4,9 @@ from collections.abc import Sequence
 from functools import cache
 from types import MappingProxyType
 
-from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
+from railgrip.controllers.brake import by_name
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose, either, every
+from railgrip.vehicle.brake import BRAKE, Brake
 
 PARAMETERS = MappingProxyType(
     {
@@ -39,7 +40,7 @@ class FreeWheel(Sampled):
     released.
     """
 
-    def __init__(self, groups: Sequence[BrakeGroup], period: float) -> None:
+    def __init__(self, groups: Sequence[Brake], period: float) -> None:
         """Watch the wheels of `groups`, every `period` [s]."""
         super().__init__(free_wheel(len(groups)), {"period": period, **VALUES, **by_name(groups)})
 

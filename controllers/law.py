@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, get_type_hints
 
 from railgrip.controllers import tuned
-from railgrip.controllers.brake import BRAKE, BrakeGroup, by_name
+from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
+from railgrip.vehicle.brake import BRAKE, Brake
 
 NOT_SEEN = float("nan")
 
@@ -138,7 +139,7 @@ class Law(Sampled):
 
     needs: tuple[str, ...] = ()
 
-    def __init__(self, formula: Formula, groups: Sequence[BrakeGroup], parameters: Mapping[str, float]) -> None:
+    def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` are those that are not of a group, by name."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
         self._count = len(groups)
@@ -203,7 +204,7 @@ class GroupLaw(Law):
     entries: ClassVar[Mapping[str, Entry]] = {}
     valve_band: ClassVar[float | None] = None
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: Tuning = NO_PARAMETERS) -> None:
+    def __init__(self, groups: Sequence[Brake], tuning: Tuning = NO_PARAMETERS) -> None:
         """Control `groups` with one `tuning`."""
         super().__init__(self.formula_for(len(groups)), groups, asdict(tuning))
 

@@ -9,10 +9,11 @@ import casadi as ca
 import numpy as np
 
 from railgrip.controllers import law as laws
-from railgrip.controllers.brake import BrakeGroup, pressure_for
+from railgrip.controllers.brake import pressure_for
 from railgrip.controllers.law import Law
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
+from railgrip.vehicle.brake import Brake
 
 Choice = Literal["lowest", "mean"]
 """How groups that share a valve agree: the lowest demand, for the group that slips most; or the mean."""
@@ -42,13 +43,13 @@ class OverTheTrain:
         return self._over.decide(observation._replace(pressure=demands))
 
 
-def pass_through(groups: Sequence[BrakeGroup]) -> Law:
+def pass_through(groups: Sequence[Brake]) -> Law:
     """Return a law that demands of each group the pressure that it is shown as read."""
     formula = laws.law("PassThrough", "Demands what it reads", len(groups), lambda _: lambda _, group: group.pressure)
     return Law(formula, groups, {})
 
 
-def with_shared_valves(law: Law, groups: Sequence[BrakeGroup], groups_per_valve: Sequence[int], choice: Choice) -> Law:
+def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequence[int], choice: Choice) -> Law:
     """Return a law that demands one pressure, as a share of their highest, of all groups of a valve.
 
     Shares, because cylinders of a valve may differ in their highest pressures: the valve fills all or vents all.
@@ -68,7 +69,7 @@ def with_shared_valves(law: Law, groups: Sequence[BrakeGroup], groups_per_valve:
     return _law(law, groups, replace(law.formula, step=_step(law.formula, symbols, following, shared)))
 
 
-def with_redistribution(law: Law, groups: Sequence[BrakeGroup], *, period: float, adhesion_max: float) -> Law:
+def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adhesion_max: float) -> Law:
     """Return a law that asks of groups with adhesion left what others cannot give of the driver's demand.
 
     A group gives the lower of what the driver asks of it and what its law allows. The force that is missing, filtered
@@ -129,7 +130,7 @@ def _step(
     return ca.Function("step", list(symbols), results, {"cse": True})
 
 
-def _law(law: Law, groups: Sequence[BrakeGroup], formula: Formula) -> Law:
+def _law(law: Law, groups: Sequence[Brake], formula: Formula) -> Law:
     brakes = {f"{name}[{g}]" for g in range(1, len(groups) + 1) for name in asdict(groups[0])}
     values = dict(zip((quantity.name for quantity in law.formula.parameters), law.parameters.tolist(), strict=True))
     wrapped = Law(formula, groups, {name: value for name, value in values.items() if name not in brakes})

@@ -66,42 +66,16 @@ NOISE_SETS = _noise_sets()
 """The sets by the names that scenario files use."""
 
 
-def pad_gate(
-    *, pad_force: float, A_piston: float, i_rigging: float, eta_rigging: float, F_spring: float, groups: int
-) -> Gate:
+def pad_gate(threshold: float, groups: int) -> Gate:
     """Return the gate that holds the pad friction of a group still while its pads are released.
 
     Args:
-        pad_force: Normal force of both pads of one unit in N below which they count as released; 1–2 kN
-            of the 56 kN at full brake: the torque of the pads is then within the errors of the other torques.
-        A_piston: Area of a piston, m².
-        i_rigging: Force of both pads over force of the piston.
-        eta_rigging: Efficiency of the rigging.
-        F_spring: Force of return spring and slack adjuster, N.
+        threshold: Cylinder pressure [Pa] below which they count as released; where both pads press with 1 to 2 kN of
+            the 56 kN at full brake, their torque is within the errors of the other torques.
         groups: Number of brake groups.
     """
     return Gate(
         states=tuple(f"mu_b[{i}]" for i in range(1, groups + 1)),
         inputs=tuple(f"cylinder_pressure[{i}]" for i in range(1, groups + 1)),
-        threshold=(pad_force / (eta_rigging * i_rigging) + F_spring) / A_piston,
+        threshold=threshold,
     )
-
-
-def pressure_spread(
-    *, pad_friction: Vector, pressure: Vector, offset: float, A_piston: float, F_spring: float
-) -> Vector:
-    """Return the 1σ error that a pressure transducer's offset adds to an estimated pad friction, in its shape.
-
-    The filter cannot know it (see train_service in noises.toml); whoever compares pad friction with a law, as the brake
-    monitor does, adds it to the filter's own deviation, root of the sum of squares. It is the same error in every stop.
-
-    Args:
-        pad_friction: Estimated.
-        pressure: In the cylinder, Pa; infinite results where it does not press the pads.
-        offset: 1σ of the transducer's offset, Pa.
-        A_piston: Area of a piston, m².
-        F_spring: Force of return spring and slack adjuster, N.
-    """
-    pressing = np.maximum(np.asarray(pressure) * A_piston - F_spring, 0.0)
-    with np.errstate(divide="ignore"):
-        return np.asarray(pad_friction) * offset * A_piston / pressing

@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from railgrip.controllers.observation import Observation
     from railgrip.custom import Controller, Estimate, Estimator, Plant, Sensors
     from railgrip.errors import RailgripError
-    from railgrip.formation import Formation
     from railgrip.trace.outcome import Outcome
     from railgrip.trace.stop import Stop
+    from railgrip.vehicle.formation import Formation
 
 __all__ = [
     "Controller",
@@ -43,7 +43,7 @@ _PLACES = {
     "railgrip.controllers.observation": ("Observation",),
     "railgrip.custom": ("Controller", "Estimate", "Estimator", "Plant", "Sensors"),
     "railgrip.errors": ("RailgripError",),
-    "railgrip.formation": ("Formation",),
+    "railgrip.vehicle.formation": ("Formation",),
     "railgrip.trace.outcome": ("Outcome",),
     "railgrip.trace.stop": ("Stop",),
 }

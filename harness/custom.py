@@ -21,11 +21,11 @@ from railgrip.errors import (
     ScenarioError,
     SensorsFailed,
 )
-from railgrip.formation import Extent, Formation
 from railgrip.interrupted import Interrupted
 from railgrip.registry import Role
 from railgrip.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
 from railgrip.units import mistake, short
+from railgrip.vehicle.formation import Extent, Formation
 
 Array = NDArray[np.float64]
 T = TypeVar("T")

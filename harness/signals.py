@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
 
-from railgrip.formation import Extent, Formation
+from railgrip.vehicle.formation import Extent, Formation
 
 
 @dataclass(frozen=True, slots=True)

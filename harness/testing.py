@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from railgrip.assemble.plant import NEEDED
 from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, findings, tried
-from railgrip.assemble.vehicle import GRAVITY
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
 from railgrip.custom import (
     Controller,
@@ -33,10 +31,11 @@ from railgrip.custom import (
     foreign,
 )
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
-from railgrip.formation import Formation
 from railgrip.loop.plausible import slowing_of
 from railgrip.signals import Layout, layout_of
 from railgrip.units import short
+from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.formation import Formation, carried_mass
 
 T = TypeVar("T")
 Row = tuple[float, ...]
@@ -44,7 +43,7 @@ Row = tuple[float, ...]
 _FORMATIONS = ((2, 1, 1, 2), (1,), (1, 2, 2))
 _PERIOD = 1e-2  # s
 _SPEED = 25.0  # m/s
-_BRAKE = BrakeGroup(
+_BRAKE = Brake(
     load=1.2e5, inertia=120.0, wheel_radius=0.45, units=4, friction_radius=0.24, piston_area=0.03, rigging=5.0,
     spring_force=1000.0, pressure_max=3.8e5,
 )  # fmt: skip
@@ -165,7 +164,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
                 tried(layout, plant, period=_PERIOD, release=release, brake=pressure, friction=friction)
                 for friction in (GOOD_RAIL, POOR_RAIL)
             )
-            slowing = slowing_of(sum(brakes.wheelset_load) / GRAVITY, is_known=False)
+            slowing = slowing_of(carried_mass(sum(brakes.wheelset_load)), is_known=False)
             radius = tuple(brakes.wheel_radius.tolist())
             results = findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing)
             for finding in (finding for finding in results if not finding.good):

@@ -13,12 +13,15 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from railgrip.errors import UnitError
 
 DEFINITIONS = Path(__file__).with_name("units.txt")
 """All units, as pint reads them."""
+
+GRAVITY: Final = 9.81
+"""Acceleration of gravity [m/s2], as in the Modelica package RailBraking; C code gets it from here."""
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """Base units of FMI 2.0 (§2.2.2), in the order of `Unit.exponents`."""
@@ -199,7 +202,7 @@ _MISTAKES = {
     "the other sign": -1.0, "km/h for m/s": 3.6, "m/s for km/h": 1 / 3.6, "km for m, or kPa for Pa": 1e-3,
     "m for km, or mm for m": 1e3, "bar for Pa": 1e-5, "Pa for bar": 1e5,
     "revolutions per second for rad/s": 1 / (2 * math.pi), "revolutions per minute for rad/s": 30 / math.pi,
-    "percent for a ratio": 100.0, "multiples of g for m/s2": 1 / 9.81,
+    "percent for a ratio": 100.0, "multiples of g for m/s2": 1 / GRAVITY,
 }  # fmt: skip
 _ALIKE = 0.08
 """Wheels differ from nominal by as much, and no two of the mistakes differ by so little."""

@@ -6,14 +6,15 @@ import numpy as np
 from scipy.stats import chi2
 
 import railgrip.scenario
-from railgrip.formation import Formation
 from railgrip.scenario.adhesion import profile_of
 from railgrip.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of
-from railgrip.trace.bound import Brake, with_bound
+from railgrip.trace.bound import with_bound
 from railgrip.trace.metrics import measure
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import trace_of
 from railgrip.trace.stop import Stop
+from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.formation import Formation
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
@@ -24,16 +25,19 @@ FULL = np.full(4, 3.4e5)
 # A train of round numbers: 6 wheelsets of 100 kN, wheels of 0.4 m.
 LOAD = 1e5
 RADIUS = 0.4
-BRAKE = Brake(
-    p_max=np.full(4, 3e5),
-    n_units=np.array([2.0, 1.0, 1.0, 2.0]),
-    r_friction=np.full(4, 0.25),
-    r_wheel=np.full(4, RADIUS),
-    J=np.zeros(4),
-    A_piston=0.03,
-    i_rigging=5.0,
-    eta_rigging=1.0,
-    F_spring=1000.0,
+BRAKES = tuple(
+    Brake(
+        load=wheelsets * LOAD,
+        inertia=1e-9,
+        wheel_radius=RADIUS,
+        units=wheelsets,
+        friction_radius=0.25,
+        piston_area=0.03,
+        rigging=5.0,
+        spring_force=1000.0,
+        pressure_max=3e5,
+    )
+    for wheelsets in (2.0, 1.0, 1.0, 2.0)
 )
 
 
@@ -90,7 +94,7 @@ def stop_of(scenario, deceleration=1.0, outcome=Outcome.STANDSTILL, reason="the 
     period = scenario.periods.communication
     trace = uniform_stop(scenario.start.speed, deceleration, period, scenario.estimator.kind != "none")
     trace["mu0"].values[:] = profile_of(scenario, TWO_PART_TRAIN).table(trace["time"].values, trace["distance"].values)
-    trace = with_bound(trace, parabola, BRAKE, scenario.limits.alpha_max)
+    trace = with_bound(trace, parabola, BRAKES, scenario.limits.alpha_max)
     return Stop(
         scenario=scenario,
         outcome=outcome,

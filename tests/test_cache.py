@@ -116,7 +116,7 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
             (tmp_path / place / f"{name}.so").write_bytes(content)
     code = (
         "from railgrip.loop.library import kernel; from railgrip.fmu.cosimulation import _library;"
-        "from railgrip.formation import Formation; from railgrip.signals import layout_of;"
+        "from railgrip.vehicle.formation import Formation; from railgrip.signals import layout_of;"
         "kernel(layout_of(Formation((1,)))); _library()"
     )
     root = str(Path(cache.__file__).parents[1])

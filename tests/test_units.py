@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railgrip.errors import UnitError
-from railgrip.units import Unit, conversion, to_si, unit
+from railgrip.fmus.recipe import MODELICA
+from railgrip.units import GRAVITY, Unit, conversion, to_si, unit
 
 
 @pytest.mark.parametrize(
@@ -115,3 +116,8 @@ def test_there_and_back_is_the_same_value(value: float, pair: tuple[str, str]):
     magnitude = there[0] * value + there[1]
     # At most six roundings of 1.1e-16, of the largest number involved; for temperatures that is the offset.
     assert back[0] * magnitude + back[1] == pytest.approx(value, rel=1e-15, abs=4e-13)
+
+
+def test_gravity_is_that_of_the_modelica_package():
+    package = MODELICA / "RailBraking" / "package.mo"
+    assert f"constant Types.Acceleration g = {GRAVITY} " in package.read_text(encoding="utf-8")

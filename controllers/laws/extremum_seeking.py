@@ -6,10 +6,10 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Draft, Expression, choose, within
+from railgrip.vehicle.brake import Brake
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,7 +90,7 @@ class ExtremumSeeking(GroupLaw):
         "extremum_seeking": Entry(description="extremum seeking with a dither", role="baseline", slip="estimated")
     }
 
-    def __init__(self, groups: Sequence[BrakeGroup], tuning: ExtremumSeekingTuning) -> None:
+    def __init__(self, groups: Sequence[Brake], tuning: ExtremumSeekingTuning) -> None:
         """Control `groups` with one `tuning`, from its first set slip on."""
         super().__init__(groups, tuning)
         starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]

@@ -21,6 +21,7 @@ import casadi as ca
 from railgrip.controllers.brake import pressure_for
 from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Draft, Expression, choose, either, every, within
+from railgrip.vehicle.brake import piston_force
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -324,7 +325,7 @@ def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expressi
     with the slip, and looks like a slope.
     """
     brake = group.brake
-    force = ca.fmax(group.pressure * brake["piston_area"] - brake["spring_force"], 0.0)
+    force = piston_force(group.pressure, piston_area=brake["piston_area"], spring_force=brake["spring_force"])
     torque = brake["units"] * group.pad_friction * brake["friction_radius"] * brake["rigging"] * force
     before = draft.state(group.label("torque"), "N.m", "brake torque at the last sample")
     draft.keep(before, torque)

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.assemble.vehicle import VehicleData
-from railgrip.formation import Formation
 from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.report.style import BLUE, GREEN, VERMILION, figure
 from railgrip.scenario.adhesion import Profile
@@ -16,6 +15,7 @@ from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track import Track, track_force_of
 from railgrip.signals import layout_of
 from railgrip.trace.contact import Contact
+from railgrip.vehicle.formation import Formation
 
 CLEAN = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1.9e-4)
 LOAD = 137e3  # N, of a wheelset

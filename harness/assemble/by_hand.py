@@ -13,10 +13,10 @@ from railgrip.assemble.parties import Assembled, OwnParties, assembled
 from railgrip.controllers.observation import Observation
 from railgrip.custom import problem_with
 from railgrip.errors import ControllerFailed, PlantFailed, ScenarioError
-from railgrip.formation import Formation
 from railgrip.loop.loop import Ending, Loop
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import Stop
+from railgrip.vehicle.formation import Formation
 
 
 class ByHand:

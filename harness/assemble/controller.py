@@ -8,7 +8,7 @@ import numpy as np
 from railgrip import registry
 from railgrip.assemble.files import description_of, units_of
 from railgrip.assemble.foreign_controller import foreign_controller
-from railgrip.assemble.vehicle import VehicleData, units_of_nominal_data
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.sampled import Sampled
 from railgrip.controllers.train_level import OverTheTrain, pass_through, with_redistribution, with_shared_valves
@@ -23,6 +23,7 @@ from railgrip.scenario.parties import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.sensors import SensorModel
 from railgrip.signals import of_law
+from railgrip.vehicle.parameters import units_of_nominal_data
 
 
 def controlling(
@@ -76,14 +77,14 @@ def over_the_train(vehicle: VehicleData, controller: Controller) -> Controller:
     Raises:
         ScenarioError: Redistribution has nothing to share out.
     """
-    alone = pass_through(vehicle.controlled.brakes)
+    alone = pass_through(vehicle.nominal.formation.brakes)
     over = _decided_over_the_train(vehicle, alone)
     return controller if over is alone else OverTheTrain(controller, over)
 
 
 def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
     """Return a law with redistribution and shared valves as [controller] and the formation want them."""
-    scenario, groups, table = vehicle.scenario, vehicle.controlled.brakes, vehicle.scenario.controller
+    scenario, groups, table = vehicle.scenario, vehicle.nominal.formation.brakes, vehicle.scenario.controller
     valves = vehicle.formation.groups_per_valve
     if table.redistribute:
         if valves and max(valves) > 1:
@@ -126,7 +127,7 @@ def _group_law(vehicle: VehicleData) -> Law:
         tuning = kind.tuned_for(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
     except ValueError as problem:
         raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
-    return kind(vehicle.controlled.brakes, tuning)
+    return kind(vehicle.nominal.formation.brakes, tuning)
 
 
 def _law_named(kind: str) -> type[GroupLaw] | None:
@@ -148,9 +149,9 @@ def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
     scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
         return None
-    valves, law = vehicle.valves, _law_named(scenario.controller.kind)
+    valves, law = vehicle.nominal.valves, _law_named(scenario.controller.kind)
     return ValveLogic(
-        vehicle.controlled.pressure_max.tolist(),
+        vehicle.nominal.formation.pressure_max.tolist(),
         ValveModel(
             period=scenario.periods.controller,
             dead_time=0.5 * (valves["dead_fill"] + valves["dead_vent"]),

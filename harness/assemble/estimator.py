@@ -115,9 +115,9 @@ def _of_nominal_data(
     vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
 ) -> tuple[Consist | _Central, Sequence[str], Gate, Vector, tuple[float, ...]]:
     """Return the prediction from the vehicle's nominal data, its readings, gate, mean at the start and wheel radii."""
-    formation = vehicle.controlled
+    formation = vehicle.nominal.formation
     groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
-    data = data_of(vehicle.nominal, formation)
+    data = data_of(vehicle.declared, formation)
     if table.file is None:
         units = units_of_predictions()
         each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
@@ -133,11 +133,7 @@ def _of_nominal_data(
         whole = whole_of(formation, data)
         prediction = _evaluated(table, whole.model, whole.parameters, whole.source, fmus, stack)
         readings = whole.readings
-    gate = Gate(
-        states=tuple(f"mu_b[{g + 1}]" for g in groups),
-        inputs=tuple(f"cylinder_pressure[{g + 1}]" for g in groups),
-        threshold=max(release_pressure(data, g, RELEASED_PADS) for g in groups),
-    )
+    gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
     return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
 
@@ -197,8 +193,7 @@ def _of_class(
     own = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | own
     prediction = _evaluated(table, model, parameters, None, fmus, stack)
-    rigging = {key: parameters[key] for key in _PREDICTION_DATA if key != "r_wheel"}
-    gate = pad_gate(pad_force=RELEASED_PADS, **rigging, groups=groups)
+    gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
     radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
     start = {"v": speed} | {f"w[{g + 1}]": speed / radius for g in range(groups)}
     start |= {

@@ -30,7 +30,7 @@ def controller_fmu(scenario: Scenario) -> Source:
         ScenarioError: The controller is no law of ours, such as the ideal bound.
     """
     vehicle = VehicleData(scenario)
-    groups = vehicle.controlled.brakes
+    groups = vehicle.nominal.formation.brakes
     law, valves = controller_of(vehicle), valve_logic_of(vehicle)
     assert isinstance(law, Sampled)
     states = _variables(law.formula.states, law.state, _MEMORY)

@@ -2,15 +2,15 @@
 
 from collections.abc import Sequence
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.faults.site import Site
 from railgrip.loop.faults import Faults
 from railgrip.scenario.schema import Scenario
 from railgrip.signals import Layout
+from railgrip.vehicle.brake import Brake
 
 
 def faults_of(
-    scenario: Scenario, layout: Layout, brakes: Sequence[BrakeGroup], *, outputs: frozenset[str], valves: bool
+    scenario: Scenario, layout: Layout, brakes: Sequence[Brake], *, outputs: frozenset[str], valves: bool
 ) -> Faults | None:
     """Return what is broken on the way to and from the plant; None where nothing is.
 

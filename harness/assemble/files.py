@@ -11,9 +11,9 @@ from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.recipe import read_recipes
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parties import KalmanFilter
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.vehicle import CompiledHere, FmuFile, OwnModelica, PythonClass, Recipe, TrainFile
 from railgrip.signals import CURVE
 from railgrip.units import Unit
 
@@ -97,23 +97,23 @@ def plant_description(scenario: Scenario) -> Description:
     Raises:
         ScenarioError: [vehicle] train names a file that is no train.
     """
-    vehicle = scenario.vehicle
-    if vehicle.own_class is not None:
-        return Description(
-            file=Path(vehicle.own_class), digest="", model=vehicle.own_class, guid="", generator="", variables={},
-            states=(), derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
-            model_exchange=None, blemishes="",
-        )  # fmt: skip
-    if vehicle.model is not None and vehicle.library is not None:
-        return description_of(_class_file(vehicle.model, vehicle.library.path, vehicle.library.digest(), "cs"))
-    several = len(scenario.adhesion.curves) > 1
-    if (train := vehicle.train) is not None:
-        pneumatic = scenario.actuation.kind == "pneumatic"
-        return description_of(_train_file(train.path, train.digest(), pneumatic, several))
-    if isinstance(vehicle.plant, NamedFile):
-        return description_of(vehicle.plant.path, scenario.limits.fmu.limits())
-    assert vehicle.plant is not None  # or there is a model
-    return description_of((_curved_file if several else recipe_file)(vehicle.plant))
+    has_several_curves = len(scenario.adhesion.curves) > 1
+    match scenario.vehicle.source:
+        case Recipe(name):
+            return description_of((_curved_file if has_several_curves else recipe_file)(name))
+        case TrainFile(file):
+            is_pneumatic = scenario.actuation.kind == "pneumatic"
+            return description_of(_train_file(file.path, file.digest(), is_pneumatic, has_several_curves))
+        case OwnModelica(name, library):
+            return description_of(_class_file(name, library.path, library.digest(), "cs"))
+        case FmuFile(file):
+            return description_of(file.path, scenario.limits.fmu.limits())
+        case PythonClass(name):
+            return Description(
+                file=Path(name), digest="", model=name, guid="", generator="", variables={}, states=(), derivatives=(),
+                dependencies={}, event_indicators=0, log_categories=(), co_simulation=None, model_exchange=None,
+                blemishes="",
+            )  # fmt: skip
 
 
 def prediction_description(table: KalmanFilter, consist: Path | None = None) -> Description:
@@ -133,8 +133,7 @@ def is_trusted(scenario: Scenario) -> bool:
     Whoever names Modelica sources has them compiled on this machine, by either compiler; only a finished binary comes
     from outside.
     """
-    vehicle = scenario.vehicle
-    return any((vehicle.recipe, vehicle.model, vehicle.train)) or vehicle.trust
+    return isinstance(scenario.vehicle.source, CompiledHere) or scenario.vehicle.trust
 
 
 def parameters_of(description: Description) -> dict[str, float]:

@@ -1,24 +1,27 @@
-"""The best stop physically possible: a pseudo-controller that knows everything and needs no time.
+"""Analyses of a scenario: how well any controller could brake, by the ideal bound and by control that knows the truth.
 
-At every instant each group uses min(peak adhesion, brake limit, α_max) of the ideal bound. No controller can do
-better on the same rail with the same brakes; none can do as well, because pressure takes time to build up and the
-peak must be found first. What is integrated is the train as a point mass; the physics comes from the plant:
+A scenario names one as the kind of its controller; sensors, estimator and controller have no part in it.
+
+In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant. No controller
+can do better on the same rail with the same brakes; none can do as well, because pressure takes time to build up and
+the peak must be found first. What is integrated is the train as a point mass; the physics comes from the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
 - the brake limit and the running resistance as functions of speed from a stop of the same plant with full brake on
   a rail with friction 0.6, where nothing slides.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from types import MappingProxyType
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.assemble.parties import assembled, judged
-from railgrip.assemble.vehicle import GRAVITY, VehicleData, masses_of
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ScenarioError
 from railgrip.loop.loop import Ending
@@ -69,15 +72,14 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     speeds = truth["speed"].values[order]
     friction = truth["pad_friction"].values[order]
     formation = vehicle.formation
-    masses = masses_of(vehicle.true_parameters, formation)
-    mass = sum(masses.tolist())
+    load = vehicle.true.load
+    mass = sum(vehicle.true.masses.tolist())
     rail_force = np.sum(truth["adhesion"].values * truth["wheelset_load"].values, axis=1)
     resistance = (-mass * truth["acceleration"].values - rail_force)[order]
 
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario, formation), vehicle.track_force
-    load = masses * GRAVITY
     recorder = Recorder((*PLANT, *vehicle.layout.sent_signals), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
@@ -96,7 +98,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:, at["pad_friction"]] = pad
         end = _end(speed, scenario.limits.stop_speed)
         moving = end or count
-        bound = with_bound(recorder.trace(moving, period), vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
+        bound = with_bound(
+            recorder.trace(moving, period), vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max
+        )
         ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
         slowing = (np.sum(share * load, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
         slowing -= force.at(distance[:moving]) / mass
@@ -144,20 +148,19 @@ class _Tracking:
         """Control the stop that a recorder is written of."""
         scenario, self._formation = vehicle.scenario, vehicle.formation
         self._profile = profile_of(scenario, self._formation)
-        self._contact, self._brake, self._curves = vehicle.contact, vehicle.brake, vehicle.curves
+        self._contact, self._brakes, self._curves = vehicle.contact, vehicle.true.brakes, vehicle.curves
         self._recorder, self._period = recorder, scenario.periods.communication
         self._limit, self._ahead = scenario.limits.alpha_max, 0.0
         if scenario.actuation.kind == "pneumatic":
-            self._ahead = max(vehicle.true_valves["dead_fill"], vehicle.true_valves["dead_vent"])
+            self._ahead = max(vehicle.true.valves["dead_fill"], vehicle.true.valves["dead_vent"])
         self._due, self._slip, self._most, self._change = 0.0, np.zeros(0), np.zeros(0), np.zeros(0)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa]; of the observation only the time is looked at."""
         row, at = self._recorder.rows[round(observation.time / self._period)], self._recorder.columns
         speed, distance = float(row[at["speed"]][0]), float(row[at["distance"]][0])
-        brake = self._brake
         if speed < _SLOWEST:
-            return tuple(brake.p_max.tolist())
+            return tuple(0.0 if brake is None else brake.pressure_max for brake in self._brakes)
         load = row[at["wheelset_load"]]
         if observation.time >= self._due:
             self._due = observation.time + _PEAK_PERIOD
@@ -166,11 +169,18 @@ class _Tracking:
         slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
         adhesion = np.where(slip < self._slip, self._most, row[at["group_adhesion"]] * self._change)
         turning = _RATE * (self._slip - slip) * speed - (1.0 - slip) * deceleration
-        torque = np.minimum(adhesion, self._limit) * group_load * brake.r_wheel + brake.J / brake.r_wheel * turning
-        # Of a brake that is isolated there is no pad.
-        pads = np.maximum(brake.n_units * row[at["pad_friction"]] * brake.r_friction, _NO_PAD)
-        pressure = (torque / pads / (brake.eta_rigging * brake.i_rigging) + brake.F_spring) / brake.A_piston
-        return tuple(np.clip(pressure, 0.0, brake.p_max).tolist())
+        force = (np.minimum(adhesion, self._limit) * group_load).tolist()
+        pressures: list[float] = []
+        for brake, held, turned, friction in zip(
+            self._brakes, force, turning.tolist(), row[at["pad_friction"]].tolist(), strict=True
+        ):
+            if brake is None:
+                pressures.append(0.0)
+                continue
+            torque = held * brake.wheel_radius + brake.inertia / brake.wheel_radius * turned
+            pressure = brake.pressure_of(torque / (brake.units * friction * brake.friction_radius))
+            pressures.append(min(max(pressure, 0.0), brake.pressure_max))
+        return tuple(pressures)
 
     def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
         """Find slip and adhesion to hold when the valves will have answered, and how much higher the peak is then."""
@@ -196,7 +206,6 @@ _SLOWEST = 0.5  # m/s; below, slip is a ratio of two small numbers
 _PEAK_PERIOD = 0.05  # s; friction of scenarios changes over tenths of a second
 _RATE = 10.0  # 1/s; valves fill and vent within some tenths of a second, and their predictor looks ahead
 _BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of its adhesion
-_NO_PAD = 1e-6  # m
 
 
 def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
@@ -212,6 +221,12 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
         parts = replace(parts, parts=replace(parts.parts, controller=controller))
         ending = parts.run(progress)
     return replace(parts.stop(ending), scenario=scenario)
+
+
+ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None], Stop]]] = MappingProxyType(
+    {"ideal_bound": ideal_stop, "ideal_tracking": tracking_stop}
+)
+"""Analysis by the name that a scenario gives it in [controller] kind."""
 
 
 def _full_brake(scenario: Scenario) -> Scenario:

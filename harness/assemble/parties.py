@@ -30,7 +30,7 @@ from railgrip.scenario.parties import KalmanFilter, OwnLaw
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import sampled_every
-from railgrip.scenario.vehicle import Vehicle
+from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, sent
 from railgrip.trace.adhesion_use import over_the_rail
 from railgrip.trace.bound import with_bound
@@ -148,8 +148,9 @@ def assembled(
     """
     scenario = own.standing_for(scenario)
     vehicle = VehicleData(scenario)
-    fmus = {} if scenario.vehicle.own_class else {vehicle.file.file.name: vehicle.file}
-    formation, layout, demand = vehicle.controlled, vehicle.layout, scenario.demand
+    source = scenario.vehicle.source
+    fmus = {} if isinstance(source, PythonClass) else {vehicle.file.file.name: vehicle.file}
+    formation, layout, demand = vehicle.nominal.formation, vehicle.layout, scenario.demand
     radius = tuple(group.wheel_radius for group in formation.brakes)
     pneumatic, period = scenario.actuation.kind == "pneumatic", scenario.periods.communication
     samples = round(scenario.limits.horizon / period)
@@ -164,9 +165,9 @@ def assembled(
         return player
 
     with ExitStack() as stack:
-        if (name := scenario.vehicle.own_class) is not None:
+        if isinstance(source, PythonClass):
             arguments = {key: value.entry for key, value in scenario.vehicle.parameters.items()}
-            table = Custom(kind=name, parameters=arguments) if own.plant is None else table_of(own.plant)
+            table = Custom(kind=source.name, parameters=arguments) if own.plant is None else table_of(own.plant)
             plant = python_plant(vehicle, party("plants", table, own.plant))
         else:
             plant = fmu_plant(vehicle, tell, stack)
@@ -263,7 +264,7 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
     # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
     # that does not show its brakes has none; the figures that need it are empty.
     with suppress(ScenarioError):
-        trace = with_bound(trace, vehicle.contact, vehicle.brake, scenario.limits.alpha_max)
+        trace = with_bound(trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max)
     share = over_the_rail(trace)
     if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
         ending = Ending(

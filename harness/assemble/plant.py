@@ -12,14 +12,16 @@ from railgrip import custom
 from railgrip.assemble.files import is_trusted, parameters_of
 from railgrip.assemble.readback import V_SMALL, probed, require_curve, require_radius
 from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
-from railgrip.assemble.vehicle import COUNTS, DESCRIPTIVE, GRAVITY, VehicleData
+from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
 from railgrip.fmu import Description, Signal, bind, open_plant
 from railgrip.loop.parts import Plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track import STEEPEST
-from railgrip.scenario.vehicle import Nudge
+from railgrip.scenario.vehicle import CompiledHere, Nudge, OfOurParts, Recipe, TrainFile
 from railgrip.signals import CURVE, Layout
+from railgrip.units import GRAVITY
+from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 
 Vector = NDArray[np.float64]
 
@@ -70,7 +72,7 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
     scenario, description, layout = vehicle.scenario, vehicle.file, vehicle.layout
     table = scenario.vehicle
     _refuse_steep_track(vehicle)
-    own = table.recipe is not None
+    source = table.source
     inputs, outputs, start = plant_signals(
         layout,
         pneumatic=scenario.actuation.kind == "pneumatic",
@@ -86,7 +88,9 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         where=f"{scenario.name}: [vehicle.map]",
     )
     surface = scenario.adhesion.polach.plant_parameters()
-    shape = {name: value for name, value in surface.items() if own or name in description.variables}
+    shape = {
+        name: value for name, value in surface.items() if isinstance(source, Recipe) or name in description.variables
+    }
     values = binding.translate({"speed_start": scenario.start.speed}) | shape | vehicle.changes
     opening = partial(
         open_plant,
@@ -98,14 +102,17 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         limits=scenario.limits.fmu.limits(),
     )
     # A train file's class is of our parts; what a distributor does by speed or a long pipe late is no mistake of a map.
-    if not own and (table.train is None or table.map):
+    if not isinstance(source, OfOurParts) or (isinstance(source, TrainFile) and table.map):
         # The stop itself will say how it failed.
         with suppress(PlantFailed):
             quiet = partial(opening, tell=lambda sentence: None)
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
-    compiled_here = own or table.train is not None or table.model is not None
     key = (description.digest, scenario.actuation.kind, *values.items(), *vehicle.curves[0])
-    if compiled_here and not {"slip", "adhesion"} & set(binding.outputs.absent) and key not in _read_back:
+    if (
+        isinstance(source, CompiledHere)
+        and not {"slip", "adhesion"} & set(binding.outputs.absent)
+        and key not in _read_back
+    ):
         with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
             _require_compiled_parameters(vehicle, first, parameters_of(description) | values)
             _read_back.add(key)
@@ -127,7 +134,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
     scenario, layout, file = vehicle.scenario, vehicle.layout, vehicle.file.file.name
     groups = layout.formation.groups
     ideal = scenario.actuation.kind == "ideal"
-    brake = tuple(group.pressure_max if ideal else 1.0 for group in vehicle.controlled.brakes)
+    brake = tuple(group.pressure_max if ideal else 1.0 for group in vehicle.nominal.formation.brakes)
     curve = dict(zip(scenario.adhesion.polach.plant_parameters(), vehicle.curves[0].tolist(), strict=True))
     rows = probed(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
     radii = [parameters.get(f"r_wheel[{g + 1}]", parameters.get("r_wheel")) for g in range(groups)]
@@ -135,7 +142,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
     if len(known) < groups:
         return
     require_radius(file, layout, rows, known, parameters.get("v_small", V_SMALL))
-    if scenario.vehicle.model is None:
+    if isinstance(scenario.vehicle.source, OfOurParts):
         # A wheel on a roller touches it as a smaller one touches a rail: their curvatures add.
         bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
         contacts = tuple(
@@ -166,7 +173,7 @@ def _refuse_steep_track(vehicle: VehicleData) -> None:
     Raises:
         ScenarioError: The force is more than that of the steepest gradient.
     """
-    mass = vehicle.mass or 0.0
+    mass = vehicle.true.mass or 0.0
     most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
     if mass and abs(force) > most:
         raise ScenarioError(
@@ -200,7 +207,7 @@ def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) 
 
 def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[Plant]]) -> None:
     """Refuse a plant from outside that is no train in short runs before its stop, on a good rail and on a poor one."""
-    scenario, brakes = vehicle.scenario, vehicle.controlled.brakes
+    scenario, brakes = vehicle.scenario, vehicle.nominal.formation.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
     ideal = scenario.actuation.kind == "ideal"
     vent, fill = -1.0, 1.0

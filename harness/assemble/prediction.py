@@ -10,12 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble.vehicle import GRAVITY
 from railgrip.cache import keep
 from railgrip.errors import ScenarioError
 from railgrip.estimators.consist import Consist, Part
 from railgrip.fmus.native import Model, Variable, lower
-from railgrip.formation import Formation
+from railgrip.vehicle.brake import pressure_of
+from railgrip.vehicle.formation import Formation, carried_mass
+from railgrip.vehicle.parameters import OF_BRAKES, masses_by_name
 
 _PACKAGE = "RailBraking.Vehicles"
 _OF_WHEELSETS = frozenset({"m_unsprung", "dz", "ddz", "deflection"})
@@ -107,19 +108,16 @@ def units_of_predictions() -> dict[str, str]:
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
     """Return what a prediction takes of a train: nominal data, and what the formation knows where they lack it."""
     bases = {name.partition("[")[0] for name in nominal}
-    of_brakes = {
-        "J": "inertia", "r_wheel": "wheel_radius", "n_units": "units", "r_friction": "friction_radius",
-        "A_piston": "piston_area", "i_rigging": "rigging", "F_spring": "spring_force",
-    }  # fmt: skip
+    # The rigging of a brake is the product of its ratio and its efficiency, which is 1 then.
     each = {
-        f"{name}[{g + 1}]": float(getattr(brake, attribute))
-        for name, attribute in of_brakes.items()
+        f"{name}[{g + 1}]": float(getattr(brake, datum))
+        for datum, name in {**OF_BRAKES, "rigging": "i_rigging"}.items()
         if name not in bases
         for g, brake in enumerate(formation.brakes)
     }
-    if "i_rigging" not in bases:  # the product with its efficiency
+    if "i_rigging" not in bases:
         each["eta_rigging"] = 1.0
-    masses = {f"m_wheelset[{i + 1}]": load / GRAVITY for i, load in enumerate(formation.wheelset_load)}
+    masses = {} if formation.load is None else masses_by_name(carried_mass(formation.load))
     return dict(nominal) | each | masses
 
 
@@ -183,7 +181,7 @@ def release_pressure(data: Mapping[str, float], group: int, pad_force: float) ->
     area, rigging, efficiency, spring = (
         _value(data, name, group, np.nan) for name in ("A_piston", "i_rigging", "eta_rigging", "F_spring")
     )
-    return (pad_force / (rigging * efficiency) + spring) / area
+    return pressure_of(pad_force, piston_area=area, spring_force=spring, rigging=rigging * efficiency)
 
 
 def _mass(data: Mapping[str, float], wheelset: int) -> float:

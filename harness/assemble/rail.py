@@ -6,12 +6,14 @@ import numpy as np
 
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
-from railgrip.formation import Formation
 from railgrip.loop.driver import Driver
 from railgrip.loop.rail import Field, SandedRail, Sander, TabulatedRail
+from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.vehicle import TrainFile
+from railgrip.vehicle.formation import Formation
 
 
 def rail_of(vehicle: VehicleData) -> TabulatedRail:
@@ -37,11 +39,9 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
 
 def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
     """Return the sanders of a scenario, or those of its train."""
-    sanders = scenario.sanders
-    if not sanders and scenario.vehicle.train is not None:
-        from railgrip.rolling_stock.files import load_train
-
-        sanders = load_train(scenario.vehicle.train.path).sanders
+    sanders, source = scenario.sanders, scenario.vehicle.source
+    if not sanders and isinstance(source, TrainFile):
+        sanders = load_train(source.file.path).sanders
     for number, sander in enumerate(sanders, start=1):
         if sander.wheelset > formation.wheelsets:
             raise ScenarioError(
@@ -69,7 +69,7 @@ def driver_of(vehicle: VehicleData) -> Driver:
     scenario, layout = vehicle.scenario, vehicle.layout
     brakes, demand = layout.formation.brakes, scenario.demand
     full = np.array([brake.pressure_max for brake in brakes])
-    touching = np.array([brake.spring_force / brake.piston_area for brake in brakes])
+    touching = np.array([brake.pressure_of(0.0) for brake in brakes])
     phases = () if demand is None else phases_of(demand, full.tolist(), scenario.name)
     binding = not getattr(scenario.controller, "redistribute", False)
     return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases, binding=binding)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import xarray
 
-from railgrip.assemble.ideal import ideal_stop, tracking_stop
+from railgrip.assemble.ideal import ANALYSES
 from railgrip.assemble.parties import SCENARIOS_OWN, OwnParties, assembled
 from railgrip.errors import ScenarioError
 from railgrip.loop.loop import Ending
@@ -32,8 +32,9 @@ def run_stop(
         ScenarioError: The scenario asks for something that its parties cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
-    if scenario.controller.kind in ("ideal_bound", "ideal_tracking") and own.controller is None and own.plant is None:
-        return (ideal_stop if scenario.controller.kind == "ideal_bound" else tracking_stop)(scenario, progress)
+    analysis = ANALYSES.get(scenario.controller.kind)
+    if analysis is not None and own.controller is None and own.plant is None:
+        return analysis(scenario, progress)
     with assembled(scenario, tell, own) as parts:
         ending = parts.run(progress)
     return parts.stop(ending)

@@ -11,11 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble.vehicle import GRAVITY
 from railgrip.loop.parts import Plant
 from railgrip.loop.plausible import Slowing
 from railgrip.signals import Layout
-from railgrip.units import mistake
+from railgrip.units import GRAVITY, mistake
 
 Matrix = NDArray[np.float64]
 

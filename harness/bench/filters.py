@@ -17,11 +17,11 @@ from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
-from railgrip.formation import Formation
 from railgrip.studies.field_test.filtering import filter_of, follow, prediction, specification, task_of
 from railgrip.studies.field_test.noise import PHYSICAL
 from railgrip.studies.field_test.objective import evaluate
 from railgrip.studies.field_test.runs import TEST, cases, run
+from railgrip.vehicle.formation import Formation
 
 
 def of_train(model: str, noise: str, target: str) -> Iterator[Row]:

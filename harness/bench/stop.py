@@ -22,10 +22,10 @@ from railgrip.controllers.observation import Observation
 from railgrip.fmu.description import describe
 from railgrip.fmus.build import build, build_class
 from railgrip.fmus.recipe import read_recipes
-from railgrip.formation import Formation
 from railgrip.loop.loop import Loop
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import load
+from railgrip.vehicle.formation import Formation
 
 BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
 """Inputs of a service braking on a rail that holds it; pressure [Pa]."""

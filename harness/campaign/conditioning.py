@@ -12,7 +12,7 @@ from railgrip.fmus.build import choose, fmu
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import Conditioning, Repeated
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.vehicle import Nudge
+from railgrip.scenario.vehicle import Nudge, Recipe
 from railgrip.trace.stop import StopRecord, read_stop
 
 _OTHER = "native"
@@ -64,10 +64,10 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
 
 
 def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
-    recipe = stop.scenario.vehicle.recipe
-    if choose("auto") == _OTHER or recipe is None:
+    source = stop.scenario.vehicle.source
+    if choose("auto") == _OTHER or not isinstance(source, Recipe):
         return
-    path = fmu(recipe, _OTHER)
+    path = fmu(source.name, _OTHER)
     update = {"plant": NamedFile(entry=str(path), path=path), "trust": True}
     yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **update)
 

@@ -18,6 +18,7 @@ from railgrip.report.results import OURS, clear_campaign, makers
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.kinds import Custom
+from railgrip.scenario.vehicle import PythonClass
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, clear_stop, read_stop
 
@@ -189,7 +190,7 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
         return None
     scenario = stop.scenario
     parties = (scenario.controller, scenario.estimator, scenario.sensors)
-    if scenario.vehicle.own_class or any(isinstance(table, Custom) for table in parties):
+    if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parties):
         return None  # nobody knows what else a class of the user's own imports
     try:
         record = read_stop(directory)

@@ -97,13 +97,14 @@ def map_(
     from railgrip.assemble.files import parameters_of
     from railgrip.assemble.plant import plant_signals
     from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
-    from railgrip.assemble.vehicle import GRAVITY, catalogue_brakes, catalogue_counts, counts_of
+    from railgrip.assemble.vehicle import catalogue_brakes, catalogue_counts
     from railgrip.errors import PlantFailed
     from railgrip.fmu import bind, describe, open_plant
     from railgrip.fmu.draft import drafted
-    from railgrip.formation import Formation
     from railgrip.loop.plausible import slowing_of
     from railgrip.signals import layout_of
+    from railgrip.vehicle.formation import Formation, carried_mass
+    from railgrip.vehicle.parameters import counts_of
 
     description = describe(file)
     formation = Formation(tuple(per_group or counts_of(parameters_of(description)) or catalogue_counts()))
@@ -129,7 +130,7 @@ def map_(
     )
     groups = catalogue_brakes(formation.groups)
     pressure, radius = tuple(g.pressure_max for g in groups), tuple(g.wheel_radius for g in groups)
-    slowing = slowing_of(sum(group.load for group in groups) / GRAVITY, is_known=False)
+    slowing = slowing_of(carried_mass(sum(group.load for group in groups)), is_known=False)
     trials: list[Trial] = []
     try:
         for friction in (GOOD_RAIL, POOR_RAIL):

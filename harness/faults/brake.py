@@ -5,12 +5,12 @@ from typing import Literal
 
 from railgrip.errors import ScenarioError
 from railgrip.faults.site import Site, named, places
-from railgrip.formation import Formation
 from railgrip.loop.faults import CommandFault
 from railgrip.scenario.faults import Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
+from railgrip.vehicle.formation import Formation
 
 
 class Isolated(Fault):

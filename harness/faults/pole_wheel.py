@@ -7,7 +7,6 @@ from pydantic import Field
 
 from railgrip.errors import ScenarioError
 from railgrip.faults.site import Site, named, places
-from railgrip.formation import Formation
 from railgrip.loop.faults import ReadingFault
 from railgrip.loop.sensors import MissingTeeth
 from railgrip.scenario.faults import Fault, Place, amount_of
@@ -15,6 +14,7 @@ from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SensorModel
 from railgrip.scenario.table import optional
+from railgrip.vehicle.formation import Formation
 
 
 class ToothFault(Fault):

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.errors import ScenarioError
 from railgrip.scenario.faults import Fault
 from railgrip.scenario.schema import Scenario
 from railgrip.signals import Layout
+from railgrip.vehicle.brake import Brake
 
 _Kind = TypeVar("_Kind", bound=Fault)
 
@@ -29,7 +29,7 @@ class Site:
 
     scenario: Scenario
     layout: Layout
-    brakes: Sequence[BrakeGroup]
+    brakes: Sequence[Brake]
     outputs: frozenset[str]
     valves: bool
     number: int

@@ -10,9 +10,13 @@ import casadi as ca
 from railgrip.fmus.native.c_library import CLibrary
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.signals import Layout
+from railgrip.units import GRAVITY
+from railgrip.vehicle.slip import SMALL_SPEED
 
 KERNEL: Final = files("railgrip.loop") / "kernel"
 _HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h")
+_PHYSICS: Final = f"#define GRAVITY {GRAVITY}\n#define SMALL_SPEED {SMALL_SPEED}\n"
+"""Constants in SI units; no declaration of the headers needs them."""
 
 
 @cache
@@ -26,7 +30,7 @@ def kernel(layout: Layout) -> CLibrary:
     names = ("export.h", *_HEADERS, *(name.replace(".h", ".c") for name in _HEADERS))
     sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
     name = f"cycle_{formation.groups}_{formation.wheelsets}"
-    return CLibrary(sources | {"layout.h": constants}, name, _HEADERS, constants)
+    return CLibrary(sources | {"layout.h": constants + _PHYSICS}, name, _HEADERS, constants)
 
 
 @cache

@@ -19,11 +19,9 @@ from railgrip.loop.plausible import Plausibility
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.signals import BELIEVED, ESTIMATES, INNOVATION, SPREAD, Layout, length, places
 from railgrip.trace.outcome import Outcome
+from railgrip.vehicle.slip import slip_of
 
 Vector = NDArray[np.float64]
-
-_SMALL_SPEED = 0.05
-"""Speed [m/s] below which slip is not formed, as in cycle.c."""
 
 _OBSERVED = ("slip", "adhesion", "pad_friction", "wheelset_speed", "driver_demand", "pressure")
 """What an observation has of each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`."""
@@ -254,8 +252,7 @@ class Loop:
         np.sqrt(spread, out=spread)
         speed = rows[:, columns["estimate_speed"]]
         rolling = np.asarray(estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
-        ratio = np.divide(rolling, speed, out=np.ones_like(rolling), where=speed >= _SMALL_SPEED)
-        rows[:, columns["estimate_slip"]] = 1.0 - ratio
+        rows[:, columns["estimate_slip"]] = slip_of(speed, rolling)
 
 
 class _Direct:

@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import ScenarioError
-from railgrip.formation import Formation
 from railgrip.loop.library import kernel
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track import TrackForce
 from railgrip.signals import Layout
+from railgrip.vehicle.formation import Formation
 
 Vector = NDArray[np.float64]
 

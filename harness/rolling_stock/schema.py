@@ -16,8 +16,6 @@ from railgrip.scenario.quantity import Unit
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.table import Length, Mass, Name, Speed, Table, broken
 
-GRAVITY = 9.81  # m/s2, as in RailBraking.Types
-
 Positive = Annotated[float, Unit("1", above=0, at_most=1e3)]
 Share = Annotated[float, Unit("1", above=0, at_most=1)]
 Effect = Annotated[float, Unit("1", at_least=-1, at_most=1)]
@@ -95,10 +93,6 @@ class Brake(Sourced):
     spring_force: Force = Field(description="of slack adjuster and return spring, at the piston")
     pressure_max: Pressure = Field(description="highest cylinder pressure")
     pad_friction: Share = Field(description="nominal")
-
-    def pad_force(self, pressure: float) -> float:
-        """Return the normal force of both pads of a unit [N] at a cylinder pressure [Pa]."""
-        return self.efficiency * self.rigging * max(pressure * self.piston_area - self.spring_force, 0.0)
 
 
 class TrackBrake(Sourced):

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from railgrip.errors import InputError
-from railgrip.rolling_stock.schema import GRAVITY, TrackBrake, Train
+from railgrip.rolling_stock.schema import TrackBrake, Train
 from railgrip.scenario.table import Table
+from railgrip.units import GRAVITY
 
 Vector = NDArray[np.float64]
 

@@ -3,8 +3,9 @@
 from collections import Counter
 
 from railgrip.report.table import Table
-from railgrip.rolling_stock.schema import GRAVITY, Train
+from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import HandCalculation, full_brake_force
+from railgrip.vehicle.formation import axle_load
 
 
 def table_of_axles(train: Train) -> Table:
@@ -22,7 +23,7 @@ def table_of_axles(train: Train) -> Table:
             "valve": valve_of_group[axle.group] + 1,
             "units": round(axle.units),
             "full brake": rim / 1e3,
-            "of the load": rim / (axle.mass * GRAVITY),
+            "of the load": rim / axle_load(axle.mass),
         }
         for number, (axle, rim) in enumerate(zip(train.axles, force.tolist(), strict=True), start=1)
     ]

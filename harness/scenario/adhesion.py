@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.errors import ScenarioError
-from railgrip.formation import Formation
 from railgrip.scenario.curve import Curve
 from railgrip.scenario.profile import Conditioning, Constant, FromTable, Patch, Points, Random, SineSweep, Trapezoid
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.table import FASTEST
+from railgrip.vehicle.formation import Formation
 
 Array = NDArray[np.float64]
 

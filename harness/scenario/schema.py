@@ -24,7 +24,7 @@ from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken, optional
 from railgrip.scenario.track import Track
-from railgrip.scenario.vehicle import Start, Vehicle
+from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the plants of this project, and the time between two [s]: offset and period
@@ -91,7 +91,7 @@ class Scenario(Table):
             )
         if self.demand is not None and self.controller.kind == "ideal_bound":
             raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
-        if self.actuation.kind == "pneumatic" and (self.vehicle.recipe or self.vehicle.train):
+        if self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, OfOurParts):
             try:
                 off_the_samples(self.periods.communication)
             except PydanticCustomError as refusal:

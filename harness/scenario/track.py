@@ -12,11 +12,10 @@ from pydantic import Field, field_validator, model_validator
 
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Length, Table, broken, optional
+from railgrip.units import GRAVITY
 
 if TYPE_CHECKING:
     from railgrip.track.laid import LaidTrack
-
-GRAVITY = 9.81  # m/s2
 
 _WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
 _GAUGE = 1.435  # m

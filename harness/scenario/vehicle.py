@@ -1,5 +1,6 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -63,6 +64,50 @@ def _is_class(entry: str) -> bool:
     return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
 
 
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """A plant of this project, by the name of its FMU recipe."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class TrainFile:
+    """A train of this project or a train file, of which a Modelica class is written."""
+
+    file: NamedFile
+
+
+@dataclass(frozen=True, slots=True)
+class OwnModelica:
+    """A Modelica class of the user's own, by its full name, and its library."""
+
+    name: str
+    library: NamedFile
+
+
+@dataclass(frozen=True, slots=True)
+class FmuFile:
+    """An FMU from outside."""
+
+    file: NamedFile
+
+
+@dataclass(frozen=True, slots=True)
+class PythonClass:
+    """A class of the user's own in Python, module:Class."""
+
+    name: str
+
+
+OfOurParts = Recipe | TrainFile
+"""Plants of the library RailBraking alone: their physics is known, mass and creep law among it."""
+CompiledHere = OfOurParts | OwnModelica
+"""Plants from Modelica: their code is trusted, and their parameters have our names."""
+Source = CompiledHere | FmuFile | PythonClass
+"""What a plant is made of."""
+
+
 class Vehicle(Table):
     """The plant."""
 
@@ -121,14 +166,16 @@ class Vehicle(Table):
         return self
 
     @property
-    def recipe(self) -> str | None:
-        """Name of this project's FMU recipe, None where the plant is somebody else's."""
-        return self.plant if isinstance(self.plant, str) and not _is_class(self.plant) else None
-
-    @property
-    def own_class(self) -> str | None:
-        """module:Class of a plant in Python, None where it is an FMU."""
-        return self.plant if isinstance(self.plant, str) and _is_class(self.plant) else None
+    def source(self) -> Source:
+        """What the plant is made of."""
+        if self.train is not None:
+            return TrainFile(self.train)
+        if self.model is not None and self.library is not None:
+            return OwnModelica(self.model, self.library)
+        if isinstance(self.plant, NamedFile):
+            return FmuFile(self.plant)
+        assert self.plant is not None  # `_one_plant` refuses a table with none
+        return PythonClass(self.plant) if _is_class(self.plant) else Recipe(self.plant)
 
 
 class Start(Table):

@@ -4,7 +4,7 @@ For each group it is min(peak adhesion, brake limit, α_max): what the rail give
 brake pressure could have drawn, or that which the driver demanded, what the operator may use.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -14,56 +14,35 @@ from numpy.typing import NDArray
 from railgrip.signals import CURVE
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import formation_in
+from railgrip.vehicle.brake import Brake
 
 Array = NDArray[np.float64]
 
 _STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are straight lines over so short a time
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Brake:
-    """What full pressure makes at the rim of each group; names and values are the plant's parameters.
+def brake_limit(
+    brake: Brake, pad_friction: Array, load: Array, deceleration: Array, pressure: Array | None = None
+) -> Array:
+    """Return the adhesion at which full pressure, or another, would just hold the slip of a group, shape (n,).
 
-    Attributes:
-        p_max: Highest cylinder pressure, shape (groups,) [Pa].
-        n_units: Brake units of the group, shape (groups,).
-        r_friction: Friction radius, shape (groups,) [m].
-        r_wheel: Rolling radius, shape (groups,) [m].
-        J: Moment of inertia, shape (groups,) [kg m2].
-        A_piston: Piston area, shape (groups,) [m2].
-        i_rigging: Rigging ratio, both pads, shape (groups,).
-        eta_rigging: Rigging efficiency, shape (groups,).
-        F_spring: Force of the return spring at the piston, shape (groups,) [N].
+    Args:
+        brake: Of the group.
+        pad_friction: Of the group, shape (n,).
+        load: Of the group, shape (n,) [N].
+        deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
+        pressure: Most that there is of the group, shape (n,) [Pa]; None for full.
     """
-
-    p_max: Array
-    n_units: Array
-    r_friction: Array
-    r_wheel: Array
-    J: Array
-    A_piston: Array
-    i_rigging: Array
-    eta_rigging: Array
-    F_spring: Array
-
-    def limit(self, pad_friction: Array, load: Array, deceleration: Array, pressure: Array | None = None) -> Array:
-        """Return the adhesion at which full pressure, or another, would just hold the slip, shape (n, groups).
-
-        Args:
-            pad_friction: Of each group, shape (n, groups).
-            load: Of each group, shape (n, groups) [N].
-            deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
-            pressure: Most that there is of each group, shape (n, groups) [Pa]; None for full.
-        """
-        most = self.p_max if pressure is None else np.minimum(pressure, self.p_max)
-        pad_force = self.eta_rigging * self.i_rigging * np.maximum(most * self.A_piston - self.F_spring, 0)
-        torque = self.n_units * pad_friction * pad_force * self.r_friction
-        rotation = self.J * deceleration[:, None] / self.r_wheel
-        return np.maximum(torque - rotation, 0) / (self.r_wheel * load)
+    most = brake.pressure_max if pressure is None else np.minimum(pressure, brake.pressure_max)
+    torque = brake.units * pad_friction * brake.pad_force(most) * brake.friction_radius
+    rotation = brake.inertia * deceleration / brake.wheel_radius
+    return np.maximum(torque - rotation, 0) / (brake.wheel_radius * load)
 
 
-def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max: float) -> xarray.Dataset:
-    """Return the trace with the variables that a comparison with the ideal needs.
+def with_bound(
+    trace: xarray.Dataset, contact: Contact, brakes: Sequence[Brake | None], alpha_max: float
+) -> xarray.Dataset:
+    """Return the trace with the variables that a comparison with the ideal needs; the brake of a group may be isolated.
 
     `peak_slip`, `peak_adhesion` (time, group): of the creep curve. `brake_limit` (time, group).
     `ideal_adhesion` (time, group): the bound. `ideal_share` (time, wheelset): what each wheelset contributes
@@ -93,7 +72,12 @@ def with_bound(trace: xarray.Dataset, contact: Contact, brake: Brake, alpha_max:
         # A row holds what was demanded until then: what is demanded now stands in the next one.
         demanded = trace["driver_demand"].values[np.minimum(np.arange(len(time)) + 1, len(time) - 1)]
     force = "full" if demanded is None else "the demanded"
-    limit = brake.limit(trace["pad_friction"].values, group_load, -trace["acceleration"].values, demanded)
+    pad_friction, deceleration = trace["pad_friction"].values, -trace["acceleration"].values
+    limit = np.zeros(group_load.shape)
+    for group, brake in enumerate(brakes):
+        if brake is not None:
+            pressure = None if demanded is None else demanded[:, group]
+            limit[:, group] = brake_limit(brake, pad_friction[:, group], group_load[:, group], deceleration, pressure)
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
 

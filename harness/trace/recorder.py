@@ -7,8 +7,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.formation import Formation, formation_of
 from railgrip.signals import Signal, length, places
+from railgrip.vehicle.formation import Formation, formation_of
 
 _GROUPS = "group_of_wheelset"
 

@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from wheelset import GROUP
 
-from railgrip.controllers.brake import BrakeGroup, pressure_for
+from railgrip.controllers.brake import pressure_for
 from railgrip.controllers.valves import DUMP, FILL, HOLD, ValveLogic, ValveModel
+from railgrip.vehicle.brake import Brake
 
 JACOBS = asdict(GROUP) | {"pressure_max": 2e5}
 
@@ -34,7 +35,7 @@ def test_pressure_stays_between_none_and_full():
 )
 def test_a_brake_that_cannot_be_is_refused(change, sentence):
     with pytest.raises(ValueError, match=sentence):
-        BrakeGroup(**(JACOBS | change))
+        Brake(**(JACOBS | change))
 
 
 VALVES = ValveModel(period=0.01, dead_time=0.05, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)

@@ -6,12 +6,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.free_wheel import VALUES, FreeWheel
+from railgrip.vehicle.brake import Brake
 
 PERIOD = 10e-3
 RADIUS = 0.5
-GROUP = BrakeGroup(
+GROUP = Brake(
     load=140e3, inertia=240.0, wheel_radius=RADIUS, units=4, friction_radius=0.25, piston_area=0.02, rigging=8.0,
     spring_force=600.0, pressure_max=3.8e5,
 )  # fmt: skip

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.law import Law
 from railgrip.controllers.laws.full_brake import FullBrake
 from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
@@ -17,8 +16,9 @@ from railgrip.controllers.train_level import (
     with_redistribution,
     with_shared_valves,
 )
+from railgrip.vehicle.brake import Brake
 
-GROUP = BrakeGroup(
+GROUP = Brake(
     load=140e3, inertia=120.0, wheel_radius=0.46, units=2.0, friction_radius=0.24, piston_area=0.0324, rigging=4.75,
     spring_force=1200.0, pressure_max=3e5,
 )  # fmt: skip

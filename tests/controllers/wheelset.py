@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.observation import Observation
+from railgrip.vehicle.brake import Brake
 
-GROUP = BrakeGroup(
+GROUP = Brake(
     load=14500 * 9.81,
     inertia=209.0,
     wheel_radius=0.38,

@@ -22,7 +22,7 @@ from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
-from railgrip.formation import Formation
+from railgrip.vehicle.formation import Formation
 
 PERIOD, RUNS, STEPS = 1e-3, 40, 400
 INSTANTS = (20, 100, 250, 400)

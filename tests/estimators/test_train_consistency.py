@@ -45,10 +45,11 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
+from railgrip.vehicle.brake import pressure_of
 
 PERIOD = 1e-3
 SPEED, ADHESION, RADIUS = 22.0, 0.10, 0.38
-GATE = pad_gate(pad_force=1500.0, A_piston=0.0324, i_rigging=6.0, eta_rigging=0.95, F_spring=1200.0, groups=4)
+GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
 RUNS, STEPS = 100, 400
 INSTANTS = (20, 100, 250, 400)
 """Steps after which NEES is judged: in the transient, before the release, at its end, and at the end of the run."""

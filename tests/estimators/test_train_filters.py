@@ -13,10 +13,11 @@ from railgrip.estimators.observability import observability
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, pad_gate
 from railgrip.fmus.native import lower
+from railgrip.vehicle.brake import pressure_of
 
 PERIOD = 1e-3
 FULL_BRAKE = np.array([3.4e5, 2.0e5, 2.0e5, 3.4e5, 0.0])
-GATE = pad_gate(pad_force=1500.0, A_piston=0.0324, i_rigging=6.0, eta_rigging=0.95, F_spring=1200.0, groups=4)
+GATE = pad_gate(pressure_of(1500.0, piston_area=0.0324, rigging=6.0 * 0.95, spring_force=1200.0), groups=4)
 SIZES = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 3e-3, "ddz": 0.1}
 
 

@@ -12,7 +12,6 @@ from reference import brake
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
 from railgrip import signals
-from railgrip.controllers.brake import BrakeGroup
 from railgrip.controllers.law import Law, law
 from railgrip.controllers.laws.slip_three_state import SlipThreeState
 from railgrip.controllers.laws.slip_two_state import SlipTwoState
@@ -41,11 +40,12 @@ from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track import TrackForce
 from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
+from railgrip.vehicle.brake import Brake
 
 RADIUS = (0.38,) * 4
 LAID = Polach(k_A=0.3, k_S=0.1, A=0.5, B=0.1)
 GROUPS = (
-    BrakeGroup(
+    Brake(
         load=14500 * 9.81, inertia=209.0, wheel_radius=0.38, units=2, friction_radius=0.22, piston_area=0.0324,
         rigging=5.7, spring_force=1200.0, pressure_max=3.4e5,
     ),

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from railgrip.assemble.vehicle import DESCRIPTIVE
 from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
+from railgrip.vehicle.parameters import DESCRIPTIVE
 
 PERIOD = 0.05
 

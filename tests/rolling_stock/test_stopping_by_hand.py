@@ -9,8 +9,8 @@ import pytest
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.files import NAMED, load_train, train_of
 from railgrip.rolling_stock.modelica import class_name, class_text
-from railgrip.rolling_stock.schema import GRAVITY
 from railgrip.rolling_stock.stopping import by_hand, chain_forces
+from railgrip.units import GRAVITY
 
 
 def bare(tables):

@@ -35,7 +35,7 @@ def parts(scenario):
     """What the faults of a scenario become, all but of the plant."""
     vehicle = VehicleData(scenario)
     valves = scenario.actuation.kind == "pneumatic"
-    return faults_of(scenario, vehicle.layout, vehicle.controlled.brakes, outputs=vehicle.shown, valves=valves)
+    return faults_of(scenario, vehicle.layout, vehicle.nominal.formation.brakes, outputs=vehicle.shown, valves=valves)
 
 
 def plant_of(scenario):
@@ -174,7 +174,7 @@ def test_nobody_is_told_the_truth():
         "efficiency": 0.9,
         "gradient": 0.01,
     }
-    assert VehicleData(asked(truth=truth)).controlled == VehicleData(asked()).controlled
+    assert VehicleData(asked(truth=truth)).nominal.formation == VehicleData(asked()).nominal.formation
     assert plant_of(asked(truth=truth))[0].keys() >= {"J[1]", "mu_b_nominal[4]", "mu_b_start[1]", "m_wheelset[6]"}
 
 
@@ -194,7 +194,7 @@ def test_isolated_units_are_parameters_of_the_plant_and_bound_the_ideal():
     assert plant_of(some)[0] == {"n_units[1]": 1.0}
     whole = asked({"part": "brake", "kind": "isolated", "group": 2})
     assert plant_of(whole)[0] == {}
-    assert VehicleData(whole).brake.n_units.tolist() == [3.0, 0.0, 2.0, 3.0]
+    assert [brake and brake.units for brake in VehicleData(whole).true.brakes] == [3.0, None, 2.0, 3.0]
 
 
 def test_the_page_names_every_kind_and_key():

@@ -11,9 +11,9 @@ from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
 from railgrip.errors import ScenarioError
-from railgrip.formation import Formation
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
+from railgrip.vehicle.formation import Formation
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 PLAIN = ["adhesion.conditioning.fraction=0"]

@@ -129,11 +129,11 @@ def test_one_value_for_all_is_overridden_by_that_of_a_group():
     """Also where the plant, as the wagon does, has one number of brake units for both wheelsets."""
     groups = VehicleData(
         load(LIBRARY / "wagon.toml", ["controller.parameters={ 'n_units[2]' = 1.0 }"])
-    ).controlled.brakes
+    ).nominal.formation.brakes
     assert [group.units for group in groups] == [2.0, 1.0]
     alike = VehicleData(
         load(LIBRARY / "trapezoid.toml", ["controller.parameters.r_friction='0.2 m'"])
-    ).controlled.brakes
+    ).nominal.formation.brakes
     assert [group.friction_radius for group in alike] == [0.2] * 4
 
 
@@ -181,16 +181,16 @@ def test_how_a_plant_is_made_cannot_be_set(name):
 
 def test_the_train_says_where_its_wheelsets_are_and_what_they_carry():
     """Geometry of the bogies, 15.05 + 1.9/2 m from the middle of the Jacobs bogie, and the masses, by hand."""
-    formation = VehicleData(load(LIBRARY / "trapezoid.toml")).controlled
+    formation = VehicleData(load(LIBRARY / "trapezoid.toml")).nominal.formation
     ahead = [16.95, 15.05, 1.325, -1.325, -15.05, -16.95]
     assert formation.position == pytest.approx(16.95 - np.array(ahead), abs=1e-12)
     assert formation.load == pytest.approx(9.81 * np.array([13400, 14100, 14500, 14500, 14100, 13400]))
-    assert formation.car_of_wheelset.tolist() == [0, 0, 0, 1, 1, 1]
+    assert formation.wheelsets_per_car == (3, 3)
     assert [brake.load for brake in formation.brakes] == pytest.approx(formation.summed(formation.load))
-    wagon = VehicleData(load(LIBRARY / "wagon.toml")).controlled
+    wagon = VehicleData(load(LIBRARY / "wagon.toml")).nominal.formation
     assert (wagon.cars, wagon.position.tolist()) == (1, [0.0, 9.0])
     assert wagon.load == pytest.approx([40e3 * 9.81 / 2] * 2)
-    believed = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).controlled
+    believed = VehicleData(load(LIBRARY / "trapezoid.toml", ["controller.parameters.m='60 t'"])).nominal.formation
     assert believed.load == pytest.approx([98100.0] * 6)
 
 
@@ -224,7 +224,7 @@ def foreign(tmp_path_factory) -> Path:
 
 def test_a_foreign_plant_is_what_its_formation_table_says(foreign):
     """Also to a rail over distance, where the last wheelset meets what the first one has left."""
-    formation = VehicleData(load(foreign)).controlled
+    formation = VehicleData(load(foreign)).nominal.formation
     assert formation.position.tolist() == [0.0, 2.5, 9.0]
     assert formation.load == pytest.approx([70e3, 70e3, 90e3])
     assert (formation.cars, formation.pressure_max.tolist()) == (2, [3e5, 3e5])

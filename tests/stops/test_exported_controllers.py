@@ -37,7 +37,7 @@ def shown(scenario, trace):
     believed = "estimate_adhesion" in trace
     prefix = "estimate" if believed else "reading"
     speed, wheel = trace[f"{prefix}_speed"].values, trace[f"{prefix}_wheelset_speed"].values
-    radius = np.array([group.wheel_radius for group in VehicleData(scenario).controlled.brakes])
+    radius = np.array([group.wheel_radius for group in VehicleData(scenario).nominal.formation.brakes])
     with np.errstate(invalid="ignore"):
         slip = 1.0 - radius * wheel / speed[:, None]
     unknown = np.zeros_like(slip)
@@ -51,7 +51,7 @@ def shown(scenario, trace):
             wheel,
             trace["driver_demand"].values
             if "driver_demand" in trace
-            else np.full_like(slip, VehicleData(scenario).controlled.pressure_max),
+            else np.full_like(slip, VehicleData(scenario).nominal.formation.pressure_max),
             trace["reading_cylinder_pressure"].values,
         ]
     )
@@ -136,7 +136,7 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
     plain = load(SCENARIOS / "library" / "plain.toml", changes)
     phases = 'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]'
     service = run_stop(load(SCENARIOS / "library" / "plain.toml", [*changes, phases]))
-    full = VehicleData(plain).controlled.pressure_max
+    full = VehicleData(plain).nominal.formation.pressure_max
     with exported(plain, tmp_path) as fmu:
         law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
         stop = run_stop(plain, own=OwnParties(controller=law))
@@ -150,7 +150,7 @@ def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
     """A tool that leaves `driver_demand` alone has the emergency brake, as a stop without [demand]."""
     described = describe(pack(controller_fmu(load(SCENARIOS / "library" / "plain.toml")), tmp_path / "law.fmu"))
     starts = [float(described.variables[f"driver_demand[{g}]"].start) for g in range(1, 5)]
-    assert starts == VehicleData(load(SCENARIOS / "library" / "plain.toml")).controlled.pressure_max.tolist()
+    assert starts == VehicleData(load(SCENARIOS / "library" / "plain.toml")).nominal.formation.pressure_max.tolist()
 
 
 @pytest.mark.parametrize(

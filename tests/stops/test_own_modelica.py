@@ -244,8 +244,8 @@ def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant
     assert (values["fill_time"], values["vent_time"]) == (0.8, 0.5)
     # Commands on their way for (90 + 110)/2 ms, one each millisecond.
     assert sum(quantity.name.startswith("under_way[1,") for quantity in logic.formula.states) == 100
-    assert other.valves == {"T_fill": 0.6, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.11}
-    assert other.true_valves == {"T_fill": 0.8, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.12}
+    assert other.nominal.valves == {"T_fill": 0.6, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.11}
+    assert other.true.valves == {"T_fill": 0.8, "T_vent": 0.5, "dead_fill": 0.09, "dead_vent": 0.12}
     recorder = Recorder((*PLANT, *SENT), slow.formation, 2)
     assert (_Tracking(slow, recorder)._ahead, _Tracking(other, recorder)._ahead) == (0.11, 0.12)
 
@@ -253,6 +253,6 @@ def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant
 def test_valves_of_a_plant_that_hides_them_stand_in_the_file_or_are_those_of_the_catalogue_train(tmp_path):
     catalogue = {"T_fill": 0.4, "T_vent": 0.2, "dead_fill": 0.05, "dead_vent": 0.04}
     brakes = {"T_fill": "0.3 s", "dead_fill": "20 ms"}
-    assert with_valves(tmp_path, {"plant": "own:Train"}).valves == catalogue
+    assert with_valves(tmp_path, {"plant": "own:Train"}).nominal.valves == catalogue
     told = with_valves(tmp_path, {"plant": "own:Train", "formation": {"brakes": brakes}})
-    assert told.valves == told.true_valves == catalogue | {"T_fill": 0.3, "dead_fill": 0.02}
+    assert told.nominal.valves == told.true.valves == catalogue | {"T_fill": 0.3, "dead_fill": 0.02}

@@ -8,9 +8,9 @@ import pytest
 from skill import error_95_of_constant
 
 from railgrip.assemble import run_stop
-from railgrip.estimators.tuning import pressure_spread
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
+from railgrip.studies.pad_monitor.evidence import pressure_spread
 from railgrip.trace.estimation import SLOWEST
 from railgrip.trace.outcome import Outcome
 
@@ -153,8 +153,8 @@ def test_with_an_offset_in_the_pressure_it_is_the_brake_torque_that_is_known():
             pad_friction=believed[at, g],
             pressure=read[at, g],
             offset=table.error * table.full_scale,
-            A_piston=A,
-            F_spring=spring,
+            piston_area=A,
+            spring_force=spring,
         )
         deviation = np.hypot(trace["estimate_pad_friction_sd"].values[at, g], added)
         assert np.mean((error / deviation) ** 2) < 6.0

@@ -1,12 +1,14 @@
 """Each figure of a stop, on traces whose answer is known by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import chi2
-from synthetic import BRAKE, LOAD, parabola, uniform_stop
+from synthetic import BRAKES, LOAD, parabola, uniform_stop
 
 from railgrip.trace import adhesion_use, estimation, motion, slide
-from railgrip.trace.bound import with_bound
+from railgrip.trace.bound import brake_limit, with_bound
 from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
 from railgrip.trace.outcome import Outcome
 
@@ -79,13 +81,12 @@ def test_air_is_counted_from_the_demand():
 
 def test_the_bound_is_the_least_of_rail_brake_and_limit():
     # 2 units · 0.35 · 5·(9000 − 1000) N · 0.25 m = 7 kN·m on 200 kN·0.4 m → 0.0875; a single unit the same
-    assert BRAKE.limit(np.full((1, 4), 0.35), np.array([[2 * LOAD, LOAD, LOAD, 2 * LOAD]]), np.zeros(1)) == (
-        pytest.approx(np.full((1, 4), 0.0875))
-    )
+    for brake in BRAKES:
+        assert brake_limit(brake, np.array([0.35]), np.array([brake.load]), np.zeros(1)) == pytest.approx(0.0875)
     mu0 = np.array([0.06, 0.06, 0.2, 0.08, 0.2, 0.2])
-    bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.15)
+    bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKES, alpha_max=0.15)
     assert bound["ideal_adhesion"].values[0] == pytest.approx([0.06, 0.0875, 0.08, 0.0875], abs=1e-9)
-    assert with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.05)["ideal_adhesion"].values == (
+    assert with_bound(uniform_stop(mu0=mu0), parabola, BRAKES, alpha_max=0.05)["ideal_adhesion"].values == (
         pytest.approx(0.05)
     )
     assert bound["peak_slip"].values == pytest.approx(0.05, abs=1e-3)
@@ -93,28 +94,29 @@ def test_the_bound_is_the_least_of_rail_brake_and_limit():
 
 def test_coupled_wheelsets_share_what_their_group_can_use():
     mu0 = np.array([0.05, 0.10, 0.2, 0.2, 0.2, 0.2])
-    bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.15)
+    bound = with_bound(uniform_stop(mu0=mu0), parabola, BRAKES, alpha_max=0.15)
     assert bound["ideal_adhesion"].values[:, 0] == pytest.approx(0.075)
     assert bound["ideal_share"].values[0, :2] == pytest.approx([0.05, 0.10])
-    with_limit = with_bound(uniform_stop(mu0=mu0), parabola, BRAKE, alpha_max=0.06)
+    with_limit = with_bound(uniform_stop(mu0=mu0), parabola, BRAKES, alpha_max=0.06)
     assert with_limit["ideal_share"].values[0, :2] == pytest.approx([0.04, 0.08])
 
 
 def test_part_of_the_brake_torque_stops_the_wheelset_itself():
-    heavy = np.array([222.0, 209, 209, 222])
-    with_inertia = type(BRAKE)(
-        **{name: getattr(BRAKE, name) if name != "J" else heavy for name in BRAKE.__dataclass_fields__}
-    )
-    load = np.full((1, 4), LOAD)
-    difference = BRAKE.limit(np.full((1, 4), 0.35), load, np.ones(1)) - with_inertia.limit(
-        np.full((1, 4), 0.35), load, np.ones(1)
-    )
+    friction, load, deceleration = np.array([0.35]), np.array([LOAD]), np.ones(1)
+    light, heavy = (replace(BRAKES[0], inertia=inertia) for inertia in (1e-9, 222.0))
+    difference = brake_limit(light, friction, load, deceleration) - brake_limit(heavy, friction, load, deceleration)
     # J a/r² over the load
-    assert difference[0] == pytest.approx(heavy / 0.16 / LOAD)
+    assert difference == pytest.approx(222.0 / 0.16 / LOAD)
+
+
+def test_an_isolated_brake_bounds_its_group_to_nothing():
+    bound = with_bound(uniform_stop(), parabola, (None, *BRAKES[1:]), alpha_max=0.15)
+    assert bound["brake_limit"].values[0] == pytest.approx([0.0, 0.0875, 0.0875, 0.0875])
+    assert bound["ideal_adhesion"].values[:, 0] == pytest.approx(0.0)
 
 
 def test_utilisation_is_used_over_possible_impulse():
-    trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, BRAKE, alpha_max=0.15)
+    trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, BRAKES, alpha_max=0.15)
     train, each = adhesion_use.utilisation(trace)
     assert train == pytest.approx(0.8)
     assert each == pytest.approx((0.8,) * 6)
@@ -157,7 +159,7 @@ def test_errors_below_walking_pace_do_not_count():
 
 
 def test_a_stop_without_estimator_has_no_estimator_figures():
-    trace = with_bound(uniform_stop(estimates=False), parabola, BRAKE, alpha_max=0.15)
+    trace = with_bound(uniform_stop(estimates=False), parabola, BRAKES, alpha_max=0.15)
     metrics = measure(trace, outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal")
     assert metrics.adhesion_rmse is None
     assert metrics.speed_rmse is None
@@ -166,7 +168,7 @@ def test_a_stop_without_estimator_has_no_estimator_figures():
 
 def test_a_stop_that_failed_at_once_still_has_its_figures():
     trace = uniform_stop().isel(time=slice(0, 1))
-    trace = with_bound(trace, parabola, BRAKE, alpha_max=0.15)
+    trace = with_bound(trace, parabola, BRAKES, alpha_max=0.15)
     metrics = measure(trace, outcome=Outcome.CONTROLLER_FAILED, alpha_max=0.15, actuation="ideal")
     assert np.isnan(metrics.distance)
     assert metrics.distance_travelled == 0.0
@@ -212,5 +214,5 @@ def test_innovations_that_do_not_fit_are_said():
 
 
 def _measured(**changes):
-    trace = with_bound(uniform_stop(**changes), parabola, BRAKE, alpha_max=0.15)
+    trace = with_bound(uniform_stop(**changes), parabola, BRAKES, alpha_max=0.15)
     return measure(trace, outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal")

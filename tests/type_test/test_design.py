@@ -10,7 +10,6 @@ from railgrip.scenario.merge import merged
 from railgrip.studies.type_test.design import (
     CASES,
     FRICTION,
-    GRAVITY,
     LONGEST,
     QUICK,
     SEED,
@@ -21,6 +20,7 @@ from railgrip.studies.type_test.design import (
     cases,
 )
 from railgrip.studies.type_test.entrants import train_of
+from railgrip.units import GRAVITY
 
 
 @pytest.mark.parametrize("count", [QUICK, CASES, 12])

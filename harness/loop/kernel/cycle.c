@@ -124,10 +124,15 @@ static int unknown(const Cycle *c, int g)
     return c->covariance[state * c->row + state] > most * most;
 }
 
+/* As in vehicle/slip.py, of a speed of the train and one of a wheel at the rim [m/s]. */
+static double slip_of(double speed, double rim_speed)
+{
+    return speed < SMALL_SPEED ? 0.0 : 1.0 - rim_speed / speed;
+}
+
 /* Say what is known now, by the filter or else by the newest readings. */
 static void observe(Cycle *c)
 {
-    static const double SMALL_SPEED = 0.05;      /* m/s: below, slip is a ratio of two noises */
     const double speed = c->mean ? c->believed[0] : c->latest[READING_SPEED];
     const double *wheel = c->mean ? c->believed + 1 : c->latest + READING_WHEELSET_SPEED;
     double *shown = c->observation;
@@ -135,7 +140,7 @@ static void observe(Cycle *c)
     shown[0] = speed;
     shown[1] = c->latest[READING_ACCELERATION];
     for (int g = 0; g < GROUPS; g++) {
-        shown[2 + g] = speed < SMALL_SPEED ? 0.0 : 1.0 - c->radius[g] * wheel[g] / speed;
+        shown[2 + g] = slip_of(speed, c->radius[g] * wheel[g]);
         shown[2 + GROUPS + g] = c->mean ? c->believed[1 + GROUPS + g] : NOTHING;
         shown[2 + 2 * GROUPS + g] = c->mean ? c->believed[1 + 2 * GROUPS + g] : NOTHING;
         shown[2 + 3 * GROUPS + g] = c->mean && unknown(c, g) ? NOTHING : wheel[g];
@@ -241,8 +246,8 @@ EXPORT int cycle(Cycle *c)
             /* fall through */
         case CHECK:
             for (int g = 0; c->slip_radius && g < GROUPS; g++)
-                c->truth[OUTPUT_SLIP + g] = 1.0 - c->slip_radius[g] * c->truth[OUTPUT_WHEELSET_SPEED + g] /
-                                                      fmax(c->truth[OUTPUT_SPEED], 1e-3);
+                c->truth[OUTPUT_SLIP + g] =
+                    slip_of(c->truth[OUTPUT_SPEED], c->slip_radius[g] * c->truth[OUTPUT_WHEELSET_SPEED + g]);
             if (!plausible(c->plausibility, k, c->truth, c->inputs))
                 return NOT_PLAUSIBLE;
             keep(c, row);

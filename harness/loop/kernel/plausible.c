@@ -7,11 +7,10 @@
 
 #include "plausible.h"
 
-static const double GRAVITY = 9.81;              /* m/s2, as in RailBraking.Types */
 /* Of the speed asked for; distance goes with its square: 0.2 %. The floor is for starts at rest. */
 static const double SPEED_SHARE = 1e-3, SPEED_FLOOR = 1e-3;         /* 1, m/s */
 /* Nothing on a rail pushes by more: friction of 1 on a gradient of 20 %, the steepest that [track] takes. */
-static const double MOST_ACCELERATION = 1.2 * 9.81;                 /* m/s2 */
+static const double MOST_ACCELERATION = 1.2 * GRAVITY;              /* m/s2 */
 /* Excess of a fall (or rise) of speed over its bound, in any interval of time, however short or long: SPEED_SHARE of the
    highest speed so far. All of it at the start shortens the distance by 0.2 %. A share of the bound, 0.1 % of the distance,
    is for another constant of gravity. */

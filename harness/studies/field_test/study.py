@@ -36,6 +36,7 @@ from railgrip.studies.field_test.score import (
 )
 from railgrip.studies.study import Study
 from railgrip.trace.samples import truth_of
+from railgrip.units import GRAVITY
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 
@@ -90,7 +91,7 @@ class FieldTest(Study):
                 "tracks": tracks,
                 "seconds": (braking.recording.sizes["time"] - 1 - braking.brake) * test.period,
                 "force": -float(truth_of(braking.recording, "track_force").mean()),
-                "bends": {name: float(curve_coefficient(1 / 600, law)) * 84e3 * 9.81 for name, law in _LAWS.items()},
+                "bends": {name: float(curve_coefficient(1 / 600, law)) * 84e3 * GRAVITY for name, law in _LAWS.items()},
                 "case": shown,
                 "groups": Table.of(
                     ("noises", "MB 1", "JTB front", "JTB rear", "MB 2"),

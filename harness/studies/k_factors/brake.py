@@ -10,11 +10,13 @@ from typing import get_args
 
 import numpy as np
 
-from railgrip.assemble.vehicle import GRAVITY, brake_of, masses_of
 from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Array
-from railgrip.formation import Formation
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
+from railgrip.vehicle.brake import BRAKE, pad_force
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.parameters import Vehicle
+from railgrip.vehicle.resistance import air_resistance, rolling_resistance
 
 PARTS = 4
 """Of each step of speed, equal in v²: eight move the distance by less than 1e-4."""
@@ -62,12 +64,14 @@ class QuasiStaticBrake:
                 np.array([parameters[f"{name}[{g + 1}]"] for g in range(formation.groups)])
                 for name in ("mu_b_nominal", "mu_b_start", "T_disc_start")
             )
-            self._brake, self._wheelset_mass = brake_of(parameters, formation), masses_of(parameters, formation)
+            vehicle = Vehicle(formation, parameters)
+            brakes, self._wheelset_mass = vehicle.formation.brakes, vehicle.masses
+            self._brake = {name: np.array([getattr(brake, name) for brake in brakes]) for name in BRAKE}
         except KeyError as problem:
             raise ScenarioError(
                 f"K factors are of a plant with the brake of TwoPartTrainPneumatic; this one lacks {problem}."
             ) from None
-        self.units = tuple(int(count) for count in self._brake.n_units)
+        self.units = tuple(int(count) for count in self._brake["units"])
         self._group = np.repeat(np.arange(formation.groups), self.units)
         self._place = np.concatenate([np.arange(count) for count in self.units])
         self._dispersion = tuple(dispersion)
@@ -118,9 +122,9 @@ class QuasiStaticBrake:
             "mu_b_nominal": self._friction * scale,
             "mu_b_start": self._first_friction * scale,
             # A disc that is not braked has no heat to share: its group keeps its units, and has no pressure.
-            "p_max": np.where(braking, self._brake.p_max + one["pressure"][0], 0.0),
+            "p_max": np.where(braking, self._brake["pressure_max"] + one["pressure"][0], 0.0),
             "n_units": np.where(braking, available, self.units),
-            "r_wheel": self._brake.r_wheel * one["wheel_radius"][0],
+            "r_wheel": self._brake["wheel_radius"] * one["wheel_radius"][0],
             "m_wheelset": self._wheelset_mass * one["mass"][0],
         }
         whole = {f"{name}[{i + 1}]": float(value) for name, values in each.items() for i, value in enumerate(values)}
@@ -149,7 +153,7 @@ class QuasiStaticBrake:
 
     def _pressure(self, one: Deviations) -> Array:
         """Return what the cylinders of each group hold, less what the leak keeps from them [Pa]."""
-        return self._brake.p_max + one["pressure"] - self._of["leak"] * self._of["T_fill"]
+        return self._brake["pressure_max"] + one["pressure"] - self._of["leak"] * self._of["T_fill"]
 
     def _torque(self, available: Sequence[int], one: Deviations, *, alike: bool = False) -> Array:
         """Return the torque of each group at nominal speed and temperature of the pads [N m].
@@ -157,9 +161,13 @@ class QuasiStaticBrake:
         With `alike` all units have nominal friction, efficiency and radius.
         """
         brake, of, group = self._brake, self._of, self._group
-        piston = np.maximum(self._pressure(one) * brake.A_piston - brake.F_spring, 0.0)[:, group]
-        force = (brake.i_rigging * brake.eta_rigging)[group] * piston
-        arm = brake.r_friction[group] * self._friction[group]
+        force = pad_force(
+            self._pressure(one),
+            piston_area=brake["piston_area"],
+            spring_force=brake["spring_force"],
+            rigging=brake["rigging"],
+        )[:, group]
+        arm = brake["friction_radius"][group] * self._friction[group]
         if not alike:
             force, arm = force * one["efficiency"], arm * one["friction_radius"] * one["pad_friction"]
         torque = force * arm * (1 - of["force_effect"] * (force / of["pad_force_nominal"] - 1))
@@ -169,13 +177,10 @@ class QuasiStaticBrake:
     def _stops(self, available: Sequence[int], one: Deviations) -> tuple[Array, Array, Array]:
         """Return deceleration of each step, from the slowest, shape (n, steps), distance and equivalent time."""
         brake, of, count = self._brake, self._of, np.maximum(np.asarray(available), 1)
-        torque, radius = self._torque(available, one), brake.r_wheel * one["wheel_radius"]
+        torque, radius = self._torque(available, one), brake["wheel_radius"] * one["wheel_radius"]
         mass = self._wheelset_mass.sum() * one["mass"][:, 0]
-        inertial = mass + (brake.J / radius**2).sum(axis=1)
-        # the plant's bearingFriction to 1e-6
-        bearing = of["mu_bearing"] * of["r_bearing"] / brake.r_wheel.mean()
-        rolling = mass * GRAVITY * (bearing + of["e_rolling"] / brake.r_wheel.mean())
-        drag = 0.5 * of["rho_air"] * of["c_drag"] * of["A_drag"]
+        inertial = mass + (brake["inertia"] / radius**2).sum(axis=1)
+        rolling, drag = rolling_resistance(of, mass, brake["wheel_radius"].mean()), air_resistance(of)
         force = torque / radius
         share = force / np.maximum(force.sum(axis=1, keepdims=True), 1e-9)
         start, disc_share = self.speeds[0], 1.0 - of["pad_share"]
@@ -192,15 +197,17 @@ class QuasiStaticBrake:
                 surface = of["m_disc_surface"] * of["c_disc"] * force / count * speed / of["G_disc"]
                 warmth = np.maximum(energy - surface, 0.0) * disc_share / (of["m_disc"] * of["c_disc"])
                 heat = (self._temperature + warmth - of["temperature_nominal"]) / of["temperature_range"]
-                pad_speed = speed * brake.r_friction / radius / of["pad_speed_nominal"]
+                pad_speed = speed * brake["friction_radius"] / radius / of["pad_speed_nominal"]
                 steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturated(heat))
                 deceleration = ((force * steady).sum(axis=1) + rolling + drag * square) / inertial
                 inverse += 1 / deceleration
             steps.append(PARTS / inverse)
             distance += 0.5 * width * inverse
-        piston = np.maximum(self._pressure(one) * brake.A_piston, 1.0)
+        piston = np.maximum(self._pressure(one) * brake["piston_area"], 1.0)
         # Pads touch when the pressure has passed the spring, and then their force follows with the same time constant.
-        rise = np.where(piston > brake.F_spring, -np.log1p(-np.minimum(brake.F_spring / piston, 0.99)), 0.0)
+        rise = np.where(
+            piston > brake["spring_force"], -np.log1p(-np.minimum(brake["spring_force"] / piston, 0.99)), 0.0
+        )
         time = of["dead_fill"] + of["T_fill"] * one["build_up"][:, 0] * (1 + (share * rise).sum(axis=1))
         return np.stack(steps[::-1], axis=1), distance + start * time, time
 

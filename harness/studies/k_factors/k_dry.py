@@ -73,7 +73,7 @@ def brake_of_scenario(specification: Specification, scenario: Scenario) -> Quasi
         raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")
     vehicle = VehicleData(scenario)
     speeds = (scenario.start.speed, *reversed(specification.speed_steps), 0.0)
-    return QuasiStaticBrake(vehicle.true_parameters, vehicle.formation, specification.dispersion, speeds)
+    return QuasiStaticBrake(vehicle.true.parameters, vehicle.formation, specification.dispersion, speeds)
 
 
 def quasi_static(

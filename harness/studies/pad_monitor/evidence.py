@@ -17,10 +17,12 @@ from railgrip.estimation.run import equations_of, model_of, units_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.estimators.tuning import pressure_spread
 from railgrip.fmus.native import lower
-from railgrip.formation import Formation
 from railgrip.trace.samples import period_of, samples
+from railgrip.vehicle.brake import pad_force, piston_force, pressure_of
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.resistance import air_resistance, rolling_resistance
+from railgrip.vehicle.slip import slip_of
 
 NOMINAL = 0.35
 """Friction at nominal conditions, `mu_nominal` of RailBraking.Friction.PadFriction."""
@@ -153,8 +155,9 @@ def evidence_of(
     acceleration = readings[:, at("acceleration")]
     acceleration -= _bias(acceleration[:count], readings[:count, at("speed")], period)
     values = {v.name: float(p) for v, p in zip(model_of(MODEL).parameters, prediction.parameters, strict=True)}
-    lever = values["i_rigging"] * values["eta_rigging"]
-    force = np.maximum(lever * (pressure * values["A_piston"] - values["F_spring"]), 0.0)
+    piston = {"piston_area": values["A_piston"], "spring_force": values["F_spring"]}
+    rigging = values["i_rigging"] * values["eta_rigging"]
+    force = pad_force(pressure, **piston, rigging=rigging)
     braking = np.flatnonzero(pressure.max(axis=1) > _RELEASED)
     if not braking.size or count - braking[0] < 5.0 / period:
         raise EstimationError(f"recording '{recording.attrs.get('name', '')}': has no five seconds of braking.")
@@ -166,7 +169,7 @@ def evidence_of(
         mu = nominal_friction(
             force[:, g], wheels[:, g], speed, period, values[f"r_friction[{g + 1}]"], float(temperature[g])
         )
-        equivalent = (values["F_spring"] + mu / NOMINAL * force[:, g] / lever) / values["A_piston"]
+        equivalent = pressure_of(mu / NOMINAL * force[:, g], **piston, rigging=rigging)
         reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
     mass = _mass(values)
     inputs = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
@@ -188,8 +191,7 @@ def evidence_of(
         pad_friction=health / NOMINAL,
         pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(groups)]),
         offset=PRESSURE_OFFSET,
-        A_piston=values["A_piston"],
-        F_spring=values["F_spring"],
+        **piston,
     )
     return Evidence(
         health=health / NOMINAL,
@@ -197,6 +199,26 @@ def evidence_of(
         offset=offset,
         drag=drag,
     )
+
+
+def pressure_spread(
+    *, pad_friction: Vector, pressure: Vector, offset: float, piston_area: float, spring_force: float
+) -> Vector:
+    """Return the 1σ error that a pressure transducer's offset adds to an estimated pad friction, in its shape.
+
+    The filter cannot know it (see train_service in noises.toml); whoever compares pad friction with a law, as the brake
+    monitor does, adds it to the filter's own deviation, root of the sum of squares. It is the same error in every stop.
+
+    Args:
+        pad_friction: Estimated.
+        pressure: In the cylinder [Pa]; infinite results where it does not press the pads.
+        offset: 1σ of the transducer's offset [Pa].
+        piston_area: Of a cylinder [m²].
+        spring_force: Of return spring and slack adjuster [N].
+    """
+    pressing = piston_force(np.asarray(pressure), piston_area=piston_area, spring_force=spring_force)
+    with np.errstate(divide="ignore"):
+        return np.asarray(pad_friction) * offset * piston_area / pressing
 
 
 def _braking_pressure(pressure: Vector, force: Vector) -> float:
@@ -210,7 +232,7 @@ def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) ->
 
     A locked wheelset tells nothing of its pads: they hold it with less than they could.
     """
-    slides = 1.0 - radius * wheels / np.maximum(speed, 0.1)[:, None] > _LOCKED
+    slides = slip_of(speed[:, None], radius * wheels) > _LOCKED
     return np.asarray(maximum_filter1d(slides, 2 * around + 1, axis=0, mode="nearest"), dtype=np.bool_)
 
 
@@ -293,9 +315,8 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
     """Return the deceleration before the stop that running resistance does not explain [m/s²]."""
     mass = _mass(values)
-    air = 0.5 * values["rho_air"] * values["c_drag"] * values["A_drag"] * float(np.mean(speed**2))
-    wheel, bearing = values["r_wheel"], values["mu_bearing"] * values["r_bearing"]
-    rolling = (bearing + values["e_rolling"]) / wheel * mass * 9.81
+    air = air_resistance(values) * float(np.mean(speed**2))
+    rolling = rolling_resistance(values, mass, values["r_wheel"])
     return -float(np.nanmean(acceleration)) - (air + rolling) / mass
 
 

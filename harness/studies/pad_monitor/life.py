@@ -23,6 +23,7 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
 from railgrip.trace.samples import recording_of
+from railgrip.units import GRAVITY
 
 PLANT = "TwoPartTrain"
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2
@@ -153,7 +154,7 @@ def _stop(
         "name": f"stop-{number:04d}",
         "vehicle": {"parameters": parameters},
         "start": {"speed": speed},
-        "track": {"force": -sum(loads.values()) * 9.81 * slope},
+        "track": {"force": -sum(loads.values()) * GRAVITY * slope},
         "demand": demanded(full, life.testing, residual),
     }
     trace = trace_of(scenario_of(merged(_TRAIN, changes), directory=Path(), origin="life"))
@@ -168,7 +169,7 @@ def _stop(
     noise = random.standard_normal
     velocity = trace["speed"].values * (1.0 + 0.003 * noise()) + 0.1 * noise(count)
     velocity[np.arange(count) % round(_DOPPLER / PERIOD) != 0] = np.nan
-    acceleration = trace["acceleration"].values + 9.81 * slope + 0.05 * noise() + 0.03 * noise(count)
+    acceleration = trace["acceleration"].values + GRAVITY * slope + 0.05 * noise() + 0.03 * noise(count)
     wheels = trace["wheelset_speed"].values + 0.2 * noise((count, groups))
     pressure = readings + transducers + 500.0 * noise(groups)
     signals: dict[str, tuple[Vector, str]] = {"speed": (velocity, "m/s"), "acceleration": (acceleration, "m/s2")}

@@ -15,9 +15,8 @@ from typing import Any, Final
 import numpy as np
 
 from railgrip.errors import ScenarioError
-from railgrip.units import cut
+from railgrip.units import GRAVITY, cut
 
-GRAVITY: Final = 9.81  # m/s2
 KMH: Final = 3.6
 
 CASES, QUICK = 240, 24

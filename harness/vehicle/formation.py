@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.controllers.brake import BrakeGroup
+from railgrip.units import GRAVITY
+from railgrip.vehicle.brake import Brake, Values
 
 Array = NDArray[np.float64]
 
@@ -39,7 +40,7 @@ class Formation:
     wheelsets_per_car: tuple[int, ...] = ()
     wheelset_position: tuple[float, ...] = ()
     wheelset_load: tuple[float, ...] = ()
-    brakes: tuple[BrakeGroup, ...] = ()
+    brakes: tuple[Brake, ...] = ()
     groups_per_valve: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
@@ -100,11 +101,6 @@ class Formation:
         return len(self.wheelsets_per_car) or 1
 
     @property
-    def car_of_wheelset(self) -> NDArray[np.intp]:
-        """Zero-based car of each wheelset, shape (wheelsets,)."""
-        return np.repeat(np.arange(self.cars), self.wheelsets_per_car or (self.wheelsets,))
-
-    @property
     def position(self) -> Array | None:
         """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None where nobody says."""
         return np.array(self.wheelset_position) if self.wheelset_position else None
@@ -151,3 +147,13 @@ def formation_of(group_of_wheelset: Sequence[int]) -> Formation:
     if not np.array_equal(groups[0] + formation.group_of_wheelset, group_of_wheelset):
         raise ValueError(f"wheelsets of a group stand side by side, lead to trail; got {list(group_of_wheelset)}")
     return formation
+
+
+def axle_load(mass: Values) -> Values:
+    """Return the static force on the rail [N] of a mass that wheelsets carry [kg]."""
+    return mass * GRAVITY
+
+
+def carried_mass(load: Values) -> Values:
+    """Return the mass [kg] that wheelsets carry with a static force on the rail [N]; the inverse of `axle_load`."""
+    return load / GRAVITY

@@ -1,0 +1,91 @@
+"""The friction brake of a group: its data, and from cylinder pressure to pad force and back.
+
+Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Annotated, Any, get_type_hints
+
+import casadi as ca
+import numpy as np
+
+Values = Any
+"""A number, an array, or a `casadi.SX`."""
+
+
+def piston_force(pressure: Values, *, piston_area: Values, spring_force: Values) -> Values:
+    """Return the force of a piston on its rigging [N], 0 where the pressure does not overcome the spring.
+
+    Args:
+        pressure: In the cylinder [Pa].
+        piston_area: Of the cylinder [m2].
+        spring_force: Of slack adjuster and return spring, at the piston [N].
+    """
+    force = pressure * piston_area - spring_force
+    return ca.fmax(force, 0.0) if isinstance(force, ca.SX) else np.maximum(force, 0.0)
+
+
+def pad_force(pressure: Values, *, piston_area: Values, spring_force: Values, rigging: Values) -> Values:
+    """Return the normal force of both pads of a brake unit [N].
+
+    Args:
+        pressure: In the cylinder [Pa].
+        piston_area: Of the cylinder [m2].
+        spring_force: Of slack adjuster and return spring, at the piston [N].
+        rigging: Force of both pads over force of the piston, efficiency included.
+    """
+    return rigging * piston_force(pressure, piston_area=piston_area, spring_force=spring_force)
+
+
+def pressure_of(force: Values, *, piston_area: Values, spring_force: Values, rigging: Values) -> Values:
+    """Return the cylinder pressure [Pa] at which both pads press with a force [N]; the inverse of `pad_force`."""
+    return (force / rigging + spring_force) / piston_area
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Brake:
+    """The brake units and wheelsets of one group, as nominal or as they are: each datum with its unit and meaning."""
+
+    load: Annotated[float, "N", "static wheel-rail force of the group"]
+    inertia: Annotated[float, "kg.m2", "rotational inertia of its wheelsets and discs"]
+    wheel_radius: Annotated[float, "m", "rolling radius"]
+    units: Annotated[float, "1", "number of brake units"]
+    friction_radius: Annotated[float, "m", "mean radius of the pads on the disc"]
+    piston_area: Annotated[float, "m2", "of one brake cylinder"]
+    rigging: Annotated[float, "1", "lever ratio times efficiency, both pads"]
+    spring_force: Annotated[float, "N", "of slack adjuster and return spring, at the piston"]
+    pressure_max: Annotated[float, "Pa", "highest brake cylinder pressure"]
+
+    def __post_init__(self) -> None:
+        """Refuse data that no brake has.
+
+        Raises:
+            ValueError: A value is not positive, where that of the spring may be zero, or the spring holds the piston
+                back at full pressure.
+        """
+        for name in BRAKE:
+            if not getattr(self, name) > 0 and name != "spring_force":
+                raise ValueError(f"Brake: {name} must be positive, got {getattr(self, name)}.")
+        if not self.spring_force >= 0:
+            raise ValueError(f"Brake: spring_force must not be negative, got {self.spring_force}.")
+        if self.spring_force >= self.pressure_max * self.piston_area:
+            raise ValueError(
+                f"Brake: the return spring ({self.spring_force} N) holds the piston back at pressure_max "
+                f"({self.pressure_max} Pa on {self.piston_area} m²); check both."
+            )
+
+    def pad_force(self, pressure: Values) -> Values:
+        """Return the normal force of both pads of a unit [N] at a cylinder pressure [Pa]."""
+        return pad_force(pressure, piston_area=self.piston_area, spring_force=self.spring_force, rigging=self.rigging)
+
+    def pressure_of(self, force: Values) -> Values:
+        """Return the cylinder pressure [Pa] at which both pads of a unit press with a force [N]."""
+        return pressure_of(force, piston_area=self.piston_area, spring_force=self.spring_force, rigging=self.rigging)
+
+
+BRAKE: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {name: hint.__metadata__ for name, hint in get_type_hints(Brake, include_extras=True).items()}
+)
+"""Unit and meaning of each datum of a group's brake."""

@@ -1,0 +1,28 @@
+"""Mean running resistance of a train, by the parameters of its plant: bearings, rolling and air."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from railgrip.units import GRAVITY
+
+Values = Any
+"""A number or an array."""
+
+
+def rolling_resistance(parameters: Mapping[str, float], mass: Values, wheel_radius: float) -> Values:
+    """Return the force of bearings and rolling on a train [N].
+
+    It is `RailBraking.Components.bearingFriction` of a small friction, to 1e-6.
+
+    Args:
+        parameters: With mu_bearing, r_bearing and e_rolling.
+        mass: Of the train [kg].
+        wheel_radius: Mean one [m].
+    """
+    bearing = parameters["mu_bearing"] * parameters["r_bearing"] / wheel_radius
+    return mass * GRAVITY * (bearing + parameters["e_rolling"] / wheel_radius)
+
+
+def air_resistance(parameters: Mapping[str, float]) -> float:
+    """Return the force of air on a train over the square of its speed [N s2/m2], 0 where no parameter tells it."""
+    return 0.5 * parameters.get("rho_air", 0.0) * parameters.get("c_drag", 0.0) * parameters.get("A_drag", 0.0)

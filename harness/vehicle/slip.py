@@ -1,0 +1,24 @@
+"""Slip of a wheelset from the speeds of train and wheel."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+SMALL_SPEED: Final = 0.05
+"""Train speed [m/s] below which slip counts as 0: there it would be the ratio of two noises."""
+
+
+def slip_of(speed: ArrayLike, rim_speed: ArrayLike) -> NDArray[np.float64]:
+    """Return 1 − rω/v, 0 where the train is slower than `SMALL_SPEED` and NaN where its speed is unknown.
+
+    The loop in C has the same function in `loop/kernel/cycle.c`.
+
+    Args:
+        speed: v of the train [m/s].
+        rim_speed: rω of each wheelset [m/s]; its shape is that of the result.
+    """
+    rim_speed = np.asarray(rim_speed, dtype=np.float64)
+    # Not `>=`, which would give an unknown speed a slip of 0.
+    is_moving = np.logical_not(np.asarray(speed) < SMALL_SPEED)
+    return 1.0 - np.divide(rim_speed, speed, out=np.ones_like(rim_speed), where=is_moving)
