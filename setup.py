@@ -2,8 +2,8 @@
 
 from setuptools import find_namespace_packages, setup
 
-ROOMS = ("estimators", "controllers", "fmus", "modelica")
-FOLDERS = {"railgrip": "harness"} | {f"railgrip.{room}": room for room in ROOMS}
+PACKAGES = ("estimators", "controllers", "fmus", "modelica")
+FOLDERS = {"railgrip": "harness"} | {f"railgrip.{package}": package for package in PACKAGES}
 
 
 def inside(package: str, folder: str) -> list[str]:

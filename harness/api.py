@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     # CasADi and the FMU loader take a second; whoever only reads scenarios does without.
     import xarray
 
-    from railgrip.assemble import OwnParties
+    from railgrip.assemble import OwnParts
     from railgrip.assemble.by_hand import Bench
     from railgrip.campaign.sweep import Sweep
     from railgrip.custom import Controller, Estimator, Plant, Sensors
@@ -102,7 +102,7 @@ def run(
         import_from: Folders of modules that the scenario names as module:Class.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parties cannot do.
+        ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
     from railgrip.assemble import run_stop
@@ -165,7 +165,7 @@ def sweep(
     parts["plant"] = None if isinstance(plant, _WRITTEN) else plant
     handed_over = [name for name, part in parts.items() if part is not None]
 
-    def variant(values: Mapping[str, Any]) -> "tuple[Scenario, OwnParties]":
+    def variant(values: Mapping[str, Any]) -> "tuple[Scenario, OwnParts]":
         rest, parameters = _split(values, handed_over)
         return whole.changed(rest), _parts(import_from, parameters, **{n: _copied(n, p) for n, p in parts.items()})
 
@@ -215,10 +215,10 @@ _TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sen
 """Table of a scenario in whose place an object stands, by its argument."""
 
 _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valve"), ("vehicle", "formation")})
-"""Keys of these tables that hold beside an object, too; see `OwnParties.standing_for`."""
+"""Keys of these tables that hold beside an object, too; see `OwnParts.standing_for`."""
 
 
-def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "OwnParties":
+def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "OwnParts":
     """Return what a caller hands over, classes as new objects.
 
     Args:
@@ -229,7 +229,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
     Raises:
         ScenarioError: A class does not take its parameters, an object has some, or a folder is none.
     """
-    from railgrip.assemble import OwnParties
+    from railgrip.assemble import OwnParts
     from railgrip.assemble.importing import made
 
     objects: dict[str, Any] = {}
@@ -244,7 +244,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
                 f"already made; hand over the class {type(part).__name__} itself"
             )
         objects[name] = part
-    return OwnParties(**objects, folders=_folders(folders))
+    return OwnParts(**objects, folders=_folders(folders))
 
 
 def _folders(folders: Any) -> tuple[Path, ...]:

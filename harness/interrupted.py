@@ -36,7 +36,7 @@ def stop_listening() -> None:
 
 
 _queues: list[list[int]] = []
-"""Signals of those `deaf_children` that are open, the innermost last."""
+"""Signals of those `ignore_sigint` that are open, the innermost last."""
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -47,7 +47,7 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 
 @contextmanager
-def deaf_children() -> Generator[None]:
+def ignore_sigint() -> Generator[None]:
     """Let processes and threads that are started here never hear Ctrl-C, which a terminal sends to all.
 
     Whoever started them ends them. A mask is inherited where a handler is not: it holds from their first instruction

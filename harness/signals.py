@@ -1,4 +1,4 @@
-"""The signals of a stop, each named once: what parties exchange and what a trace holds follows from these tables."""
+"""The signals of a stop, each named once: what parts exchange and what a trace holds follows from these tables."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -177,7 +177,7 @@ ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """Where each quantity stands in the vectors that the parties of a loop exchange.
+    """Where each quantity stands in the vectors that the parts of a loop exchange.
 
     Attributes:
         formation: Of the vehicle.

@@ -20,7 +20,7 @@ DECELERATION = {
 }
 
 
-def run_stop(scenario: Scenario, progress=None, tell=None):
+def run_stop(scenario: Scenario, progress=None, notify=None):
     """Brake at the controller's rate; the scenario's description may ask for trouble."""
     if progress is not None:
         progress(scenario.start.speed / 2)

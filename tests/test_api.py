@@ -90,7 +90,7 @@ def test_a_law_of_ours_as_an_object_stops_as_it_does_by_its_name(scenario):
         assert ours.trace[name].values.tobytes() == theirs.trace[name].values.tobytes()
 
 
-def test_own_parties_are_named_in_the_result(scenario, tmp_path):
+def test_own_parts_are_named_in_the_result(scenario, tmp_path):
     stop = rg.run(scenario, controller=BangBang(0.12), estimator=Drag, sensors=Gps)
     stop.write(tmp_path)
     content = json.loads((tmp_path / "stop.json").read_text())

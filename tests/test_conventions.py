@@ -4,7 +4,9 @@ import ast
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-MODULES = [path for room in ("fmus", "estimators", "controllers", "harness") for path in (ROOT / room).rglob("*.py")]
+MODULES = [
+    path for folder in ("fmus", "estimators", "controllers", "harness") for path in (ROOT / folder).rglob("*.py")
+]
 
 
 def test_all_errors_for_users_are_one_tree():

@@ -35,11 +35,11 @@ def test_it_holds_one_package_with_every_file_of_ours(wheel):
     names = {name for name in zipfile.ZipFile(built).namelist() if ".dist-info/" not in name}
     assert {name.partition("/")[0] for name in names} == {"railgrip"}
     expected = set[str]()
-    for room, package in {
+    for folder, package in {
         "harness": "railgrip", **{r: f"railgrip/{r}" for r in ("controllers", "estimators", "fmus", "modelica")}
     }.items():  # fmt: skip
-        files = (path for path in (source / room).rglob("*") if path.suffix in DATA | {".py"})
-        expected |= {f"{package}/{path.relative_to(source / room).as_posix()}" for path in files}
+        files = (path for path in (source / folder).rglob("*") if path.suffix in DATA | {".py"})
+        expected |= {f"{package}/{path.relative_to(source / folder).as_posix()}" for path in files}
     assert expected == names
 
 
@@ -104,7 +104,7 @@ class Exact:
 
 @pytest.fixture(scope="module")
 def environment(wheel, tmp_path_factory):
-    """A folder where the wheel is installed with another package that offers parties, and an empty user's cache."""
+    """A folder where the wheel is installed with another package that offers parts, and an empty user's cache."""
     site, tiny = tmp_path_factory.mktemp("site"), tmp_path_factory.mktemp("tiny")
     for name, text in TINY.items():
         (tiny / name).write_text(text)
@@ -150,7 +150,7 @@ def test_parties_of_an_installed_package_go_by_their_names(environment, tmp_path
     alone(environment, tmp_path, "-m", "railgrip", "run", "trapezoid", *tables, "--set", "start.speed=5 km/h")
     (record,) = tmp_path.rglob("stop.json")
     classes = json.loads(record.read_text())["classes"]
-    assert {role: party["class"] for role, party in classes.items()} == {
+    assert {role: part["class"] for role, part in classes.items()} == {
         "controller": "tiny_laws:Share", "estimator": "tiny_laws:Drag", "sensors": "tiny_laws:Exact",
     }  # fmt: skip
     with xarray.open_dataset(record.with_name("trace.nc")) as trace:
@@ -181,15 +181,15 @@ def test_the_page_about_python_runs_where_it_is_installed(environment, tmp_path)
     assert file.startswith(str(environment[0]))
 
 
-def test_the_notebook_of_own_parties_runs_where_it_is_installed(environment, tmp_path):
+def test_the_notebook_of_own_parts_runs_where_it_is_installed(environment, tmp_path):
     """Cell by cell, as in a notebook: classes are of the main module and have no file."""
-    notebook = ROOT / "docs" / "examples" / "own_parties.ipynb"
+    notebook = ROOT / "docs" / "examples" / "own_parts.ipynb"
     figures = """
 print(json.dumps({
     "distances": [stop.metrics.distance for stop in (bang_bang, noisy, sprinter)],
     "outcomes": [stop.outcome.value for stop in (bang_bang, estimated, noisy, sprinter)],
     "rows": len(table), "drawn": int(table["distance"].nunique()), "ended": sorted(set(table["outcome"])),
-    "classes": {role: party["class"] for role, party in (estimated.classes | noisy.classes).items()},
+    "classes": {role: part["class"] for role, part in (estimated.classes | noisy.classes).items()},
 }))
 """
     printed = json.loads(alone(environment, tmp_path, "-c", CELLS + figures, str(notebook)).splitlines()[-1])

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.assemble.parties import Assembled, OwnParties, assembled
+from railgrip.assemble.parts import Assembled, OwnParts, assembled
 from railgrip.controllers.observation import Observation
 from railgrip.custom import problem_with
 from railgrip.errors import ControllerFailed, PlantFailed, ScenarioError
@@ -41,7 +41,7 @@ class Bench:
     bench.stop.metrics.distance
     """
 
-    def __init__(self, scenario: Scenario, own: OwnParties) -> None:
+    def __init__(self, scenario: Scenario, own: OwnParts) -> None:
         """Open nothing yet; `reset` does."""
         self._law = ByHand()
         self._scenario, self._own = scenario, replace(own, controller=self._law)
@@ -89,7 +89,7 @@ class Bench:
         """Begin the stop, or begin it anew, and return what is shown at the brake demand.
 
         Raises:
-            ScenarioError: The scenario asks for something that its parties cannot do, or ends before a decision.
+            ScenarioError: The scenario asks for something that its parts cannot do, or ends before a decision.
             FmuError: An FMU does not fit.
         """
         self.close()
@@ -122,7 +122,7 @@ class Bench:
         return self._observation
 
     def close(self) -> None:
-        """Close plant and parties; a stop that has not ended is dropped."""
+        """Close plant and parts; a stop that has not ended is dropped."""
         self._stack.close()
 
     def _advance(self, demands: Sequence[float] | None) -> None:

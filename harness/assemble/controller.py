@@ -18,8 +18,8 @@ from railgrip.custom import DemandLimits, Limited
 from railgrip.errors import ScenarioError
 from railgrip.fmu import Description
 from railgrip.loop.parts import Controller, LawStates
-from railgrip.scenario.parties import ControllerFmu, KalmanFilter
-from railgrip.scenario.parties import Law as LawTable
+from railgrip.scenario.parts import ControllerFmu, KalmanFilter
+from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.sensors import SensorModel
 from railgrip.signals import of_law
@@ -31,7 +31,7 @@ def controlling(
     estimates: Collection[str],
     fmus: dict[str, Description],
     limits: DemandLimits,
-    tell: Callable[[str], None],
+    notify: Callable[[str], None],
     stack: ExitStack,
 ) -> tuple[Controller, bool]:
     """Open the controller of a scenario; return also whether it commands the valves itself.
@@ -50,7 +50,7 @@ def controlling(
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, units_of(description))
     groups = vehicle.formation.groups
-    context = foreign_controller(scenario, table, description, values, groups, estimates, tell)
+    context = foreign_controller(scenario, table, description, values, groups, estimates, notify)
     controller, commands_valves = stack.enter_context(context)
     if not commands_valves:
         return over_the_train(vehicle, Limited(controller, limits)), False

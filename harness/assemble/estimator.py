@@ -32,7 +32,7 @@ from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import library_of
 from railgrip.loop.parts import StateEstimator
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.parties import KalmanFilter
+from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.quantity import in_units
 from railgrip.signals import Layout
 
@@ -55,12 +55,12 @@ def state_estimator(
     table: KalmanFilter,
     fmus: dict[str, Description],
     stack: ExitStack,
-    tell: Callable[[str], None],
+    notify: Callable[[str], None],
 ) -> StateEstimator:
     """Return the estimator of a scenario, which holds its first belief; an FMU that takes part adds itself to `fmus`.
 
     Args:
-        tell: Gets a sentence for the user where an FMU has no directional derivatives.
+        notify: Gets a sentence for the user where an FMU has no directional derivatives.
 
     Raises:
         ScenarioError: There is no such noise set or parameter, or the prediction is for another vehicle.
@@ -75,7 +75,7 @@ def state_estimator(
         readings = prediction.outputs
     if isinstance(prediction, FmuPrediction) and not prediction.has_directional_derivatives:
         name = prediction.file.name
-        tell(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
+        notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
     states = prediction.states
     filter_ = _kind_of(table).start(
         Task(

@@ -11,7 +11,7 @@ from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.recipe import read_recipes
 from railgrip.limits import FMU_LIMITS, FmuLimits
-from railgrip.scenario.parties import KalmanFilter
+from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import CompiledHere, FmuFile, OwnModelica, PythonClass, Recipe, TrainFile
 from railgrip.signals import CURVE

@@ -9,7 +9,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.errors import ControllerFailed, FmuError, PlantFailed
 from railgrip.fmu import Binding, Description, Signal, bind, open_plant
 from railgrip.loop.parts import Plant
-from railgrip.scenario.parties import ControllerFmu
+from railgrip.scenario.parts import ControllerFmu
 from railgrip.scenario.schema import Scenario
 
 _READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
@@ -104,7 +104,7 @@ def foreign_controller(
     parameters: dict[str, float],
     groups: int,
     estimates: Collection[str],
-    tell: Callable[[str], None],
+    notify: Callable[[str], None],
 ) -> Generator[tuple[ForeignController, bool]]:
     """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
 
@@ -117,7 +117,7 @@ def foreign_controller(
     binding, gives = binding_of(scenario, table, description, groups, estimates)
     if binding.unused:
         names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
-        tell(
+        notify(
             f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
             "what it starts with stays."
         )
@@ -127,7 +127,7 @@ def foreign_controller(
         period=scenario.periods.controller,
         parameters=parameters,
         trusted=table.trust,
-        tell=tell,
+        notify=notify,
         limits=scenario.limits.fmu.limits(),
         table="[controller]",
     )

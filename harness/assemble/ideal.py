@@ -20,7 +20,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble.parties import assembled, judged
+from railgrip.assemble.parts import assembled, judged
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.controllers.observation import Observation
 from railgrip.errors import ScenarioError
@@ -212,7 +212,7 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
     """Return the stop of a controller that knows the truth, with the actuation and the broken parts of the scenario.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parties cannot do, or the plant does not show its
+        ScenarioError: The scenario asks for something that its parts cannot do, or the plant does not show its
             brakes.
     """
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
@@ -243,8 +243,8 @@ def _full_brake(scenario: Scenario) -> Scenario:
 
 def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
     """Return a scenario with other tables, fully braked, and nobody between plant and brakes."""
-    parties = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
-    return Scenario.model_validate(scenario.resolved() | parties | changes)
+    parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
+    return Scenario.model_validate(scenario.resolved() | parts | changes)
 
 
 def _end(speed: Array, stop_speed: float) -> int:

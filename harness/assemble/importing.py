@@ -41,7 +41,7 @@ class Origin:
         return {"class": plain["name"], "source_sha256": plain["source"], "parameters": dict(self.parameters)}
 
 
-def party_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
+def part_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
     """Return a new object of the class that a table names.
 
     Raises:

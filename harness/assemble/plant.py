@@ -62,7 +62,7 @@ def plant_signals(
     return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
 
 
-def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStack) -> Plant:
+def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
     """Open the plant of a scenario that is an FMU; one from outside makes two short runs before.
 
     Raises:
@@ -105,7 +105,7 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
     if not isinstance(source, OfOurParts) or (isinstance(source, TrainFile) and table.map):
         # The stop itself will say how it failed.
         with suppress(PlantFailed):
-            quiet = partial(opening, tell=lambda sentence: None)
+            quiet = partial(opening, notify=lambda sentence: None)
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
     key = (description.digest, scenario.actuation.kind, *values.items(), *vehicle.curves[0])
     if (
@@ -113,10 +113,10 @@ def fmu_plant(vehicle: VehicleData, tell: Callable[[str], None], stack: ExitStac
         and not {"slip", "adhesion"} & set(binding.outputs.absent)
         and key not in _read_back
     ):
-        with suppress(PlantFailed), opening(tell=lambda sentence: None) as first:
+        with suppress(PlantFailed), opening(notify=lambda sentence: None) as first:
             _require_compiled_parameters(vehicle, first, parameters_of(description) | values)
             _read_back.add(key)
-    return stack.enter_context(opening(tell=tell))
+    return stack.enter_context(opening(notify=notify))
 
 
 _read_back: set[tuple[object, ...]] = set()

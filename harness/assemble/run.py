@@ -6,7 +6,7 @@ from pathlib import Path
 import xarray
 
 from railgrip.assemble.ideal import ANALYSES
-from railgrip.assemble.parties import SCENARIOS_OWN, OwnParties, assembled
+from railgrip.assemble.parts import NO_OWN_PARTS, OwnParts, assembled
 from railgrip.errors import ScenarioError
 from railgrip.loop.loop import Ending
 from railgrip.scenario.schema import Scenario
@@ -18,24 +18,24 @@ from railgrip.trace.stop import Stop
 def run_stop(
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
-    tell: Callable[[str], None] = lambda sentence: None,
-    own: OwnParties = SCENARIOS_OWN,
+    notify: Callable[[str], None] = lambda sentence: None,
+    own: OwnParts = NO_OWN_PARTS,
 ) -> Stop:
     """Run a scenario and return its stop.
 
     Args:
         progress: Called with the train speed [m/s] now and then.
-        tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
+        notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
         own: Objects in place of what the scenario names.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parties cannot do.
+        ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
     analysis = ANALYSES.get(scenario.controller.kind)
     if analysis is not None and own.controller is None and own.plant is None:
         return analysis(scenario, progress)
-    with assembled(scenario, tell, own) as parts:
+    with assembled(scenario, notify, own) as parts:
         ending = parts.run(progress)
     return parts.stop(ending)
 
@@ -67,6 +67,6 @@ def trace_of(scenario: Scenario, import_from: Sequence[Path] = ()) -> xarray.Dat
 def _unjudged(
     scenario: Scenario, import_from: Sequence[Path], capacity: int | None = None
 ) -> tuple[Ending, xarray.Dataset]:
-    with assembled(scenario, own=OwnParties(folders=tuple(import_from)), capacity=capacity) as parts:
+    with assembled(scenario, own=OwnParts(folders=tuple(import_from)), capacity=capacity) as parts:
         ending = parts.run()
     return ending, parts.recorder.trace(max(ending.samples, 1), scenario.periods.communication)

@@ -22,7 +22,7 @@ from railgrip.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
-from railgrip.scenario.parties import ControllerFmu
+from railgrip.scenario.parts import ControllerFmu
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track import TrackForce, force_along, track_force_of

@@ -12,8 +12,8 @@ from time import perf_counter, process_time
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble import OwnParties, braking_distance, run_stop
-from railgrip.assemble.parties import assembled
+from railgrip.assemble import OwnParts, braking_distance, run_stop
+from railgrip.assemble.parts import assembled
 from railgrip.bench.fmi import plant_step
 from railgrip.bench.timing import Row, microseconds
 from railgrip.cache import VARIABLE
@@ -52,7 +52,7 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
     simulated = run_stop(scenario).metrics.duration
     cycles = simulated / scenario.periods.communication
-    laws = {"compiled": OwnParties(), "Python": OwnParties(controller=InPython())}
+    laws = {"compiled": OwnParts(), "Python": OwnParts(controller=InPython())}
     cycle: dict[str, list[float]] = {name: [] for name in laws}
     for _ in range(3):
         for name, own in laws.items():
@@ -61,7 +61,7 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
                 parts.run()
                 cycle[name].append((process_time() - begin) / cycles * 1e6)
     alone = InPython()
-    with assembled(scenario, own=OwnParties(controller=alone)) as parts:
+    with assembled(scenario, own=OwnParts(controller=alone)) as parts:
         loop = Loop(parts.parts)
         observation = loop.next_decision()
         assert observation is not None
@@ -112,7 +112,7 @@ def of_workers(count: int = 24) -> Iterator[Row]:
         with tempfile.TemporaryDirectory() as folder:
             run_campaigns(
                 [CampaignRun(campaign, Path(folder))], run_stop,
-                workers=workers, tell=lambda report, ends=ends: ends.append(perf_counter()),
+                workers=workers, notify=lambda report, ends=ends: ends.append(perf_counter()),
             )  # fmt: skip
         rates.append((count - workers) / (ends[-1] - ends[workers - 1]))
     yield "stops that two processes end, over one", f"{rates[1] / rates[0]:.2f}", "1.9"

@@ -36,7 +36,7 @@ class Fitted(NamedTuple):
     distance: float
 
 
-def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
+def calibrate(notify: Callable[[Fitted], None]) -> list[Fitted]:
     """Fit every level and write them into the scenario files of the library.
 
     Raises:
@@ -47,7 +47,7 @@ def calibrate(tell: Callable[[Fitted], None]) -> list[Fitted]:
         futures = [pool.submit(fit, scenario, shape) for scenario in TARGETS for shape in SHAPES]
         for answer in futures:
             fits.append(answer.result())
-            tell(fits[-1])
+            notify(fits[-1])
     for scenario in TARGETS:
         path = LIBRARY / f"{scenario}.toml"
         levels = {one.shape: one.level for one in fits if one.scenario == scenario}

@@ -17,7 +17,7 @@ SOURCES = "sources"
 Progress = Callable[[float], None]
 """Called now and then with the speed of the train [m/s]."""
 
-Tell = Callable[[str], None]
+Notify = Callable[[str], None]
 """Called with a sentence for the user."""
 
 
@@ -28,7 +28,7 @@ def silently(sentence: str) -> None:
 class Runner(Protocol):
     """Runs a scenario; `railgrip.assemble.run_stop` is the one."""
 
-    def __call__(self, scenario: Scenario, progress: Progress | None = None, tell: Tell = silently) -> Stop:
+    def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = silently) -> Stop:
         """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""
         ...
 
@@ -59,7 +59,7 @@ def run(
     directory: Path,
     runner: Runner,
     progress: Progress | None = None,
-    tell: Tell = silently,
+    notify: Notify = silently,
     *,
     keep_trace: bool = True,
 ) -> Stop:
@@ -70,14 +70,14 @@ def run(
     Raises:
         RecordError: Results cannot be written there, or the folder is that of a campaign; nothing was run.
         Unwritten: The result could not be written.
-        ScenarioError: The scenario asks for something that its parties cannot do; it names the scenario.
+        ScenarioError: The scenario asks for something that its parts cannot do; it names the scenario.
     """
     make_folder(directory, *FILES)
     clear_stop(directory)
     try:
-        stop = runner(scenario, progress, tell)
+        stop = runner(scenario, progress, notify)
     except ScenarioError as problem:
-        # Parties know the table and the key they were given, not whose scenario it is.
+        # Parts know the table and the key they were given, not whose scenario it is.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
     stop = with_sources(stop)
     write_stop(stop, directory, keep_trace=keep_trace)

@@ -56,7 +56,7 @@ def run_campaigns(
     workers: int = 2,
     scheduler: str | None = None,
     fresh: bool = False,
-    tell: Callable[[Report], None],
+    notify: Callable[[Report], None],
     on_complete: Callable[[int], None] = lambda number: None,
 ) -> list[list[Report]]:
     """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
@@ -71,7 +71,7 @@ def run_campaigns(
         runner: Picklable: it runs in other processes.
         scheduler: Address of a Dask cluster that runs the stops in place of processes here; it needs no disk of ours.
         fresh: Whether to run also what is there.
-        tell: Called as soon as something became of a stop.
+        notify: Called as soon as something became of a stop.
         on_complete: Called with the number of a campaign when all its stops are there, while others go on.
 
     Raises:
@@ -89,7 +89,7 @@ def run_campaigns(
             folder = one.directory / stop.name
             if not fresh and (record := kept_result(stop, folder)) is not None:
                 reports[number][stop.name] = report = _report(stop, "found", record.outcome, record.reason)
-                tell(report)
+                notify(report)
             else:
                 waiting.append(_Order(number, stop, folder))
     open_ = [number for number, one in enumerate(campaigns) if len(reports[number]) < len(one.campaign.stops)]
@@ -99,7 +99,7 @@ def run_campaigns(
                 on_complete(number)
         for order, report in running:
             reports[order.campaign][order.stop.name] = report
-            tell(report)
+            notify(report)
             if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
                 on_complete(order.campaign)
     return [
@@ -189,8 +189,8 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
     if not (directory / STOP_FILE).exists():
         return None
     scenario = stop.scenario
-    parties = (scenario.controller, scenario.estimator, scenario.sensors)
-    if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parties):
+    parts = (scenario.controller, scenario.estimator, scenario.sensors)
+    if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parts):
         return None  # nobody knows what else a class of the user's own imports
     try:
         record = read_stop(directory)

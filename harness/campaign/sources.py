@@ -23,12 +23,12 @@ def sources_digest(study: str | None = None) -> str:
 
     With the name of a study, of every source that its results depend on: its own folder and all questions as well.
     """
-    rooms = (railgrip, railgrip.controllers, railgrip.estimators, railgrip.fmus)
-    roots = {room.__name__: Path(room.__file__ or "").parent for room in rooms} | {"modelica": MODELICA}
+    packages = (railgrip, railgrip.controllers, railgrip.estimators, railgrip.fmus)
+    roots = {package.__name__: Path(package.__file__ or "").parent for package in packages} | {"modelica": MODELICA}
     digest = hashlib.sha256()
     for name, root in roots.items():
         for path in sorted(file for file in root.rglob("*") if file.suffix in _KINDS):
-            # Installed, the other rooms lie inside the package's own folder.
+            # Installed, the other packages lie inside the package's own folder.
             if any(
                 path.is_relative_to(other) for other in roots.values() if other != root and other.is_relative_to(root)
             ):

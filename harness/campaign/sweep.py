@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from railgrip.assemble import OwnParties, run_stop
+from railgrip.assemble import OwnParts, run_stop
 from railgrip.campaign.workers import answer, ended
 from railgrip.campaign.workers import workers as processes
 from railgrip.console import progress
@@ -95,7 +95,7 @@ class Sweep:
 
 def swept(
     name: str,
-    variant: Callable[[Mapping[str, Any]], tuple[Scenario, OwnParties]],
+    variant: Callable[[Mapping[str, Any]], tuple[Scenario, OwnParts]],
     axes: Mapping[str, Sequence[Any]],
     workers: Any,
 ) -> Sweep:
@@ -123,22 +123,22 @@ def swept(
     return Sweep({axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(stops))))
 
 
-def _here(stops: Sequence[tuple[Scenario, OwnParties]]) -> Iterator[tuple[int, Result]]:
+def _here(stops: Sequence[tuple[Scenario, OwnParts]]) -> Iterator[tuple[int, Result]]:
     for number, (scenario, own) in enumerate(stops):
         yield number, _result(scenario, own)
 
 
-def _in_processes(stops: Sequence[tuple[Scenario, OwnParties]], workers: int) -> Iterator[tuple[int, Result]]:
+def _in_processes(stops: Sequence[tuple[Scenario, OwnParts]], workers: int) -> Iterator[tuple[int, Result]]:
     with processes(min(workers, len(stops)), main=False) as pool:
         running = {pool.submit(_result, *stop): number for number, stop in enumerate(stops)}
         for number, result in ended(running):
             yield number, _failed(result) if isinstance(result, RailgripError) else result
 
 
-def _portable(own: OwnParties) -> bool:
+def _portable(own: OwnParts) -> bool:
     """Return whether another process can have these objects: their classes are in modules that it can import."""
-    parties = (own.controller, own.estimator, own.sensors, own.plant)
-    if any(type(party).__module__ == "__main__" for party in parties):
+    parts = (own.controller, own.estimator, own.sensors, own.plant)
+    if any(type(part).__module__ == "__main__" for part in parts):
         return False
     try:
         pickle.dumps(own)
@@ -147,7 +147,7 @@ def _portable(own: OwnParties) -> bool:
     return True
 
 
-def _result(scenario: Scenario, own: OwnParties) -> Result:
+def _result(scenario: Scenario, own: OwnParts) -> Result:
     stop = answer(lambda: run_stop(scenario, own=own))
     return _failed(stop) if isinstance(stop, RailgripError) else Result(stop.outcome.value, stop.reason, stop.metrics)
 

@@ -110,7 +110,7 @@ def search(
     law: str,
     actuation: str,
     slip: SlipSource,
-    tell: Callable[[int, float], None],
+    notify: Callable[[int, float], None],
     pool: Executor,
     *,
     rails: Path = RAILS,
@@ -126,7 +126,7 @@ def search(
         law: A key of `RANGES`.
         actuation: Of the first of the pair that is a key there.
         slip: The second of it.
-        tell: Called after each generation with its number and the best reduction against the reference.
+        notify: Called after each generation with its number and the best reduction against the reference.
         rails: Campaign with the axes rail and equipment.
         rail_stops: Stops of the type test in place of its rails, each with the variant rail, for the set of its own.
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
@@ -161,7 +161,7 @@ def search(
     def note(intermediate_result: Any) -> None:
         nonlocal generation
         generation += 1
-        tell(generation, math.expm1(intermediate_result.fun - reference_mean))
+        notify(generation, math.expm1(intermediate_result.fun - reference_mean))
 
     optimum = differential_evolution(
         objective,

@@ -54,7 +54,7 @@ class Work:
         self._total = 0
         self._pool: tuple[Executor, Callable[[], None]] | None = None
 
-    def tell(self, doing: str) -> None:
+    def notify(self, doing: str) -> None:
         """Show what is being done."""
         self._bar.update(doing=doing)
 
@@ -136,7 +136,7 @@ class Work:
         fine: set[State] = {"found", "done", "unexpected"} if is_any_outcome else {"found", "done"}
         code = 0
 
-        def tell(report: Report) -> None:
+        def notify(report: Report) -> None:
             nonlocal code
             self.advance()
             if report.state not in fine:
@@ -150,7 +150,7 @@ class Work:
             workers=self.count,
             scheduler=self.scheduler,
             fresh=self.fresh,
-            tell=tell,
+            notify=notify,
             on_complete=on_complete,
         )
         return code

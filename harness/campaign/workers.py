@@ -19,7 +19,7 @@ import pebble
 from railgrip.console import remark
 from railgrip.errors import InputError, RailgripError, for_user
 from railgrip.files import scratch
-from railgrip.interrupted import Interrupted, deaf_children
+from railgrip.interrupted import Interrupted, ignore_sigint
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 
@@ -149,7 +149,7 @@ class _Pool(Executor):
         resource_tracker.ensure_running()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        with deaf_children():
+        with ignore_sigint():
             try:
                 return self._pool.schedule(fn, args=args, kwargs=kwargs)
             except (BrokenExecutor, RuntimeError) as problem:

@@ -63,7 +63,7 @@ def campaign(
         from railgrip.report.index import write_report  # takes half a second to load, in which stops may run already
 
         one = runs[number]
-        write_report(one.directory, panels=panels or one.campaign.panels, tell=drawing, baseline=baselines[number])
+        write_report(one.directory, panels=panels or one.campaign.panels, notify=drawing, baseline=baselines[number])
 
     problem = _run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
     for one, baseline in zip(runs, baselines, strict=True):
@@ -148,7 +148,7 @@ def report(
     from railgrip.report.index import write_report
 
     with progress("report") as bar:
-        page = write_report(directory, panels=panels, tell=lambda what: bar.update(doing=f"drawing {what}"))
+        page = write_report(directory, panels=panels, notify=lambda what: bar.update(doing=f"drawing {what}"))
     say(str(page))
 
 
@@ -284,8 +284,10 @@ def tune_control(
             for actuation, slip in (kind for kind in RANGES[each] if kind[0] in kinds):
                 name = f"{each}, {actuation} actuation, {slip} slip"
                 with progress(name):
-                    tell = partial(note, name)
-                    optima[actuation, slip] = search(each, actuation, slip, tell, pool, rail_stops=stops, budget=budget)
+                    notify = partial(note, name)
+                    optima[actuation, slip] = search(
+                        each, actuation, slip, notify, pool, rail_stops=stops, budget=budget
+                    )
                 say(text_of(each, {(actuation, slip): optima[actuation, slip]}))
             command = " ".join(
                 (
@@ -342,8 +344,8 @@ def _run_campaigns(
     with work(", ".join(one.campaign.name for one in runs), workers=workers, fresh=fresh) as own:
 
         def complete(number: int) -> None:
-            on_complete(number, lambda what: own.tell(f"drawing {what}"))
-            own.tell("")
+            on_complete(number, lambda what: own.notify(f"drawing {what}"))
+            own.notify("")
 
         return own.stops(runs, runner(import_from=import_from), on_complete=complete)
 

@@ -136,7 +136,7 @@ def map_(
         for friction in (GOOD_RAIL, POOR_RAIL):
             with open_plant(
                 description, binding, period=period, parameters=binding.translate({"speed_start": speed}),
-                trusted=False, tell=lambda sentence: None,
+                trusted=False, notify=lambda sentence: None,
             ) as fmu:  # fmt: skip
                 trials.append(
                     tried(
@@ -158,6 +158,6 @@ def runner(import_from: Sequence[Path] = ()) -> "Runner":
 
     if not import_from:
         return run_stop
-    from railgrip.assemble import OwnParties
+    from railgrip.assemble import OwnParts
 
-    return partial(run_stop, own=OwnParties(folders=tuple(import_from)))
+    return partial(run_stop, own=OwnParts(folders=tuple(import_from)))

@@ -1,4 +1,4 @@
-"""The only room that touches an FMU: describes it, maps its names and units to ours, and steps it.
+"""The only package that touches an FMU: describes it, maps its names and units to ours, and steps it.
 
 `describe` reads a file into a value, `bind` ties our signals to its variables, and then a plant is stepped
 (`CoSimulation`, or `IsolatedCoSimulation` for a file nobody here vouches for) or a prediction is evaluated

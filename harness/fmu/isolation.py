@@ -32,7 +32,7 @@ from railgrip.fmu.instance import unpack
 from railgrip.fmu.keeper import REPORT
 from railgrip.fmu.mapping import Binding
 from railgrip.fmu.parameters import Values
-from railgrip.interrupted import deaf_children
+from railgrip.interrupted import ignore_sigint
 from railgrip.limits import FMU_LIMITS, MIB, FmuLimits
 
 Vector = NDArray[np.float64]
@@ -57,12 +57,12 @@ class IsolatedCoSimulation:
         parameters: Values,
         limits: FmuLimits = FMU_LIMITS,
         table: str = "[vehicle]",
-        tell: Callable[[str], None] = lambda sentence: None,
+        notify: Callable[[str], None] = lambda sentence: None,
     ) -> None:
         """Check the question; no process is started before `with`.
 
         Args:
-            tell: Gets a sentence for the user when the FMU crashes as it is terminated or freed.
+            notify: Gets a sentence for the user when the FMU crashes as it is terminated or freed.
             table: Of the scenario, where it can be trusted; for sentences.
 
         Raises:
@@ -80,7 +80,7 @@ class IsolatedCoSimulation:
         self._parameters = dict(parameters)
         self._limits = limits
         self._patience = limits.patience
-        self._tell = tell
+        self._notify = notify
         self._stack = ExitStack()
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
@@ -98,7 +98,7 @@ class IsolatedCoSimulation:
             stack.callback(ours.close)
             life, its_life = socket.socketpair()
             stack.callback(life.close)
-            with theirs, its_life, deaf_children():
+            with theirs, its_life, ignore_sigint():
                 # Isolated, -I: neither the current folder nor PYTHONPATH decides what is imported.
                 self._process = subprocess.Popen(
                     [sys.executable, "-I", str(KEEPER), str(theirs.fileno()), str(its_life.fileno()), self._how()],
@@ -156,7 +156,7 @@ class IsolatedCoSimulation:
                 return
             _, words = self._how_it_ended(*report)
         name = self._description.file.name
-        self._tell(f"{name}: when it was terminated and freed after the last step, {words}; the results stand.")
+        self._notify(f"{name}: when it was terminated and freed after the last step, {words}; the results stand.")
 
     @property
     def sample(self) -> int:
@@ -295,7 +295,7 @@ def open_plant(
     period: float,
     parameters: Values,
     trusted: bool,
-    tell: Callable[[str], None],
+    notify: Callable[[str], None],
     limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
 ) -> CoSimulation | IsolatedCoSimulation:
@@ -303,19 +303,19 @@ def open_plant(
 
     Args:
         trusted: This project built it, or the scenario vouches for it.
-        tell: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
+        notify: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
         table: Of the scenario, where it can be trusted; for sentences.
 
     Raises:
         FmuError: A parameter is wrong, or a time is not positive.
     """
     if description.blemishes:
-        tell(f"{description.file.name}: {description.blemishes}; it runs all the same.")
+        notify(f"{description.file.name}: {description.blemishes}; it runs all the same.")
     if trusted:
         return CoSimulation(description, binding, period=period, parameters=parameters)
-    tell(notice(description, table))
+    notify(notice(description, table))
     return IsolatedCoSimulation(
-        description, binding, period=period, parameters=parameters, limits=limits, table=table, tell=tell
+        description, binding, period=period, parameters=parameters, limits=limits, table=table, notify=notify
     )
 
 

@@ -30,11 +30,11 @@ _REFERENCES = (
     "In brackets: intervals that hold 95 %."
 )
 
-Tell = Callable[[str], None]
+Notify = Callable[[str], None]
 
 
 def write_report(
-    directory: Path, *, panels: Panels = "all", tell: Tell = lambda _: None, baseline: Path | None = None
+    directory: Path, *, panels: Panels = "all", notify: Notify = lambda _: None, baseline: Path | None = None
 ) -> Path:
     """Write index.html, and for a campaign table and figures beside it; return the page.
 
@@ -42,7 +42,7 @@ def write_report(
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
         panels: Of which stops of a campaign to draw the panels: all, those with adhesion-based control, none. Without
             them, the adhesion of ABC beside SBC is not drawn either.
-        tell: Called with the name of what is drawn next.
+        notify: Called with the name of what is drawn next.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
 
     Raises:
@@ -51,11 +51,11 @@ def write_report(
     if (directory / CAMPAIGN_FILE).exists():
         results = read_results(directory)
         notes = [] if baseline is None else beyond_accepted(results, baseline)
-        return _campaign_report(results, directory, panels=panels, tell=tell, notes=notes)
+        return _campaign_report(results, directory, panels=panels, notify=notify, notes=notes)
     if (directory / STOP_FILE).exists():
         record = read_stop(directory)
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
-        tell("stop")
+        notify("stop")
         page, figure = (directory / name for name in PAGE_FILES)
         return write_page(
             page, "report/stop.html.jinja", **_page_values(result, style.save(stop_figure(result), figure))
@@ -63,14 +63,16 @@ def write_report(
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
 
 
-def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell: Tell, notes: Sequence[str]) -> Path:
-    tell("table")
+def _campaign_report(
+    results: Results, directory: Path, *, panels: Panels, notify: Notify, notes: Sequence[str]
+) -> Path:
+    notify("table")
     write_table(results, directory, notes)
     rows = rows_of(results)
     figures: dict[str, str] = {}
 
     def add(name: str, caption: str, draw: Callable[[], Figure]) -> None:
-        tell(name)
+        notify(name)
         figures[caption] = image(style.save(draw(), directory / "figures" / f"{name}.png"))
 
     distributions = distributions_of(rows)
@@ -92,7 +94,7 @@ def _campaign_report(results: Results, directory: Path, *, panels: Panels, tell:
     for stop in single_stops:
         signals = None
         if stop.name in with_panels:
-            tell(stop.name)
+            notify(stop.name)
             signals = style.save(stop_figure(stop), directory / "figures" / f"stop-{stop.name}.png")
         stops.append(_page_values(stop, signals))
     return write_page(

@@ -18,7 +18,7 @@ from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
-from railgrip.scenario.parties import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
+from railgrip.scenario.parts import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
 from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors

@@ -68,7 +68,7 @@ def conduct(
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as own:
         page = study.page(own)
-        own.tell("page")
+        own.notify("page")
         return page, page.write(folder)
 
 

@@ -30,7 +30,7 @@ seed = [1, 2, 3, 4, 5, 6]
 """
 
 
-def slowly(scenario, progress=None, tell=lambda sentence: None):
+def slowly(scenario, progress=None, notify=lambda sentence: None):
     """Run the stop that `synthetic_runner` has, after a moment in which its worker may be killed."""
     time.sleep(0.5)
     return run_stop(scenario)
@@ -53,14 +53,14 @@ def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
             os.kill(victims[0], signal.SIGKILL)
 
     (reports,) = run_campaigns(
-        [CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=two_workers.scheduler_address, tell=kill
+        [CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=two_workers.scheduler_address, notify=kill
     )
     assert victims
     assert [report.state for report in reports] == ["done"] * 6
     for stop in campaign.stops:
         assert read_stop(tmp_path / "out" / stop.name).digest == stop.scenario.digest()
     repeats = []
-    run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", tell=repeats.append)
+    run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", notify=repeats.append)
     assert {report.state for report in repeats} == {"found"}  # so nobody was asked
 
 
@@ -94,7 +94,7 @@ def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(proj
         address = cluster_here.scheduler_address
         begin = time.monotonic()
         with pytest.raises(RailgripError, match="has had no worker for 3 s; start some with `dask worker") as end:
-            run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=address, tell=lambda _: None)
+            run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler=address, notify=lambda _: None)
         # Longer than the limit, and far shorter than for ever: a busy machine may take its time.
         assert 3.0 < time.monotonic() - begin < 60.0
         assert end.value.exit_code == 3

@@ -214,8 +214,8 @@ def one_rail(tmp_path_factory):
 )
 def test_a_search_ends_no_worse_than_it_began(law, actuation, slip, one_rail):
     best: list[float] = []
-    tell = lambda _, value: best.append(value)
-    optimum = search(law, actuation, slip, tell, Here(), rails=one_rail, sets=12)
+    notify = lambda _, value: best.append(value)
+    optimum = search(law, actuation, slip, notify, Here(), rails=one_rail, sets=12)
     assert len(best) >= 2
     assert best == sorted(best, reverse=True)
     assert optimum.rails == ("even",)

@@ -106,7 +106,7 @@ def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
             period=PERIOD,
             parameters={},
             trusted=trust,
-            tell=messages.append,
+            notify=messages.append,
         )
         assert isinstance(plant, kind)
         assert len(messages) == count

@@ -175,7 +175,7 @@ def test_its_scenario_runs_from_file_to_stop_in_a_process_of_its_own(foreign: De
     path.write_text(written)
     messages: list[str] = []
     stops = [
-        run_stop(load(path, [f"vehicle.trust={trust}", "start.speed=20 km/h"]), tell=messages.append)
+        run_stop(load(path, [f"vehicle.trust={trust}", "start.speed=20 km/h"]), notify=messages.append)
         for trust in ("false", "true")
     ]
     assert len(messages) == 1

@@ -27,7 +27,7 @@ SIGNALS = [signal for signal in PLANT if signal.name in ("speed", "distance")]
 
 
 def isolated(
-    plant: Path, limits: FmuLimits = FMU_LIMITS, tell: Callable[[str], object] = lambda sentence: None
+    plant: Path, limits: FmuLimits = FMU_LIMITS, notify: Callable[[str], object] = lambda sentence: None
 ) -> IsolatedCoSimulation:
     """Return a train to step by 10 ms in a process of its own."""
     description = describe(plant, limits)
@@ -36,7 +36,7 @@ def isolated(
         inputs=[Signal(name="pressure_command", unit="Pa", size=4, needed=True)],
         outputs=[Signal(name=s.name, unit=s.unit, size=0, needed=True) for s in SIGNALS],
     )
-    return IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits, tell=tell)
+    return IsolatedCoSimulation(description, binding, period=0.01, parameters={}, limits=limits, notify=notify)
 
 
 def stopped(plant: Path, limits: FmuLimits = FMU_LIMITS) -> str:
@@ -113,7 +113,7 @@ def test_what_it_says_is_limited_in_all(
 @pytest.mark.parametrize("misbehaviour", ["CRASHES_IN_TERMINATE", "CRASHES_IN_FREE"])
 def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, misbehaviour: str):
     sentences: list[str] = []
-    with isolated(faulty_fmu(foundry, misbehaviour), tell=sentences.append) as plant:
+    with isolated(faulty_fmu(foundry, misbehaviour), notify=sentences.append) as plant:
         plant.start(np.zeros(4))
         assert plant.step(np.zeros(4))[0] == pytest.approx(0.2), "20 m/s for 10 ms"
     assert sentences == [
@@ -123,7 +123,7 @@ def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, misbeh
 
 
 def test_a_good_end_is_not_worth_a_word(foundry: Path):
-    with isolated(faulty_fmu(foundry), tell=pytest.fail) as plant:
+    with isolated(faulty_fmu(foundry), notify=pytest.fail) as plant:
         plant.start(np.zeros(4))
 
 

@@ -209,8 +209,8 @@ def test_both_command_lines_without_a_c_compiler_end_with_3(tmp_path, command):
 def house(tmp_path):
     """A copy of the package as it is installed, to break."""
     shutil.copytree(ROOT / "harness", tmp_path / "railgrip", ignore=shutil.ignore_patterns("__pycache__"))
-    for room in ("fmus", "modelica", "estimators", "controllers"):
-        shutil.copytree(ROOT / room, tmp_path / "railgrip" / room, ignore=shutil.ignore_patterns("__pycache__"))
+    for folder in ("fmus", "modelica", "estimators", "controllers"):
+        shutil.copytree(ROOT / folder, tmp_path / "railgrip" / folder, ignore=shutil.ignore_patterns("__pycache__"))
     return tmp_path
 
 

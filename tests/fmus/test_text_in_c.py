@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 
 import casadi as ca
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from railgrip.errors import InputError, TranslationError
@@ -84,6 +84,8 @@ def without_literals(c: str) -> str:
 def test_c_is_the_same_but_for_plain_string_literals(
     stone: System, name: str, unit: str, message: str, description: str
 ):
+    # No front end lets two variables of one name through.
+    assume(name not in {scalar.name for scalars in stone.variables.of_id.values() for scalar in scalars})
     plain, other = source_with(stone, "w", "m", "", ""), source_with(stone, name, unit, message, description)
     assert without_literals(other.files["model.c"]) == without_literals(plain.files["model.c"])
     for literal in re.findall(r'"(?:[^"\\]|\\.)*"', other.files["model.c"]):

@@ -182,7 +182,7 @@ def test_a_ride_is_named_by_a_file(estimators, tmp_path):
 @pytest.mark.parametrize("trusted", [False, True])
 def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
     sentences = []
-    outputs_of_fmu(*bound_estimator(files["paper"]), RATE, still(), trusted=trusted, tell=sentences.append)
+    outputs_of_fmu(*bound_estimator(files["paper"]), RATE, still(), trusted=trusted, notify=sentences.append)
     assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
     assert all("trust = true under [estimator]" in sentence for sentence in sentences)
 

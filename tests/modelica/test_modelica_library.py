@@ -55,8 +55,8 @@ def test_documentation(path: Path) -> None:
     source = text(path)
     assert "Documentation(info=" in source
     kind = re.search(rf"^({KINDS})", source, re.MULTILINE)[1]
-    rooms = {"Contact", "Friction", "Pneumatics", "Components", "Tracks", "Vehicles", "FMUs"}
-    if path.parent.name in rooms and path.name != "package.mo" and kind != "record":
+    packages = {"Contact", "Friction", "Pneumatics", "Components", "Tracks", "Vehicles", "FMUs"}
+    if path.parent.name in packages and path.name != "package.mo" and kind != "record":
         assert "<h4>Limitations</h4>" in source
 
 
@@ -120,9 +120,9 @@ def test_the_version_is_the_projects() -> None:
 
 DRAWN = [
     path
-    for room in ("Contact", "Pneumatics", "Components", "Vehicles", "Examples")
+    for folder in ("Contact", "Pneumatics", "Components", "Vehicles", "Examples")
     for path in FILES
-    if path.parent.name == room and path.name != "package.mo"
+    if path.parent.name == folder and path.name != "package.mo"
 ]
 PART = re.compile(
     r"^  (?:(?:replaceable|parameter)\s+)*"

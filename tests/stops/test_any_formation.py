@@ -10,7 +10,7 @@ import xarray
 from PIL import Image
 
 from railgrip.__main__ import main
-from railgrip.assemble import OwnParties, assembled, run_stop
+from railgrip.assemble import OwnParts, assembled, run_stop
 from railgrip.assemble.export import controller_fmu
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
@@ -405,7 +405,7 @@ def test_a_class_of_the_users_own_has_shared_valves_and_redistribution_too():
     def stop(change):
         table = merged(merged(read_toml(path), change), {"estimator": {"kind": "none"}})
         return (
-            run_stop(scenario_of(table, directory=path.parent, origin=path.name), own=OwnParties(controller=Half()))
+            run_stop(scenario_of(table, directory=path.parent, origin=path.name), own=OwnParts(controller=Half()))
             .trace["demand"]
             .values
         )

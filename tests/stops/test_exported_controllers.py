@@ -8,7 +8,7 @@ from fmpy.validation import validate_fmu
 
 from railgrip.assemble import run_stop
 from railgrip.assemble.export import controller_fmu
-from railgrip.assemble.parties import OwnParties
+from railgrip.assemble.parts import OwnParts
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
@@ -139,7 +139,7 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
     full = VehicleData(plain).nominal.formation.pressure_max
     with exported(plain, tmp_path) as fmu:
         law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
-        stop = run_stop(plain, own=OwnParties(controller=law))
+        stop = run_stop(plain, own=OwnParts(controller=law))
     undriven = run_stop(plain)
     # Another order of the same sums moves slip in its last digit; a phase begins a sample early or late.
     assert stop.metrics.distance == pytest.approx(service.metrics.distance, abs=0.03)

@@ -141,16 +141,16 @@ def test_the_owner_of_an_isolated_controller_is_told_where_to_trust_it(folder):
     told: list[str] = []
     path = pack(sources(lasting(1)), folder / "lasting.fmu")
     asked = [f"controller.file={path}", "estimator.kind=none"]
-    run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *asked, *SHORT]), tell=told.append)
+    run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *asked, *SHORT]), notify=told.append)
     assert ["set trust = true under [controller]" in sentence for sentence in told] == [True]
 
 
 def test_inputs_that_nobody_estimates_are_told(folder):
     _, other = with_fmu("random-service-slip_two_state", folder)
     told: list[str] = []
-    run_stop(other, tell=told.append)
+    run_stop(other, notify=told.append)
     assert told[0].startswith("random-slip_two_state.fmu: nothing drives its adhesion, pad_friction ([estimator] kind")
     _, other = with_fmu("trapezoid-ideal-adhesion_based", folder, "controller.trust=true")
     told.clear()
-    run_stop(other, tell=told.append)
+    run_stop(other, notify=told.append)
     assert told == []

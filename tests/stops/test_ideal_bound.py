@@ -14,7 +14,7 @@ LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
 
 def bound(name, period, *changes):
-    every = [f"periods.{party}={period}" for party in ("communication", "estimator", "controller", "trace")]
+    every = [f"periods.{part}={period}" for part in ("communication", "estimator", "controller", "trace")]
     return ideal_stop(
         load(LIBRARY / f"{name}.toml", ["controller.kind=ideal_bound", "estimator.kind=none", *every, *changes])
     )

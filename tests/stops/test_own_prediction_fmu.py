@@ -40,7 +40,7 @@ def scenario_with(file: Path, *changes: str, trust: bool = True):
 
 
 def estimates(scenario, told: list[str] | None = None) -> np.ndarray:
-    trace = run_stop(scenario, tell=([] if told is None else told).append).trace
+    trace = run_stop(scenario, notify=([] if told is None else told).append).trace
     return np.concatenate([trace[f"estimate_{name}"].values.ravel() for name in ("speed", "adhesion", "pad_friction")])
 
 

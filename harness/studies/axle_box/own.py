@@ -83,7 +83,7 @@ def judge_own(
         tasks["without one", group] = partial(without_each, own, recipe)
         tasks["network", group] = partial(best_of, own, recipe)
     tasks |= {("each", k): partial(_without, runs, k, members) for k in range(len(runs))}
-    work.tell("training and judging")
+    work.notify("training and judging")
     results: dict[tuple[str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
     ensemble: Ensemble = results["whole", 0][0]
     tables = own_tables(

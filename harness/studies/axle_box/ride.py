@@ -100,7 +100,7 @@ def ride_beside(
     ride_file: RideFile,
     directory: Path,
     progress: Callable[[float], None] = lambda share: None,
-    tell: Callable[[str], None] = lambda sentence: None,
+    notify: Callable[[str], None] = lambda sentence: None,
 ) -> tuple[xarray.Dataset, float | None]:
     """Run the car, and the estimator over its readings.
 
@@ -109,7 +109,7 @@ def ride_beside(
 
     Args:
         directory: Where the file of the estimator is, if not in the working directory.
-        tell: Gets a sentence for the user when an FMU runs in a process of its own.
+        notify: Gets a sentence for the user when an FMU runs in a process of its own.
 
     Raises:
         ScenarioError, EstimatorError, FmuError: The estimator cannot be used.
@@ -128,7 +128,7 @@ def ride_beside(
     samples = dict(zip(INPUTS, (*boxes.T, readings.speed, direction), strict=True))
     apart = None
     if fmu is not None:
-        friction, deviation = belief_of(outputs_of_fmu(*fmu, RATE, samples, trusted=table.trust, tell=tell))
+        friction, deviation = belief_of(outputs_of_fmu(*fmu, RATE, samples, trusted=table.trust, notify=notify))
     else:
         assert trained is not None
         friction, deviation = belief_of(outputs_of(trained, samples))
@@ -188,7 +188,7 @@ def outputs_of_fmu(
     samples: Mapping[str, Array],
     *,
     trusted: bool = False,
-    tell: Callable[[str], None] = lambda sentence: None,
+    notify: Callable[[str], None] = lambda sentence: None,
 ) -> dict[str, Array]:
     """Return what an FMU says after each sample, by name.
 
@@ -197,14 +197,14 @@ def outputs_of_fmu(
         rate: Samples a second that it is sent.
         samples: Of each of `INPUTS`, shape (n,).
         trusted: Load it into this process; otherwise it runs in one of its own.
-        tell: Gets a sentence for the user when it does.
+        notify: Gets a sentence for the user when it does.
 
     Raises:
         PlantFailed: It refuses a sample.
     """
     rows = np.column_stack([samples[name] for name in binding.inputs.elements])
     context = open_plant(
-        description, binding, period=1 / rate, parameters={}, trusted=trusted, tell=tell, table="[estimator]"
+        description, binding, period=1 / rate, parameters={}, trusted=trusted, notify=notify, table="[estimator]"
     )
     with context as model:
         model.start(rows[0])

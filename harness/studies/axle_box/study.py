@@ -83,7 +83,7 @@ class AxleBox(Study):
         if self.inputs is not None:
             network = network.model_copy(update={"inputs": self.inputs})
         folder, labels = file.parent / specification.runs.folder, file.parent / specification.runs.labels
-        runs, remarks = read_folder(folder, labels, specification.data, work.tell)
+        runs, remarks = read_folder(folder, labels, specification.data, work.notify)
         tables, trained = judge_own(runs, network.recipe(), work)
         return Page(
             template="studies/axle_box/own.md.jinja",

@@ -126,7 +126,7 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
         tasks["elsewhere", "", s] = partial(elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
         tasks["network", "", s] = partial(best_of, runs, few)
         tasks["exchanged", "", s] = partial(best_of, runs, few, exchanged)
-    work.tell("training and judging")
+    work.notify("training and judging")
     results: dict[tuple[str, str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
     tables: dict[str, dict[str, dict[int, Any]]] = {}
     for (table, name, s), result in results.items():

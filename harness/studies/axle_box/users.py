@@ -48,13 +48,13 @@ def plain_table() -> DataTable:
 
 
 def read_folder(
-    folder: Path, labels: Path, table: DataTable | None = None, tell: Callable[[str], None] = lambda name: None
+    folder: Path, labels: Path, table: DataTable | None = None, notify: Callable[[str], None] = lambda name: None
 ) -> tuple[tuple[Run, ...], tuple[str, ...]]:
     """Return the labelled runs of a folder, reduced, and what was mended in which file, a sentence each.
 
     Args:
         table: Column map; `plain_table` unless given.
-        tell: Told the name of every file as it has been read.
+        notify: Told the name of every file as it has been read.
 
     Raises:
         EstimationError: A file, column or value is missing or impossible; in a sentence.
@@ -67,7 +67,7 @@ def read_folder(
         flags: list[Flag] = []
         runs.append(reduce(name, friction, _readings(name, record, columns, backwards, flags)))
         remarks += [f"{name}: {sentence}" for sentence in (*record.recording.attrs["flags"], *summary(flags))]
-        tell(name)
+        notify(name)
     return tuple(runs), tuple(remarks)
 
 

@@ -64,7 +64,7 @@ class FieldTest(Study):
         test, run = tasks[TEST], of_case[TEST]
         braking, filter_ = run.braking, filter_of(model, test.period)
         estimates = {title: follow(test, filter_, noise) for title, noise in noises.items()}
-        work.tell("sweeps")
+        work.notify("sweeps")
         others = [tasks[case] for case in TUNING]
         common = common_factor(others, filter_, PHYSICAL)
         trusted = readings_trusted(others, filter_, PHYSICAL)

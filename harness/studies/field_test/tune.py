@@ -87,7 +87,7 @@ def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple
         )
         ((population, lowest, best_of_each),) = work.map(evolved, [stage])
         history += best_of_each
-        work.tell(f"generation {len(history)}, best {lowest:.6f} m/s")
+        work.notify(f"generation {len(history)}, best {lowest:.6f} m/s")
         if not best_of_each:
             break
     return Noise.of(population[0]), lowest, history

@@ -77,7 +77,7 @@ def brake_of_scenario(specification: Specification, scenario: Scenario) -> Quasi
 
 
 def quasi_static(
-    specification: Specification, brake: QuasiStaticBrake, tell: Callable[[str], None] = lambda what: None
+    specification: Specification, brake: QuasiStaticBrake, notify: Callable[[str], None] = lambda what: None
 ) -> QuasiStatic:
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     begin = time.perf_counter()
@@ -85,7 +85,7 @@ def quasi_static(
     states, neglected = _states(specification, brake.units, _NEGLECT * smallest)
     parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
     for number, state in enumerate(states, start=1):
-        tell(f"failure state {number} of {len(states)}")
+        notify(f"failure state {number} of {len(states)}")
         performance = partial(brake.ratios, state.available)
         points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest))
         random = generator(specification.seed, f"k_factors {state.available}")

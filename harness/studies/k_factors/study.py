@@ -11,7 +11,7 @@ from typer import Argument, Option
 
 from railgrip.assemble import braking_distance
 from railgrip.assemble.files import plant_description
-from railgrip.assemble.parties import versions
+from railgrip.assemble.parts import versions
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work
 from railgrip.errors import ScenarioError
@@ -66,7 +66,7 @@ class KFactors(Study):
             raise ScenarioError(
                 f"{scenario.name}: the nominal train does not stop, and K is a share of its deceleration"
             )
-        result = quasi_static(specification, brake, work.tell)
+        result = quasi_static(specification, brake, work.notify)
         loop = in_the_loop(specification, scenario, brake, distance, result, work, folders) if self.loop else None
         shown = table(brake, result)
         lines = sentences(brake, distance, result, loop, work.count)

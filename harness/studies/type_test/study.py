@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 from typer import Option
 
-from railgrip.assemble import OwnParties, braking_distance, run_stop
+from railgrip.assemble import OwnParts, braking_distance, run_stop
 from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
 from railgrip.errors import ScenarioError
@@ -90,7 +90,7 @@ class TypeTest(Study):
         task = None if self.task is None else task_of(self.task)
         whole = campaign_of(design, taking_part, train_of(self.train), task=task, keep_traces=bool(self.case))
         stops = whole.only(lambda stop: stop.variants["controller"] in running)
-        runner = partial(run_stop, own=OwnParties(folders=tuple(self.import_from or ())))
+        runner = partial(run_stop, own=OwnParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(whole, work.folder)
         page = page_of(read_results(work.folder), taking_part, judging, against=self.against, again=self._again)

@@ -231,5 +231,5 @@ class Periods(Table):
         return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
 
     def every(self, name: Literal["estimator", "controller", "trace"]) -> int:
-        """Return after how many communication steps this party is due."""
+        """Return after how many communication steps this part is due."""
         return round(getattr(self, name) / self.communication)

@@ -1,4 +1,4 @@
-"""The parties of a scenario's stop, open and ready for a loop."""
+"""The parts of a scenario's stop, open and ready for a loop."""
 
 import platform
 from collections.abc import Callable, Collection, Generator, Mapping
@@ -15,7 +15,7 @@ from railgrip import custom
 from railgrip.assemble.controller import controlling, law_states, over_the_train, valve_logic_of
 from railgrip.assemble.estimator import state_estimator
 from railgrip.assemble.faults import faults_of
-from railgrip.assemble.importing import Origin, origin_of, party_of, table_of
+from railgrip.assemble.importing import Origin, origin_of, part_of, table_of
 from railgrip.assemble.plant import fmu_plant, python_plant
 from railgrip.assemble.rail import driver_of, rail_of
 from railgrip.assemble.sensors import sensors_of
@@ -26,7 +26,7 @@ from railgrip.loop.loop import Ending, Loop
 from railgrip.loop.parts import Clock, Controller, Parts, StateEstimator
 from railgrip.registry import Role
 from railgrip.scenario.kinds import Custom
-from railgrip.scenario.parties import KalmanFilter, OwnLaw
+from railgrip.scenario.parts import KalmanFilter, OwnLaw
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import sampled_every
@@ -46,7 +46,7 @@ _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OwnParties:
+class OwnParts:
     """Objects of the user's own that take the place of what a scenario names; see `railgrip.custom`.
 
     Attributes:
@@ -73,19 +73,19 @@ class OwnParties:
         return scenario.model_copy(update=tables)
 
 
-SCENARIOS_OWN = OwnParties()
+NO_OWN_PARTS = OwnParts()
 """None but those that the scenario names."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assembled:
-    """The parties of a stop, open.
+    """The parts of a stop, open.
 
     Attributes:
         vehicle: What is known of the scenario's.
         parts: What the loop is given.
         fmus: Those that take part, by name.
-        classes: Of the user's own that take part, by party.
+        classes: Of the user's own that take part, by part.
         limits: What limits the demands of a controller that is no law of ours.
     """
 
@@ -131,19 +131,19 @@ class Assembled:
 @contextmanager
 def assembled(
     scenario: Scenario,
-    tell: Callable[[str], None] = lambda sentence: None,
-    own: OwnParties = SCENARIOS_OWN,
+    notify: Callable[[str], None] = lambda sentence: None,
+    own: OwnParts = NO_OWN_PARTS,
     capacity: int | None = None,
 ) -> Generator[Assembled]:
-    """Open the parties of a scenario's stop; they are closed when the block ends.
+    """Open the parts of a scenario's stop; they are closed when the block ends.
 
     Args:
-        tell: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
+        notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
         own: Objects in place of what the scenario names.
         capacity: Of the recorder; all samples without it.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parties cannot do.
+        ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
     scenario = own.standing_for(scenario)
@@ -156,11 +156,11 @@ def assembled(
     samples = round(scenario.limits.horizon / period)
     classes: dict[str, Origin] = {}
 
-    def party(role: Role, table: object, instance: object) -> Any:
+    def part(role: Role, table: object, instance: object) -> Any:
         """Return the object of the user's own that plays a part, if one does."""
         if not isinstance(table, Custom):
             return None
-        player = party_of(table, role, own.folders) if instance is None else instance
+        player = part_of(table, role, own.folders) if instance is None else instance
         classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
         return player
 
@@ -168,28 +168,28 @@ def assembled(
         if isinstance(source, PythonClass):
             arguments = {key: value.entry for key, value in scenario.vehicle.parameters.items()}
             table = Custom(kind=source.name, parameters=arguments) if own.plant is None else table_of(own.plant)
-            plant = python_plant(vehicle, party("plants", table, own.plant))
+            plant = python_plant(vehicle, part("plants", table, own.plant))
         else:
-            plant = fmu_plant(vehicle, tell, stack)
+            plant = fmu_plant(vehicle, notify, stack)
         filter_: StateEstimator | custom.CustomEstimator | None = None
         estimates = frozenset[str]()
-        if (estimator := party("estimators", scenario.estimator, own.estimator)) is not None:
+        if (estimator := part("estimators", scenario.estimator, own.estimator)) is not None:
             filter_ = custom.CustomEstimator(estimator, formation)
             estimates = frozenset(filter_.provides)
         elif isinstance(scenario.estimator, KalmanFilter):
-            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, tell)
+            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
             estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
-        if (instruments := party("sensors", scenario.sensors, own.sensors)) is not None:
+        if (instruments := part("sensors", scenario.sensors, own.sensors)) is not None:
             noise = generator(scenario.seed, "sensors.custom")
             sensors = custom.CustomSensors(instruments, layout, formation, period, noise)
         else:
             sensors = sensors_of(scenario, layout, radius[0])
         commands_valves, limits = False, custom.DemandLimits(formation)
-        if (own_law := party("controllers", scenario.controller, own.controller)) is not None:
+        if (own_law := part("controllers", scenario.controller, own.controller)) is not None:
             controller = custom.Limited(custom.CustomController(own_law, formation), limits)
             controller = over_the_train(vehicle, controller)
         else:
-            controller, commands_valves = controlling(vehicle, estimates, fmus, limits, tell, stack)
+            controller, commands_valves = controlling(vehicle, estimates, fmus, limits, notify, stack)
         valves = None if commands_valves else valve_logic_of(vehicle)
         _require_estimates(scenario, controller, estimates)
         if commands_valves and demand is not None:
