@@ -59,7 +59,7 @@ def plant_signals(
         )
         for s in layout.plant_signals
     )
-    return inputs, outputs, Signal(name="speed_start", unit="m/s", size=0, needed=True)
+    return inputs, outputs, Signal(name="start_speed", unit="m/s", size=0, needed=True)
 
 
 def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
@@ -91,7 +91,7 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
     shape = {
         name: value for name, value in surface.items() if isinstance(source, Recipe) or name in description.variables
     }
-    values = binding.translate({"speed_start": scenario.start.speed}) | shape | vehicle.changes
+    values = binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
     opening = partial(
         open_plant,
         description,

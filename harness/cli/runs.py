@@ -135,7 +135,7 @@ def map_(
     try:
         for friction in (GOOD_RAIL, POOR_RAIL):
             with open_plant(
-                description, binding, period=period, parameters=binding.translate({"speed_start": speed}),
+                description, binding, period=period, parameters=binding.translate({"start_speed": speed}),
                 trusted=False, notify=lambda sentence: None,
             ) as fmu:  # fmt: skip
                 trials.append(

@@ -17,7 +17,7 @@ _ALSO = {
     "pressure_command": "demand brake_demand cylinder_demand pressure_demand",
     "mu0": "rail_grip grip friction rail_friction",
     "track_force": "drag resistance gradient_force",
-    "speed_start": "v0 v_start initial_speed",
+    "start_speed": "v0 v_start speed_start initial_speed",
     "distance": "odometer position travelled",
     "speed": "velocity v train_speed",
     "acceleration": "retardation deceleration a",

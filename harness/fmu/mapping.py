@@ -399,8 +399,11 @@ def _all_missing(description: Description, missing: Sequence[str], causality: Ca
     )
 
 
+_RENAMED = {"speed_start": "start_speed"}
+
+
 def _near(name: str, candidates: Sequence[str], end: str = ".") -> str:
-    near = get_close_matches(name, candidates, n=1, cutoff=0.6)
+    near = [_RENAMED[name]] if name in _RENAMED else get_close_matches(name, candidates, n=1, cutoff=0.6)
     if near:
         return f" (did you mean '{near[0]}'?)" if not end else f"; did you mean '{near[0]}'?"
     return "" if not end else f"; it has {', '.join(candidates)}."

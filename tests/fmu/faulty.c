@@ -1,7 +1,7 @@
 /* A train as an FMI 2.0 FMU for tests, with the names and units of this project: it slows down as it is braked, and
  * after a tenth of a second, or at the start, it misbehaves in one way.
  *
- * Value references: 0-3 pressure_command, 4-9 mu0, 10 speed_start, 11 distance, 12 speed, 13 acceleration,
+ * Value references: 0-3 pressure_command, 4-9 mu0, 10 start_speed, 11 distance, 12 speed, 13 acceleration,
  * 14-17 wheelset_speed, 18-21 cylinder_pressure.                                                                */
 #define _GNU_SOURCE
 #include <fcntl.h>

@@ -70,7 +70,7 @@ def _description(speed_unit: str, names: Mapping[str, str], tool: str) -> str:
     ]
     rows = [
         *(('input" variability="continuous', name, unit, ' start="0"') for name, unit in inputs),
-        ('parameter" variability="fixed" initial="exact', "speed_start", "m/s", ' start="20"'),
+        ('parameter" variability="fixed" initial="exact', "start_speed", "m/s", ' start="20"'),
         *(('output" variability="continuous" initial="calculated', name, unit, "") for name, unit in outputs),
     ]
     variables = "\n".join(

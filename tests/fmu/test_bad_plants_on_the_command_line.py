@@ -112,7 +112,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
     [
         ('distance = "-distance"', "'distance' shows -"),
         ('acceleration = "-acceleration"', "it looks like the other sign"),
-        ('speed_start = { variable = "speed_start", scale = 3.6 }', "'speed' shows 2.77778 m/s at the start"),
+        ('start_speed = { variable = "start_speed", scale = 3.6 }', "'speed' shows 2.77778 m/s at the start"),
         ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', "a constant slip of 17%"),
         ('pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }', "full brakes slow the train by 1"),
         ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', "it looks like bar for Pa"),
@@ -149,7 +149,7 @@ def test_a_plant_on_which_friction_has_no_effect_is_found_before_the_stop(
 
 
 def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path, capfd: pytest.CaptureFixture[str]):
-    theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "speed_start": "v0"}
+    theirs = {"speed": "velocity", "distance": "odometer", "acceleration": "retardation", "start_speed": "v0"}
     theirs |= {f"pressure_command[{i}]": f"demand[{i}]" for i in range(1, 5)}
     with pytest.raises(SystemExit) as end:
         main(["map", str(faulty_fmu(foundry, names=theirs, defined=("RADIUS=0.46",)))])
@@ -157,7 +157,7 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
     assert (end.value.code or 0) == 0
     draft = tomllib.loads(out)["vehicle"]["map"]
     assert draft["pressure_command"] == "demand[{i}]"
-    assert (draft["speed"], draft["distance"], draft["speed_start"]) == ("velocity", "odometer", "v0")
+    assert (draft["speed"], draft["distance"], draft["start_speed"]) == ("velocity", "odometer", "v0")
     # This one counts as we do, whatever its name says, and its wheels are larger: the run tells both.
     assert draft["acceleration"] == "-retardation"
     assert "# WRONG: acceleration shows" in out
@@ -170,7 +170,7 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
     [
         ("gone.fmu", "", "town.toml: [vehicle] plant names 'gone.fmu', but there is no file"),
         ("", 'map.speed = "sped"', "town: [vehicle.map] speed: well.fmu has no variable 'sped'; did you mean 'speed'"),
-        ("", "parameters.speed_strat = 3", "[vehicle.parameters] has no parameter 'speed_strat'; did you mean"),
+        ("", "parameters.start_sped = 3", "[vehicle.parameters] has no parameter 'start_sped'; did you mean"),
     ],
 )
 def test_a_plant_that_does_not_fit_is_a_wrong_question_and_exits_2(

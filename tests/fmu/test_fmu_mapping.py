@@ -219,7 +219,7 @@ ARRAY = [signal("speed", "m/s", 4)]
         ({"speed": ["x"]}, {"outputs": ARRAY}, r"the list names 1 variables, the signal has 4 elements"),
         ({}, {"inputs": [signal("command", "N.m")]}, r"'u' is in 'bar', the harness sends 'command' in 'N\.m'"),
         ({"p_max": "u"}, {"parameters": [signal("p_max", "bar")]}, r"'u' of .* is an input, a parameter is wanted"),
-        ({}, {"parameters": [signal("speed_start", "m/s")]}, "no parameter 'speed_start'; it has rate, gain"),
+        ({}, {"parameters": [signal("start_speed", "m/s")]}, "no parameter 'start_speed'; it has rate, gain"),
     ],
 )
 def test_a_table_that_does_not_fit_is_refused(
@@ -246,10 +246,10 @@ def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
         description,
         inputs=[],
         outputs=[],
-        parameters=[signal("speed_start", "m/s")],
-        table={"speed_start": "rate"},
+        parameters=[signal("start_speed", "m/s")],
+        table={"start_speed": "rate"},
     )
-    assert binding.translate({"speed_start": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
+    assert binding.translate({"start_speed": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
 
 
 def test_a_speed_in_turns_that_names_none_is_asked_what_turns(foundry: Path):

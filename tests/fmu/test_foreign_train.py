@@ -70,7 +70,7 @@ def binding(foreign: Description) -> Binding:
         foreign,
         inputs=SENT,
         outputs=answered(),
-        parameters=[Signal(name="speed_start", unit="m/s", size=0, needed=True)],
+        parameters=[Signal(name="start_speed", unit="m/s", size=0, needed=True)],
         table=table,
         where=f"{SCENARIO.name}: [vehicle.map]",
     )
@@ -86,7 +86,7 @@ def stop(
         grip,
         force,
     )
-    parameters = binding.translate({"speed_start": 20.0})
+    parameters = binding.translate({"start_speed": 20.0})
     with CoSimulation(foreign, binding, period=PERIOD, parameters=parameters) as plant:
         rows = [plant.start(inputs)]
         rows += [plant.step(inputs) for _ in range(round(duration / PERIOD))]
@@ -163,7 +163,7 @@ def test_without_its_table_the_plant_is_refused_with_what_it_has(foreign: Descri
 
 def test_a_stop_that_needs_what_it_lacks_is_refused(foreign: Description):
     table = tomllib.loads(SCENARIO.read_text())["vehicle"]["map"]
-    table.pop("speed_start")
+    table.pop("start_speed")
     with pytest.raises(FmuError, match=r"no output 'deflection\[1\]'"):
         bind(foreign, inputs=SENT, outputs=answered("deflection"), table=table)
 

@@ -78,7 +78,7 @@ def test_the_trajectory_is_the_same_through_lock_and_standstill(pair):
     """From 3 m/s on bad rail; after standstill the frames swing out, 1e-4 of their largest deflection apart."""
     fmus = pair("TwoPartTrain")
     inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmus.ours.names("input")}
-    ours, theirs = (integrated(d, inputs, {"speed_start": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))
+    ours, theirs = (integrated(d, inputs, {"start_speed": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))
     assert all(ours[f"locked[{group}]"][-1] for group in range(1, 5))
     assert ours["standstill"][-1]
     assert beyond(1e-4, fmus, ours, theirs) == {}
@@ -129,7 +129,7 @@ def test_the_harness_steps_it_through_lock_and_standstill(pair):
     """Theirs locks and stops up to a step of 1 ms late, which a distance of 9 m does not show to 1e-3."""
     fmus = pair("TwoPartTrain")
     values = HELD | {"pressure_command": 2.0e5, "mu0": 0.05}
-    ours, theirs = (stepped(d, values, {"speed_start": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))
+    ours, theirs = (stepped(d, values, {"start_speed": 3.0}, 8.0) for d in (fmus.ours, fmus.theirs))
     for n in ("speed", "standstill", *(f"locked[{group}]" for group in range(1, 5))):
         assert theirs[n][-1] == pytest.approx(ours[n][-1], abs=AT_REST), n
         assert abs(turns(theirs[n]) - turns(ours[n])) <= 10, n

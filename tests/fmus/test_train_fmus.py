@@ -144,13 +144,13 @@ def test_the_trajectory_is_that_of_rumoca_through_lock_and_standstill(train):
     """From 3 m/s on bad rail: the wheelsets lock one after the other, the train comes to rest after six seconds."""
     fmu = train("TwoPartTrain")
     inputs = {n: held(n, HELD | {"pressure_command": 2.0e5, "mu0": 0.05}) for n in fmu.names("input")}
-    found = simulated(fmu, "cs", inputs, 8.0, start_values={"_tolerance": 1e-8, "speed_start": 3.0})
+    found = simulated(fmu, "cs", inputs, 8.0, start_values={"_tolerance": 1e-8, "start_speed": 3.0})
     for group in range(1, 5):
         locked = found[f"locked[{group}]"] > 0.5
         assert not locked[1]
         assert locked[-1]
     assert 5.0 < found["time"][np.argmax(found["speed"] == 0.0)] < 7.0
-    compare(fmu, found, *reference(BOOK["TwoPartTrain"].class_name, inputs, 8.0, ", speed_start=3.0"))
+    compare(fmu, found, *reference(BOOK["TwoPartTrain"].class_name, inputs, 8.0, ", start_speed=3.0"))
 
 
 def simulated(fmu: Fmu, interface: str, inputs: Mapping[str, float], until: float, **settings) -> np.ndarray:

@@ -118,7 +118,7 @@ def friction(value: float) -> Signal:
 
 def brake(train: Train, km_h: float, mu0: float | Signal, surface: dict[str, float], **more: object) -> Record:
     settings = {
-        "parameters": surface | {"speed_start": km_h / 3.6},
+        "parameters": surface | {"start_speed": km_h / 3.6},
         "until": 60.0,
         "pressure": emergency,
         "track_force": lambda _: 0.0,

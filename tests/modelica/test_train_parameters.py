@@ -66,7 +66,7 @@ def ideal() -> tuple[Description, Binding]:
 def test_the_course_sees_lock_release_rest_and_departure(ideal: tuple[Description, Binding]) -> None:
     """Without these, parameters of lock and rest could not show."""
     outputs = ideal[0].names("output")
-    rows = course(ideal, {"speed_start": 10.0})
+    rows = course(ideal, {"start_speed": 10.0})
     locked, rest = rows[:, outputs.index("locked[1]")] > 0.5, rows[:, outputs.index("standstill")] > 0.5
     moving = ~rest
     assert np.any(locked & moving)
@@ -78,7 +78,7 @@ def test_every_parameter_of_the_train_decides_something(ideal: tuple[Description
     # Which wheelsets turn as one and where they are describes the train to the harness; it is no value to change.
     names = [name for name in numbers(ideal[0]) if name.partition("[")[0] not in DESCRIPTIVE]
     assert len(names) > 100
-    start = {"speed_start": 10.0}
+    start = {"start_speed": 10.0}
     base = course(ideal, start)
     assert np.array_equal(course(ideal, start), base)
     silent = [n for n in names if np.array_equal(course(ideal, start | {n: changed(ideal[0], n)}), base)]
@@ -90,7 +90,7 @@ def test_every_parameter_of_the_valves_decides_something(ideal: tuple[Descriptio
     valves = plant("TwoPartTrainPneumatic")
     names = sorted(set(numbers(valves[0])) - set(numbers(ideal[0])))
     assert {"T_fill", "T_vent", "leak", "rate_choked", "dead_fill", "dead_vent"} <= set(names)
-    start = {"speed_start": 10.0}
+    start = {"start_speed": 10.0}
     base = course(valves, start)
     for name in (*names, "p_max[1]"):
         assert not np.array_equal(course(valves, start | {name: changed(valves[0], name)}), base), name

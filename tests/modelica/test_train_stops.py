@@ -45,7 +45,7 @@ def test_energy_becomes_heat_and_work_with_valves_too(pneumatic_train: Train) ->
     """Wheels that lock and turn again many times, as valves open and close; a millionth, as above."""
     valves = lambda t: [1.0 if t % 1.5 < 0.9 else -1.0 if t % 1.5 < 1.2 else 0.0] * 4
     inputs = {"valve_command": valves, "mu0": friction(0.10), "track_force": lambda t: 3000.0 * np.sin(t)}
-    stop = pneumatic_train.run(WET | {"speed_start": 60 / 3.6}, inputs, 60.0)
+    stop = pneumatic_train.run(WET | {"start_speed": 60 / 3.6}, inputs, 60.0)
     assert stop["speed"][-1] == 0.0
     locked = stop["locked"][:, 0] > 0.5
     assert np.sum(locked[1:] & ~locked[:-1]) >= 5
@@ -190,7 +190,7 @@ def test_valves_fill_hold_and_vent_after_their_dead_times(pneumatic_train: Train
         return [0.0 if t < 0.9985 else 1.0 if t < 2.9985 else 0.0 if t < 3.9985 else -1.0] * 4
 
     quiet = {"valve_command": command, "mu0": friction(0.3), "track_force": lambda _: 0.0}
-    stop = pneumatic_train.run({"speed_start": 40 / 3.6, "rate_choked": 1e8}, quiet, 5.0, keep=1)
+    stop = pneumatic_train.run({"start_speed": 40 / 3.6, "rate_choked": 1e8}, quiet, 5.0, keep=1)
     time, p = stop["time"], stop["cylinder_pressure"]
     at = lambda t: p[round(t * 1000)]
     assert np.all(p[time < 1.045] == 0)

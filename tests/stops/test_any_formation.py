@@ -52,7 +52,7 @@ cylinder_pressure = "cylinder[{i}]"
 slip = "slide[{i}]"
 adhesion = "used[{i}]"
 group_adhesion = ["used[1]", "used[3]"]
-speed_start = "v0"
+start_speed = "v0"
 
 [controller]
 kind = "slip_two_state"

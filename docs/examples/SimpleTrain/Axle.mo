@@ -14,7 +14,7 @@ model Axle "A wheelset on the rail with its brake units and their cylinders"
   parameter Real k_S(final unit="1", start=0.1) "Polach: reduction of the creep stiffness in the area of slip";
   parameter Real A_falling(final unit="1", start=0.4) "Polach: friction at infinite slip speed over maximum friction";
   parameter Real B_falling(final unit="s/m", start=0.2) "Polach: rate at which friction falls with slip speed";
-  parameter Real speed_start(final unit="m/s", min=0, start=30) "Speed at the start";
+  parameter Real start_speed(final unit="m/s", min=0, start=30) "Speed at the start";
   input Real speed(final unit="m/s") "Speed of the train";
   input Real load(final unit="N") "Load on the rail";
   input Real mu0(final unit="1") "Maximum friction of the rail";
@@ -32,7 +32,7 @@ model Axle "A wheelset on the rail with its brake units and their cylinders"
 protected
   RailBraking.Components.Wheelsets wheels(
     final n=1, J=J, r=r_wheel, curve={RailBraking.Data.CreepCurve(k_A=k_A, k_S=k_S, A=A_falling, B=B_falling)},
-    w_start=speed_start/r_wheel) "Wheelset on the rail";
+    w_start=start_speed/r_wheel) "Wheelset on the rail";
   RailBraking.Components.GroupBrake brake(n_units=n_units, r_friction=r_friction) "Brake units";
   RailBraking.Pneumatics.IdealCylinder cylinder(T=T_pressure, p_max=p_max, V=6e-3) "Cylinders";
 equation

@@ -3,7 +3,7 @@ partial block Train "Rigid train of n equal wheelsets, each with a brake of its 
   parameter Integer n(min=1) = 1 "Number of wheelsets" annotation(Evaluate=true);
   parameter Real wheelsets_per_group[n](each final unit="1")
     "Number of wheelsets that turn as one, leading group first: one in each group";
-  parameter Real speed_start(final unit="m/s", min=0) = 30 "Speed at the start";
+  parameter Real start_speed(final unit="m/s", min=0) = 30 "Speed at the start";
   parameter Real m_wheelset(final unit="kg", min=1) = 15e3 "Mass that each wheelset carries";
   parameter Real J(final unit="kg.m2", min=1) = 120 "Inertia of each wheelset";
   parameter Real r_wheel(final unit="m", min=0.1) = 0.46 "Rolling radius";
@@ -38,11 +38,11 @@ partial block Train "Rigid train of n equal wheelsets, each with a brake of its 
   output Boolean locked[n] "= true, if the wheelset does not turn";
   output Boolean standstill "= true, if the train stands";
 protected
-  RailBraking.Components.TrainBody body(m=n*m_wheelset, v_start=speed_start) "Mass along the track";
+  RailBraking.Components.TrainBody body(m=n*m_wheelset, start_speed=start_speed) "Mass along the track";
   Axle axle[n](
     each J=J, each r_wheel=r_wheel, each n_units=n_units, each r_friction=r_friction, each p_max=p_max, each A_piston=A_piston,
     each i_rigging=i_rigging, each eta_rigging=eta_rigging, each F_spring=F_spring, each T_pressure=T_pressure,
-    each k_A=k_A, each k_S=k_S, each A_falling=A_falling, each B_falling=B_falling, each speed_start=speed_start)
+    each k_A=k_A, each k_S=k_S, each A_falling=A_falling, each B_falling=B_falling, each start_speed=start_speed)
     "Wheelsets with their brakes";
 equation
   for i in 1:n loop

@@ -218,7 +218,7 @@ def wheelset(speed: float, parameters: Mapping[str, float], period: float = PERI
         period: Between communications [s].
     """
     description, binding = _bound()
-    with CoSimulation(description, binding, period=period, parameters={"speed_start": speed, **parameters}) as plant:
+    with CoSimulation(description, binding, period=period, parameters={"start_speed": speed, **parameters}) as plant:
         yield plant
 
 

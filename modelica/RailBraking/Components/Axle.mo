@@ -12,7 +12,7 @@ model Axle "Wheelset with its brake, or several that turn as one"
   parameter Types.Ratio mu_b_nominal = 0.35 "Pad friction at nominal speed, pressure and temperature";
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
   parameter Types.Temperature T_disc_start = 313.15 "Temperature of the discs at the start";
-  parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
+  parameter Types.Velocity start_speed(min=0, start=22) "Speed at the start";
   parameter Types.Torque tau_small(min=1e-3) = 10
     "Torque by which the track must exceed the brake to turn a locked axle";
   parameter Data.Creep creep "Contact";
@@ -84,7 +84,7 @@ model Axle "Wheelset with its brake, or several that turn as one"
     redeclare block WheelsetsContact = AxleContact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
     curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, curve=curve, v_small=creep.v_small,
     mu_bearing=resistance.mu_bearing, r_bearing=resistance.r_bearing,
-    e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=v_start/r_wheel) "Wheelsets on the rails"
+    e_rolling=resistance.e_rolling, tau_small=tau_small, w_start=start_speed/r_wheel) "Wheelsets on the rails"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
   Components.GroupBrake brake(
     n_units=n_units, r_friction=r_friction,

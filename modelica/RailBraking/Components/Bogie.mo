@@ -21,7 +21,7 @@ model Bogie "Bogie of any number of axles, braked"
     "Pad friction at nominal speed, pressure and temperature";
   parameter Types.Ratio mu_b_start[groups] = fill(0.35, groups) "Pad friction at the start";
   parameter Types.Temperature T_disc_start[groups] = fill(313.15, groups) "Temperature of the discs at the start";
-  parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
+  parameter Types.Velocity start_speed(min=0, start=22) "Speed at the start";
   parameter Types.Torque tau_small(min=1e-3) = 10
     "Torque by which the track must exceed the brake to turn a locked group";
   parameter Data.Suspension suspension "Frame and primary suspension";
@@ -99,7 +99,8 @@ model Bogie "Bogie of any number of axles, braked"
   Components.Axle axle[groups](
     redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
     each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
-    mu_b_start=mu_b_start, T_disc_start=T_disc_start, each v_start=v_start, each tau_small=tau_small, each creep=creep,
+    mu_b_start=mu_b_start, T_disc_start=T_disc_start, each start_speed=start_speed,
+    each tau_small=tau_small, each creep=creep,
     curve={{curve[size_of_group*(g - 1) + i] for i in 1:size_of_group} for g in 1:groups},
     each resistance=resistance, each pads=pads, each discs=discs) "Wheelsets with their brakes"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));

@@ -2,7 +2,7 @@ within RailBraking.Components;
 model CarBody "Mass of a car along the track, with drag"
   extends Icons.Component;
   parameter Types.Mass m(min=1e-3, start=40000) "Mass of the car and its bogies, without rotating masses";
-  parameter Types.Velocity v_start(min=0, start=22) "Speed at the start";
+  parameter Types.Velocity start_speed(min=0, start=22) "Speed at the start";
   parameter Data.Drag drag "Air";
   Interfaces.TranslationalFlange front "Front end"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
@@ -21,7 +21,7 @@ model CarBody "Mass of a car along the track, with drag"
     annotation(Placement(transformation(extent={{100, 30}, {120, 50}})));
   Interfaces.RealOutput kinetic_energy(final unit="J") "Energy of motion along the track"
     annotation(Placement(transformation(extent={{100, -50}, {120, -30}})));
-  Types.Velocity v(start=v_start, fixed=true, stateSelect=StateSelect.prefer) "Speed";
+  Types.Velocity v(start=start_speed, fixed=true, stateSelect=StateSelect.prefer) "Speed";
 protected
   Types.Force drag_force "Drag of the air";
 equation

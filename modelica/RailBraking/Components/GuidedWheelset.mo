@@ -20,7 +20,7 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
   parameter Types.Ratio k_S(start=0.1) "Polach: reduction of the creep stiffness in the area of slip";
   parameter Types.Ratio A(start=0.4) "Polach: friction at infinite slip speed over maximum friction";
   parameter Types.InverseVelocity B(start=0.2) "Polach: rate at which friction falls with slip speed";
-  parameter Types.Velocity v_start(start=20) "Speed at the start";
+  parameter Types.Velocity start_speed(start=20) "Speed at the start";
   final parameter Real factor = Contact.creepFactor(r, r_rail, E, nu) "Slope of epsilon, see creepFactor";
   Interfaces.GuidedFlange frame "To the axle boxes of a frame, whose drive turns the axle; nothing when it is left open"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
@@ -34,15 +34,15 @@ model GuidedWheelset "Wheelset that runs, turns, swings and yaws between the rai
     annotation(Placement(transformation(extent={{-118, -81}, {-102, -65}})));
   Interfaces.RealInput mu0(final unit="1") "Maximum friction coefficient"
     annotation(Placement(transformation(extent={{-118, -99}, {-102, -83}})));
-  Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run at v_start";
-  Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from v_start";
+  Types.Length x(start=0, fixed=true, nominal=1e-2) "Position along the track relative to an even run at start_speed";
+  Types.Velocity dv(start=0, fixed=true, nominal=1e-2) "Speed along the track, change from start_speed";
   Types.Length y(start=0, fixed=true, nominal=1e-3) "Lateral position, to the left";
   Types.Velocity vy(start=0, fixed=true, nominal=1e-2) "Lateral speed";
   Real psi(final unit="rad", start=0, fixed=true, nominal=1e-3) "Yaw angle, to the left";
   Types.AngularVelocity wz(start=0, fixed=true, nominal=1e-2) "Yaw rate";
   Types.Length z(start=0, fixed=true, nominal=1e-3) "Height, change from static";
   Types.Velocity vz(start=0, fixed=true, nominal=1e-2) "Vertical speed";
-  Types.AngularVelocity dw(start=0, fixed=true, nominal=1e-2) "Angular velocity about the axle, change from v_start/r";
+  Types.AngularVelocity dw(start=0, fixed=true, nominal=1e-2) "Angular velocity about the axle, less start_speed/r";
   Types.Acceleration a "Acceleration along the track";
   Types.Acceleration ay "Acceleration across the track";
   Types.Acceleration az "Upward acceleration";
@@ -68,8 +68,8 @@ equation
   frame.phi = cross_level/(2*b);
   frame.theta = 0;
   frame.psi = psi;
-  v = v_start + dv;
-  w = v_start/r + dw;
+  v = start_speed + dv;
+  w = start_speed/r + dw;
   offset = y - alignment;
   pressed = {
     (offset - clearance + sqrt((offset - clearance)^2 + rounding^2))/2,

@@ -7,7 +7,7 @@ model TrainBody "All masses of the train along the track, with drag and rest"
   parameter Types.Density rho_air = 1.2 "Density of the air";
   parameter Types.Velocity v_rest = 1e-3 "Speed at which the train comes to rest if it can be held";
   parameter Types.Force F_small = 10 "Force by which the track must exceed what holds the train to move it";
-  parameter Types.Velocity v_start(start=22) "Speed at the start";
+  parameter Types.Velocity start_speed(start=22) "Speed at the start";
   Interfaces.RealInput F(final unit="N") "Braking force of the track on all wheelsets"
     annotation(Placement(transformation(extent={{-120, 57}, {-100, 77}})));
   Interfaces.RealInput track_force(final unit="N") "Force of gradient and curve, forward"
@@ -25,7 +25,7 @@ model TrainBody "All masses of the train along the track, with drag and rest"
   Types.Velocity v "Speed";
 protected
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
-  CarBody body(m=m, v_start=v_start, drag=drag) "All masses in one body"
+  CarBody body(m=m, start_speed=start_speed, drag=drag) "All masses in one body"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   BodyForce wheelsets "Force of the track on all wheelsets"
     annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));

@@ -11,7 +11,7 @@ model BrakedWheelset "One braked wheelset under a mass, put together from compon
   Components.Wheelsets wheelset(
     J=209, r=0.38, curve={Data.CreepCurve(k_A=wet.k_A, k_S=wet.k_S, A=wet.A, B=wet.B)}, w_start=20/0.38) "Wheelset"
     annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
-  Components.TrainBody body(m=m, c_drag=0, v_start=20) "Mass along the track"
+  Components.TrainBody body(m=m, c_drag=0, start_speed=20) "Mass along the track"
     annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
   parameter Contact.Surfaces.Wet wet "Rail"
     annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));

@@ -6,7 +6,7 @@ model WanderingWheelset "A wheelset on a wavy dry track, and what three predicti
   parameter Types.Frequency f = 1 "At which the track is passed";
   parameter Contact.Surfaces.MalDry rail "Rail"
     annotation(Placement(transformation(extent={{-73, 20}, {-33, 60}})));
-  FMUs.LateralWheelset plant(speed_start=v, rolling_creep=0) "Wheelset"
+  FMUs.LateralWheelset plant(start_speed=v, rolling_creep=0) "Wheelset"
     annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
   FMUs.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track"
     annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));

@@ -2,7 +2,7 @@ within RailBraking.FMUs;
 block LateralWheelset "Conical wheelset on two halves of a torsional axle, disturbed sideways by the track"
   extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
-  parameter Types.Velocity speed_start(min=1) = 25 "Speed at the start";
+  parameter Types.Velocity start_speed(min=1) = 25 "Speed at the start";
   parameter Types.Inertia J[2] = {134, 64} "Inertia of right and left half of the axle with its wheel";
   parameter Types.RotationalStiffness k_torsion = 6063260 "Torsional stiffness of the axle";
   parameter Types.RotationalDamping c_torsion = 0 "Torsional damping of the axle";
@@ -47,8 +47,8 @@ protected
   Types.Velocity dy(start=0, fixed=true) "Lateral velocity";
   Types.Angle psi(start=0, fixed=true) "Yaw angle";
   Types.AngularVelocity dpsi(start=0, fixed=true) "Yaw rate";
-  Types.Velocity v(start=speed_start, fixed=true) "Speed along the track";
-  Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true)
+  Types.Velocity v(start=start_speed, fixed=true) "Speed along the track";
+  Types.AngularVelocity w[2](each start=start_speed/r_wheel, each fixed=true)
     "Angular velocity of right and left wheel";
   Types.Angle theta(start=0, fixed=true) "Twist of the axle";
   Types.Ratio steering "Longitudinal creep by yaw rate and conicity, of the right wheel";

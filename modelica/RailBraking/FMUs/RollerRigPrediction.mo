@@ -1,7 +1,7 @@
 within RailBraking.FMUs;
 block RollerRigPrediction "Roller rig as an estimator believes it to be"
   extends Icons.Vehicle;
-  parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start";
+  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start";
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
   parameter Types.Ratio alpha_start = 0 "Adhesion at the start";
   parameter Types.Mass m_imitated = 20e3 "Mass that roller and drive imitate together";
@@ -28,8 +28,8 @@ block RollerRigPrediction "Roller rig as an estimator believes it to be"
   Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the roller's surface"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 
-  Types.AngularVelocity w(start=speed_start/r_wheel, fixed=true, stateSelect=StateSelect.always) "Angular velocity";
-  Types.Velocity v(start=speed_start, fixed=true, stateSelect=StateSelect.always) "Speed of the roller's surface";
+  Types.AngularVelocity w(start=start_speed/r_wheel, fixed=true, stateSelect=StateSelect.always) "Angular velocity";
+  Types.Velocity v(start=start_speed, fixed=true, stateSelect=StateSelect.always) "Speed of the roller's surface";
   Types.Ratio mu_b(start=mu_b_start, fixed=true, stateSelect=StateSelect.always) "Pad friction";
   Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always) "Adhesion, positive in braking";
 protected

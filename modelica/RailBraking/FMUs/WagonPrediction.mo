@@ -1,7 +1,7 @@
 within RailBraking.FMUs;
 block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   extends Icons.Vehicle;
-  parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start";
+  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start";
   parameter Types.Ratio mu_b_start[2] = {0.35, 0.35} "Pad friction at the start";
   parameter Types.Ratio alpha_start = 0 "Adhesion at the start";
   parameter Types.Mass m = 40e3 "Mass of the wagon";
@@ -38,9 +38,9 @@ block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   Interfaces.RealOutput speed(final unit="m/s") = v "Speed of the wagon"
     annotation(Placement(transformation(extent={{100, -60}, {120, -40}})));
 
-  Types.AngularVelocity w[2](each start=speed_start/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
+  Types.AngularVelocity w[2](each start=start_speed/r_wheel, each fixed=true, each stateSelect=StateSelect.always)
     "Angular velocity of each wheelset, front and rear";
-  Types.Velocity v(start=speed_start, fixed=true, stateSelect=StateSelect.always) "Speed of the wagon";
+  Types.Velocity v(start=start_speed, fixed=true, stateSelect=StateSelect.always) "Speed of the wagon";
   Types.Ratio mu_b[2](start=mu_b_start, each fixed=true, each stateSelect=StateSelect.always)
     "Pad friction of each wheelset";
   Types.Ratio alpha(start=alpha_start, fixed=true, stateSelect=StateSelect.always)

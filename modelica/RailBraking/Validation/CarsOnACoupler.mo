@@ -8,8 +8,8 @@ model CarsOnACoupler "Two cars swing on an undamped coupler at its natural frequ
   parameter Types.Stiffness k = 5e6 "Stiffness of the coupler";
   parameter Types.Force F = 20e3 "Force on the leading car from the start";
   final parameter Real w0(final unit="rad/s") = sqrt(k*(1/m1 + 1/m2)) "Natural frequency";
-  Components.CarBody leading(m=m1, v_start=10, drag(c_drag=0)) "Leading car";
-  Components.CarBody trailing(m=m2, v_start=10, drag(c_drag=0)) "Car behind";
+  Components.CarBody leading(m=m1, start_speed=10, drag(c_drag=0)) "Leading car";
+  Components.CarBody trailing(m=m2, start_speed=10, drag(c_drag=0)) "Car behind";
   Components.Coupler coupler(k=k, c=0) "Coupler";
 equation
   leading.track_force = F;

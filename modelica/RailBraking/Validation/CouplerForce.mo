@@ -6,8 +6,8 @@ model CouplerForce "A coupler pulls the mass behind it by its share of the force
   parameter Types.Mass m1 = 80e3 "Mass of the leading car, which is held back";
   parameter Types.Mass m2 = 30e3 "Mass of the car behind";
   parameter Types.Force F = 55e3 "Force that holds the leading car back";
-  Components.CarBody leading(m=m1, v_start=20, drag(c_drag=0)) "Leading car";
-  Components.CarBody trailing(m=m2, v_start=20, drag(c_drag=0)) "Car behind";
+  Components.CarBody leading(m=m1, start_speed=20, drag(c_drag=0)) "Leading car";
+  Components.CarBody trailing(m=m2, start_speed=20, drag(c_drag=0)) "Car behind";
   Components.Coupler coupler(k=2e7, c=1e6) "Coupler";
 equation
   leading.track_force = -F;

@@ -3,12 +3,12 @@ model DrivenAxle "Shaft torque and track brake take the energy that the car lose
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
-  parameter Types.Velocity v_start = 10 "Speed at the start";
-  final parameter Types.Energy E = 12e3*v_start^2/2 + 110*(v_start/0.42)^2/2 "Energy at the start";
+  parameter Types.Velocity start_speed = 10 "Speed at the start";
+  final parameter Types.Energy E = 12e3*start_speed^2/2 + 110*(start_speed/0.42)^2/2 "Energy at the start";
   Components.Axle axle(
-    J=110, r_wheel=0.42, n_units=2, r_friction=0.24, v_start=v_start,
+    J=110, r_wheel=0.42, n_units=2, r_friction=0.24, start_speed=start_speed,
     resistance(mu_bearing=1e-9, r_bearing=1e-9, e_rolling=0)) "Axle without brake";
-  Components.CarBody body(m=12e3, v_start=v_start, drag(c_drag=0)) "A twelfth of a car";
+  Components.CarBody body(m=12e3, start_speed=start_speed, drag(c_drag=0)) "A twelfth of a car";
   Components.ShaftTorque motor "Electrodynamic brake";
   Components.BodyForce magnet "Track brake";
   Types.Energy taken(start=0, fixed=true) "Energy taken by both, and heat of the contact";

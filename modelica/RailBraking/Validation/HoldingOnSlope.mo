@@ -9,7 +9,7 @@ model HoldingOnSlope "Brakes hold a train on a slope until the slope is too stro
   constant Types.Length s_unit = 1 "What creeping is counted in";
   constant Types.Velocity v_unit = 1 "What creeping is counted in";
   final parameter Types.Force F_exact = brake_torque/r "Force that the brake can hold";
-  Components.TrainBody body(m=m, c_drag=0, v_start=0) "Masses along the track";
+  Components.TrainBody body(m=m, c_drag=0, start_speed=0) "Masses along the track";
   Components.Wheelsets wheels(
     final n=2, J=222, r=r, curve={Data.CreepCurve(k_A=1, k_S=0.4, A=0.4, B=0.6) for i in 1:2},
     w_start=0, mu_bearing=1e-9, e_rolling=0) "Braked wheelsets";

@@ -10,7 +10,8 @@ model KlingelMotion "A free wheelset swings with Klingel's wavelength"
   parameter Types.Length b = 0.75 "Half the distance of the contacts";
   final parameter Real k(final unit="1/m") = sqrt(conicity/(r*b)) "Wavenumber after Klingel (1883)";
   Components.GuidedWheelset wheelset(
-    m=1400, I_yaw=810, J=112, r=r, b=b, conicity=conicity, load_nominal=1.2e5, k_A=1, k_S=0.4, A=0.4, B=0.6, v_start=v,
+    m=1400, I_yaw=810, J=112, r=r, b=b, conicity=conicity, load_nominal=1.2e5, k_A=1, k_S=0.4, A=0.4, B=0.6,
+    start_speed=v,
     y(start=y_start)) "Wheelset without frame";
 equation
   wheelset.alignment = 0;

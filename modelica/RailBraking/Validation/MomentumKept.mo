@@ -5,7 +5,7 @@ model MomentumKept "Force times time is mass times speed, rotating masses includ
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
   parameter Types.Force pull = 20e3 "Force of the track, forward";
-  Components.TrainBody body(m=m, c_drag=0, v_start=10) "Masses along the track";
+  Components.TrainBody body(m=m, c_drag=0, start_speed=10) "Masses along the track";
   Components.Wheelsets wheels(
     final n=2, J=222, r=0.38, curve={Data.CreepCurve(k_A=1, k_S=0.4, A=0.4, B=0.6) for i in 1:2},
     w_start=10/0.38, mu_bearing=1e-9, e_rolling=0)

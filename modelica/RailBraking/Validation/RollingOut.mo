@@ -4,7 +4,7 @@ model RollingOut "Bearing and rolling resistance slow a train at a constant rate
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
   parameter Types.Mass m = 28000 "Mass on two wheelsets";
-  Components.TrainBody body(m=m, c_drag=0, v_start=2) "Masses along the track";
+  Components.TrainBody body(m=m, c_drag=0, start_speed=2) "Masses along the track";
   Components.Wheelsets wheels(
     final n=2, J=222, r=0.38, curve={Data.CreepCurve(k_A=1, k_S=0.4, A=0.4, B=0.6) for i in 1:2},
     w_start=2/0.38) "Free wheelsets";

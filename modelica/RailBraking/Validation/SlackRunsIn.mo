@@ -11,8 +11,8 @@ model SlackRunsIn "A car that runs into another through the slack leaves it as a
   parameter Types.Length slack = 0.08 "Slack, half of which is run in first";
   final parameter Types.Velocity v_m = (m1*v1 + m2*v2)/(m1 + m2) "Speed of the centre of gravity";
   final parameter Types.Time t_half = 3.14159265358979*sqrt(m1*m2/(m1 + m2)/k) "Duration of the blow";
-  Components.CarBody leading(m=m1, v_start=v1, drag(c_drag=0)) "Leading car";
-  Components.CarBody trailing(m=m2, v_start=v2, drag(c_drag=0)) "Car behind";
+  Components.CarBody leading(m=m1, start_speed=v1, drag(c_drag=0)) "Leading car";
+  Components.CarBody trailing(m=m2, start_speed=v2, drag(c_drag=0)) "Car behind";
   Components.Coupler coupler(k=k, c=0, slack=slack) "Coupler";
   Types.Ratio momentum "Deviation of the momentum";
   Types.Ratio speeds "Deviation of the speed of the car behind, before and after the blow";

@@ -27,7 +27,7 @@ model Car "Car body on equal bogies"
   parameter Types.Ratio mu_b_start[bogies*groups] = fill(0.35, bogies*groups) "Pad friction at the start";
   parameter Types.Temperature T_disc_start[bogies*groups] = fill(313.15, bogies*groups)
     "Temperature of the discs at the start";
-  parameter Types.Velocity v_start(min=0) = 22 "Speed at the start";
+  parameter Types.Velocity start_speed(min=0) = 22 "Speed at the start";
   parameter Types.Torque tau_small(min=1e-3) = 10
     "Torque by which the track must exceed the brake to turn a locked group";
   parameter Data.Drag drag "Air";
@@ -119,7 +119,7 @@ model Car "Car body on equal bogies"
   Interfaces.RealOutput kinetic_energy(final unit="J")
     "Energy of motion along the track and of rotation"
     annotation(Placement(transformation(extent={{100, -94}, {110, -86}})));
-  Components.CarBody body(m=sum(m_wheelset), v_start=v_start, drag=drag) "Body"
+  Components.CarBody body(m=sum(m_wheelset), start_speed=start_speed, drag=drag) "Body"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.Bogie bogie[bogies](
     redeclare block BogieContact = CarContact, redeclare block BogiePad = CarPad,
@@ -131,7 +131,7 @@ model Car "Car body on equal bogies"
     r_friction={{r_friction[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
     mu_b_nominal={{mu_b_nominal[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
     mu_b_start={{mu_b_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies},
-    T_disc_start={{T_disc_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies}, each v_start=v_start,
+    T_disc_start={{T_disc_start[groups*(b - 1) + i] for i in 1:groups} for b in 1:bogies}, each start_speed=start_speed,
     each tau_small=tau_small, each suspension=suspension, each creep=creep,
     curve={{curve[axles*(b - 1) + i] for i in 1:axles} for b in 1:bogies}, each resistance=resistance,
     each pads=pads, each discs=discs) "Bogies"

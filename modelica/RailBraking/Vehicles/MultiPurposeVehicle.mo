@@ -83,7 +83,7 @@ protected
   Components.GuidedWheelset wheelset[4](
     each m=m_unsprung, each I_yaw=I_wheelset, J=J, r=r_wheel, each conicity=conicity, each b=b, each k_track=k_track,
     each load_nominal=load_nominal, each k_A=k_A, each k_S=k_S, each A=A_falling, each B=B_falling,
-    each v_start=speed_set) "Wheelsets"
+    each start_speed=speed_set) "Wheelsets"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
   Types.Force drive(start=drag_start, fixed=true, nominal=1e3) "Force of the drive at the rims";
   Types.Force integral(start=drag_start, fixed=true, nominal=1e3) "Integral part of the speed controller";

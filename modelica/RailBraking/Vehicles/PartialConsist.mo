@@ -43,7 +43,8 @@ protected
     mu_b_nominal={{mu_b_nominal[groups_of_car*(c - 1) + i] for i in 1:groups_of_car} for c in 1:cars},
     mu_b_start={{mu_b_start[groups_of_car*(c - 1) + i] for i in 1:groups_of_car} for c in 1:cars},
     T_disc_start={{T_disc_start[groups_of_car*(c - 1) + i] for i in 1:groups_of_car} for c in 1:cars},
-    each v_start=speed_start, each tau_small=tau_small, each drag=drag, each suspension=suspension, each creep=creep,
+    each start_speed=start_speed, each tau_small=tau_small, each drag=drag, each suspension=suspension,
+    each creep=creep,
     curve={{curve[wheelsets_of_car*(c - 1) + i] for i in 1:wheelsets_of_car} for c in 1:cars},
     each resistance=resistance, each pads=pads, each discs=discs) "Cars"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));

@@ -1,7 +1,7 @@
 within RailBraking.Vehicles;
 partial block PartialRollerRig "Braked wheelset on a roller that imitates a wagon; what fills the cylinders is open"
   extends Icons.Vehicle;
-  parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed of the roller's surface at the start"
+  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed of the roller's surface at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Mass m_imitated = 20e3 "Mass that roller and drive imitate together" annotation(Dialog(group="Rig"));
   parameter Types.Force load = 98.1e3 "Mean load of the wheelset on the roller" annotation(Dialog(group="Rig"));
@@ -107,13 +107,13 @@ protected
     speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
     force_effect=force_effect, pad_force_nominal=pad_force_nominal, E_settle=E_settle, T_settle=T_settle) "Pads";
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
-  Components.CarBody body(m=m_imitated, v_start=speed_start, drag=drag) "Roller and drive: the wagon"
+  Components.CarBody body(m=m_imitated, start_speed=start_speed, drag=drag) "Roller and drive: the wagon"
     annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
   Components.Rest rest(final n=1) "When the roller is at rest"
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle wheelset(
     final n=1, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
-    mu_b_start=mu_b_start, T_disc_start=T_disc_start, v_start=speed_start, creep=creep, resistance=resistance,
+    mu_b_start=mu_b_start, T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, resistance=resistance,
     pads=pads) "Wheelset on the roller"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   Types.Length s(start=0, fixed=true) "Distance that the surface has travelled";

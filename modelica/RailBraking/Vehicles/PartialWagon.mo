@@ -1,7 +1,7 @@
 within RailBraking.Vehicles;
 partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylinders is open"
   extends Icons.Vehicle;
-  parameter Types.Velocity speed_start(min=0) = 33.333333333333333 "Speed at the start"
+  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
     "Number of wheelsets that turn as one, leading group first; a description, no value to change"
@@ -112,18 +112,18 @@ protected
     speed_effect=speed_effect, pad_speed_nominal=pad_speed_nominal, temperature_effect=temperature_effect,
     force_effect=force_effect, pad_force_nominal=pad_force_nominal, E_settle=E_settle, T_settle=T_settle) "Pads";
   final parameter Data.Drag drag = Data.Drag(c_drag=c_drag, A_drag=A_drag, rho_air=rho_air) "Air";
-  Components.CarBody body(m=m, v_start=speed_start, drag=drag) "Wagon"
+  Components.CarBody body(m=m, start_speed=start_speed, drag=drag) "Wagon"
     annotation(Placement(transformation(extent={{-20, 40}, {20, 80}})));
   Components.Rest rest(final n=1) "When the wagon is at rest"
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle front(
     final n=1, J=J[1], r_wheel=r_wheel[1], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[1],
-    mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, curve=curve[1:1],
+    mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[1:1],
     resistance=resistance, pads=pads) "Front wheelset"
     annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
   Components.Axle rear(
     final n=1, J=J[2], r_wheel=r_wheel[2], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[2],
-    mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, v_start=speed_start, creep=creep, curve=curve[2:2],
+    mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[2:2],
     resistance=resistance, pads=pads) "Rear wheelset"
     annotation(Placement(transformation(extent={{40, -20}, {80, 20}})));
   Types.Length s(start=0, fixed=true) "Distance travelled";
