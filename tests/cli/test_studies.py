@@ -93,7 +93,7 @@ def test_a_study_that_is_not_there_gets_a_sentence(capsys):
     with pytest.raises(SystemExit) as end:
         main(["study", "estimation"])
     assert end.value.code == 2
-    assert "No such command 'estimation'" in capsys.readouterr().err
+    assert "there is no study 'estimation'; there is axle_box" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
