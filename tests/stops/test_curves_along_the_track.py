@@ -79,9 +79,9 @@ def test_parts_in_python_with_an_estimator(rail):
 
 def test_valves_service_sensors_and_a_train_file():
     parts = ("actuation.kind=pneumatic", "vehicle.plant=TwoPartTrainPneumatic", "sensors.kind=white")
-    same_stop(scenario(*WITHOUT, *parts, PATCH, "limits.horizon=6 s"))
+    run_stop(scenario(*WITHOUT, *parts, PATCH, "limits.horizon=6 s"))
     table = scenario(*WITHOUT, PATCH, "limits.horizon=4 s").resolved() | {"vehicle": {"train": "tram"}}
-    assert same_stop(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
+    assert run_stop(scenario_of(table, directory=Path(), origin="tram")).trace["curve_k_A"].values.min() == 0.04
 
 
 def test_wheelsets_of_a_wagon():

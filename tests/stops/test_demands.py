@@ -6,6 +6,7 @@ from python_parts import same_stop
 from synthetic import LIBRARY
 
 import railgrip as rg
+from railgrip.assemble import run_stop
 from railgrip.scenario.load import load
 from railgrip.trace.outcome import Outcome
 
@@ -77,7 +78,7 @@ def from_rest(force):
     driven = {"pressure": 0, "traction": {"force": force}}
     phases = [driven | {"until": {"time": "4 s"}}, driven | {"until": {"speed_above": "30 km/h"}}, {"pressure": "full"}]
     phases = phases if force != "1 N" else [phases[0], phases[-1]]
-    return same_stop(rg.Scenario.load("service_steps", {"start.speed": 0, "demand": {"phases": phases}} | GRIPPY))
+    return run_stop(rg.Scenario.load("service_steps", {"start.speed": 0, "demand": {"phases": phases}} | GRIPPY))
 
 
 def test_a_train_at_rest_stands_once_it_has_moved():
@@ -110,7 +111,7 @@ def test_full_brake_from_the_start_is_a_stop_without_a_demand():
 
 def test_a_driver_stops_at_the_target_where_the_rail_allows_it():
     """Within half a metre: the cylinders follow late, and the last metres are slow."""
-    stop = same_stop(
+    stop = run_stop(
         rg.Scenario.load("stop_at_target", {"adhesion": GRIPPY["adhesion"], "limits.stop_speed": "0.05 m/s"})
     )
     assert stop.outcome is Outcome.STANDSTILL
@@ -119,7 +120,7 @@ def test_a_driver_stops_at_the_target_where_the_rail_allows_it():
 
 
 def test_a_slippery_rail_carries_the_train_beyond_the_target():
-    stop = same_stop(load(LIBRARY / "stop_at_target.toml"))
+    stop = run_stop(load(LIBRARY / "stop_at_target.toml"))
     assert stop.outcome is Outcome.STANDSTILL
     assert float(stop.trace["distance"][-1]) > 705.0
     assert float((stop.trace["command"] - stop.trace["driver_demand"]).max()) == 0.0
@@ -127,7 +128,7 @@ def test_a_slippery_rail_carries_the_train_beyond_the_target():
 
 def test_valves_send_no_more_than_the_driver_demands():
     """Valve logic has a band of pressure around the demand, and a shortest stroke."""
-    stop = same_stop(
+    stop = run_stop(
         load(
             LIBRARY / "service_steps.toml",
             ["vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic", "limits.horizon=40 s"],

@@ -36,7 +36,7 @@ def test_the_library_s_broken_train_stops():
 
 
 def test_valves_stuck_do_what_they_are_called(healthy):
-    stop = same_stop(train(*({"part": "valve", "kind": kind, "group": g, "begin": "2 s"}
+    stop = run_stop(train(*({"part": "valve", "kind": kind, "group": g, "begin": "2 s"}
                         for g, kind in enumerate(("filled", "dumped", "held"), start=1))))  # fmt: skip
     late = stop.trace.sel(time=slice(4.0, None))
     command, pressure = late["command"].values, late["cylinder_pressure"].values
@@ -53,7 +53,7 @@ def test_valves_stuck_do_what_they_are_called(healthy):
 
 def test_a_supply_that_sags_fills_no_cylinder_beyond_it():
     """Isothermal reservoir of 30 l at 4 bar: no fill valve opens once a cylinder holds what is left in it."""
-    stop = same_stop(train({"part": "supply", "kind": "sagging", "value": "30 l", "pressure": "4 bar"}))
+    stop = run_stop(train({"part": "supply", "kind": "sagging", "value": "30 l", "pressure": "4 bar"}))
     trace = stop.trace
     left = 4e5 - FREE * (trace["air_used"].values - trace["air_used"].values[0]) / 0.03
     inside, command = trace["cylinder_pressure"].values[:-1], trace["command"].values[1:]
@@ -63,7 +63,7 @@ def test_a_supply_that_sags_fills_no_cylinder_beyond_it():
 
 def test_an_isolated_unit_takes_its_share_of_torque(healthy):
     """Of three units two are left: 2/3 of the torque at the same pressure and pad friction."""
-    stop = same_stop(train({"part": "brake", "kind": "isolated", "group": 1, "value": 1}))
+    stop = run_stop(train({"part": "brake", "kind": "isolated", "group": 1, "value": 1}))
 
     def torque_per_force(trace):
         at = trace.isel(time=1500)
@@ -71,7 +71,7 @@ def test_an_isolated_unit_takes_its_share_of_torque(healthy):
         return (at["brake_torque"].values / force)[0]
 
     assert torque_per_force(stop.trace) == pytest.approx(2 / 3 * torque_per_force(healthy.trace), rel=1e-9)
-    whole = same_stop(train({"part": "brake", "kind": "isolated", "group": 1}))
+    whole = run_stop(train({"part": "brake", "kind": "isolated", "group": 1}))
     assert np.abs(whole.trace["brake_torque"].values[:, 0]).max() < 50.0
     assert (whole.trace["brake_limit"].values[:, 0] == 0.0).all()
 
@@ -80,7 +80,7 @@ def test_ideal_actuation_has_the_same_faults_of_valves():
     ideal = {"vehicle": {"plant": "TwoPartTrain"}, "actuation": {"kind": "ideal"}}
     kinds = [{"part": "valve", "kind": kind, "group": g, "begin": "1 s"}
              for g, kind in enumerate(("filled", "dumped", "held"), start=1)]  # fmt: skip
-    stop = same_stop(train(*kinds, {"part": "valve", "kind": "slow", "group": 4, "value": "50 ms"}, **ideal))
+    stop = run_stop(train(*kinds, {"part": "valve", "kind": "slow", "group": 4, "value": "50 ms"}, **ideal))
     command = stop.trace["command"].values
     assert (command[1001:, 0] == 3.4e5).all()
     assert (command[1001:, 1] == 0.0).all()
@@ -91,7 +91,7 @@ def test_ideal_actuation_has_the_same_faults_of_valves():
 def test_a_lighter_train_downhill_is_one():
     """Nothing slides on a dry rail: from the same pressures, a = (F - m g i)/m, to the drift of pads and drag."""
     grip = {"adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.5}, "controller": {"kind": "full_brake"}}
-    told, lighter = (same_stop(train(truth=truth, **grip)) for truth in ({"load": 1}, {"load": 0.8, "gradient": -0.01}))
+    told, lighter = (run_stop(train(truth=truth, **grip)) for truth in ({"load": 1}, {"load": 0.8, "gradient": -0.01}))
     a, b = (-stop.trace["acceleration"].values[2500] for stop in (told, lighter))
     mass, rotating = 84e3, (2 * 222 + 2 * 209) / 0.38**2
     assert b == pytest.approx((a * (mass + rotating) - 0.8 * mass * 9.81 * 0.01) / (0.8 * mass + rotating), rel=0.01)
@@ -104,10 +104,10 @@ def test_sensors_as_they_are_read_the_same():
         "acceleration": {"feels_gradient": True},
         "deflection": {"noise": 0, "irregularity": {"track": "erri-high", "frequency": "5.9 Hz", "damping": 0.19}},
     }
-    stop = same_stop(train(sensors=sensors, truth={"gradient": 0.01}))
+    stop = run_stop(train(sensors=sensors, truth={"gradient": 0.01}))
     trace = stop.trace
     felt = trace["reading_acceleration"].values - trace["acceleration"].values
-    plain = same_stop(train(truth={"gradient": 0.01})).trace
+    plain = run_stop(train(truth={"gradient": 0.01})).trace
     assert felt.mean() - (plain["reading_acceleration"] - plain["acceleration"]).values.mean() == pytest.approx(
         0.0981, abs=2e-3
     )

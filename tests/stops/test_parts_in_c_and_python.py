@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from python_parts import hidden, run_in_python
+from python_parts import hidden, same_stop
 
 from railgrip.assemble import assembled, braking_distance, run_stop
 from railgrip.fmus.build import fmu
@@ -21,16 +21,8 @@ SHORT = ("limits.horizon=4 s",)
 CAMPAIGNS = LIBRARY.parent / "campaigns"
 
 
-def both(scenario: str, *overrides: str):
-    question = load(LIBRARY / f"{scenario}.toml", list(overrides))
-    return [run(question) for run in (run_in_python, run_stop)]
-
-
-def assert_same(one, other):
-    assert (one.outcome, one.reason) == (other.outcome, other.reason)
-    assert list(one.trace.data_vars) == list(other.trace.data_vars)
-    for name, values in one.trace.data_vars.items():
-        assert values.values.tobytes() == other.trace[name].values.tobytes(), name
+def stop_of(scenario: str, *overrides: str):
+    return same_stop(load(LIBRARY / f"{scenario}.toml", list(overrides)))
 
 
 @pytest.mark.parametrize(
@@ -44,14 +36,14 @@ def assert_same(one, other):
     ],
 )
 def test_laws_with_ideal_parts(controller, others):
-    assert_same(*both("trapezoid", f"controller.kind={controller}", *SHORT, *others))
+    stop_of("trapezoid", f"controller.kind={controller}", *SHORT, *others)
 
 
 @pytest.mark.parametrize("controller", ["slip_three_state", "adhesion_literal", "slope_seeking"])
 def test_laws_with_valves_and_service_sensors(controller):
     stops = load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
     (question,) = (stop.scenario for stop in stops if stop.name == f"random-service-{controller}")
-    assert_same(*(run(question) for run in (run_in_python, run_stop)))
+    same_stop(question)
 
 
 def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
@@ -70,8 +62,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
         "limits": {"horizon": "7 s"},
     }
     question = Scenario.model_validate(merged(question.resolved(), changes))
-    one, other = (run(question) for run in (run_in_python, run_stop))
-    assert_same(one, other)
+    one = same_stop(question)
     # What the radar shows from 4 s on is believed until it cannot be.
     speed = one.trace["speed"].values
     assert np.nanmax(one.trace["reading_speed"].values - speed) > 1.0
@@ -97,8 +88,7 @@ def test_wheels_that_stand_in_for_a_silent_radar():
     }
     alone = Scenario.model_validate(merged(question.resolved(), changes))
     helped = Scenario.model_validate(merged(alone.resolved(), {"estimator": {"free_wheels": True}}))
-    one, other = (run(helped) for run in (run_in_python, run_stop))
-    assert_same(one, other)
+    one = same_stop(helped)
 
     def error(stop):
         return np.abs(stop.trace["estimate_speed"] - stop.trace["speed"]).values[-5000:].max()
@@ -118,9 +108,7 @@ def test_wheels_that_stand_in_for_a_silent_radar():
 
 
 def test_a_whole_stop_ends_in_the_same_sample():
-    one, other = both("trapezoid", "start.speed=15 km/h")
-    assert one.outcome is Outcome.STANDSTILL
-    assert_same(one, other)
+    assert stop_of("trapezoid", "start.speed=15 km/h").outcome is Outcome.STANDSTILL
 
 
 def test_friction_and_forces_that_lie_on_the_track():
@@ -131,7 +119,7 @@ def test_friction_and_forces_that_lie_on_the_track():
         "adhesion={kind='random', polach='dry', over='distance', mean=0.08, deviation=0.02, correlation='10 m', "
         "minimum=0.03, maximum=0.2}",
     )
-    assert_same(*both("trapezoid", *track, *SHORT))
+    stop_of("trapezoid", *track, *SHORT)
 
 
 @pytest.mark.parametrize("controller", ["slip_two_state", "full_brake"])
@@ -142,9 +130,7 @@ def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
     path = tmp_path / "foreign_train.toml"
     path.write_text(without.replace("../../../build/fmus/ForeignTrain.fmu", str(fmu("ForeignTrain"))))
     question = load(path, ["vehicle.trust=true", f"controller.kind={controller}", *SHORT])
-    one, other = (run(question) for run in (run_in_python, run_stop))
-    assert not np.isnan(one.trace["slip"].values).any()
-    assert_same(one, other)
+    assert not np.isnan(same_stop(question).trace["slip"].values).any()
 
 
 @pytest.mark.parametrize("wrap", [hidden, lambda parts: parts], ids=["python", "c"])
