@@ -6,6 +6,7 @@ import json
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -22,6 +23,9 @@ from railgrip.files import scratch
 FLAGS = ("-std=gnu99", "-O2", "-fPIC", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 FMU_FLAGS = ("-O1",)
 """For FMUs: more takes twice as long over the long straight-line functions and gains nothing measurable at run time."""
+
+LONGEST = 900.0
+"""Most time that a C compiler may take [s]."""
 
 SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
 
@@ -107,13 +111,36 @@ def binary(
         # Relative names only: an absolute path would end up in the library and change its bytes.
         output = name + SUFFIX
         files = units or sorted(file for file in sources if file.endswith(".c"))
-        process = subprocess.run(
-            [*cc.command, *_options(include, flags), *files, "-o", output, *_linking()],
-            cwd=folder, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        if process.returncode:
-            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(process.stderr)}")
+        code, words = _run([*cc.command, *_options(include, flags), *files, "-o", output, *_linking()], folder, name)
+        if code:
+            raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(words)}")
         return (folder / output).read_bytes()
+
+
+def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
+    """Return exit code and messages of a compiler that runs in a folder.
+
+    Raises:
+        BuildFailed: It takes longer than `LONGEST`.
+    """
+    # A session of its own: what the compiler starts ends with it.
+    with subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        try:
+            _, words = process.communicate(timeout=LONGEST)
+        except BaseException as end:
+            if hasattr(os, "killpg"):
+                os.killpg(process.pid, signal.SIGKILL)
+            else:
+                process.kill()
+            if isinstance(end, subprocess.TimeoutExpired):
+                raise BuildFailed(
+                    f"{command[0]} takes more than {LONGEST} s to compile {name}; divide the class, or give its arrays "
+                    "fewer elements."
+                ) from None
+            raise
+        return process.returncode, words
 
 
 def _options(include: Sequence[Path], flags: Sequence[str]) -> list[str]:

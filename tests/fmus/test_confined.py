@@ -1,13 +1,14 @@
 """Modelica of a user that cannot be compiled ends in a sentence, whatever it does to the compiler."""
 
 import sys
+import time
 from pathlib import Path
 
 import pytest
 
-from railgrip.errors import InputError
+from railgrip.errors import BuildFailed, InputError
 from railgrip.fmus.build import build_class
-from railgrip.fmus.native import confined, lower
+from railgrip.fmus.native import confined, lower, toolchain
 from railgrip.fmus.native.library import LIBRARY
 
 DECAY = "model M Real x(start=1, fixed=true); equation der(x) = {}; end M;"
@@ -110,3 +111,15 @@ def test_modules_of_the_current_folder_are_not_imported(tmp_path: Path, monkeypa
     monkeypatch.syspath_prepend(str(tmp_path))
     assert lower("M", Path("M.mo")).states
     assert not (tmp_path / "ran").exists()
+
+
+def test_a_c_compiler_that_does_not_end_is_ended(monkeypatch, tmp_path):
+    """With what it started: here the shell's own child, which would have left a file."""
+    mark = tmp_path / "went_on"
+    slow = toolchain.Compiler(command=("sh", "-c", f"(sleep 2; touch {mark}) & wait", "cc"), version="slow")
+    monkeypatch.setattr(toolchain, "compiler", lambda: slow)
+    monkeypatch.setattr(toolchain, "LONGEST", 0.2)
+    with pytest.raises(BuildFailed, match=r"takes more than 0.2 s to compile endless; divide the class"):
+        toolchain.binary({"endless.c": ""}, "endless")
+    time.sleep(2.2)
+    assert not mark.exists()
