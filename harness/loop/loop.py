@@ -13,7 +13,8 @@ from railgrip.errors import ControllerFailed, EstimatorFailed, LoopError, Sensor
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmu import CoSimulation
 from railgrip.fmus.native.c_library import Struct
-from railgrip.loop.library import address_of, kernel
+from railgrip.loop.formula import address_of
+from railgrip.loop.library import kernel
 from railgrip.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
