@@ -217,7 +217,7 @@ def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
 
 
 def _lock(*arrays: NDArray[np.float64]) -> None:
-    """Let nobody write into what is shown, as the loop does."""
+    """Make arrays of an observation read-only, as the loop does."""
     for values in arrays:
         values.flags.writeable = False
 

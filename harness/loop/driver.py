@@ -1,4 +1,4 @@
-"""The driver: what brakes and traction are asked for, phase by phase."""
+"""The driver: demanded brake pressures and traction, phase by phase."""
 
 from collections.abc import Sequence
 from typing import get_args
@@ -21,7 +21,7 @@ class Driver:
     """Asks for full brake from the first instant on, or for what its phases say.
 
     Distance and speed are those of the plant: a scenario says where something happens, not where a driver takes it to
-    be. To stop at a target, nothing is asked for until a = v²/(2 d), with d the distance left to the target, reaches
+    be. To stop at a target, there is no demand until a = v²/(2 d), with d the distance left to the target, reaches
     the deceleration a0 of the curve; from then on the share (a + 2 (a - a0)) / `full_deceleration` of the force of full
     brake, which corrects for a train that decelerates otherwise than expected. Beyond the target it is full brake.
 
@@ -51,7 +51,7 @@ class Driver:
             full: Pressure of full brake, shape (groups,) [Pa].
             touching: Pressure at which pads begin to press, shape (groups,) [Pa].
             phases: In their order; none for full brake. Many are faster as an array with the fields of `DemandedPhase`.
-            binding: Whether no group is given more than is asked of it; else the controller minds the demand itself.
+            binding: Whether commands are limited to the driver's demand; else the controller limits itself to it.
         """
         self.has_phases, self.full = len(phases) > 0, full
         columns = {

@@ -181,7 +181,7 @@ class Parts:
         rail: Friction and force along the track.
         sensors: Instruments.
         estimator: None if the controller sees readings only.
-        controller: The law; None: whoever steps the loop decides.
+        controller: The law; None where the caller of the loop decides.
         valves: From demanded and read pressures to the commands of valves; None sends the demands themselves.
         driver: The most that may be demanded, and traction.
         faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
@@ -189,9 +189,9 @@ class Parts:
         law: What of the controller's states is kept, if any is.
         clock: Periods and horizon.
         slowing: Bounds of what slows the plant beside adhesion.
-        start_speed: That the plant was asked to start with [m/s].
+        start_speed: Requested speed of the plant at the start [m/s].
         stop_speed: The train stands below this speed [m/s]; one that starts at rest, once it has been faster or brakes
-            are asked for.
+            are demanded.
         recorder: Written from row 0 on; holds clock.samples + 1 rows.
     """
 

@@ -23,7 +23,7 @@ def brake(parts):
     clock, recorder, belief = parts.clock, parts.recorder, parts.estimator
     columns = recorder.columns
     keep = lambda k, name, values: recorder.rows[k].__setitem__(columns[name], values)
-    inputs, demand, command, asked = np.zeros(LAYOUT.inputs), np.zeros(4), np.zeros(4), np.zeros(4)
+    inputs, demand, command, driver_demand = np.zeros(LAYOUT.inputs), np.zeros(4), np.zeros(4), np.zeros(4)
     parts.rail.write_inputs(inputs)
     truth = parts.plant.start(inputs)
     plausibility = Plausibility(LAYOUT, clock.period, parts.start_speed, parts.slowing)
@@ -40,7 +40,7 @@ def brake(parts):
         recorder.rows[k, recorder.block(LAYOUT.sent_signals)] = inputs
         keep(k, "demand", demand)
         if parts.driver.has_phases:
-            keep(k, "driver_demand", asked)
+            keep(k, "driver_demand", driver_demand)
             pressure = drive(parts.driver, k, truth)
         due = k % clock.sensors == 0
         reading = read(parts.sensors, k // clock.sensors, truth) if due else np.full(LAYOUT.readings, np.nan)
@@ -72,7 +72,7 @@ def brake(parts):
             demand = parts.controller.decide(observation(parts, k, latest, pressure))
             if not math.isfinite(sum(demand)):
                 return Outcome.CONTROLLER_FAILED, k + 1
-            asked = pressure.copy() if parts.driver.has_phases else asked
+            driver_demand = pressure.copy() if parts.driver.has_phases else driver_demand
             limited = np.minimum(demand, pressure) if parts.driver.has_phases else demand
             measured = latest[READ["cylinder_pressure"]]
             command = limited if parts.valves is None else parts.valves.command(limited, measured)
