@@ -195,8 +195,8 @@ def accept(
     out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
 ) -> None:
     """Move the baselines to the results of the last regress, for a reason."""
+    from railgrip.report.baseline import accept as accept_numbers
     from railgrip.report.baseline import (
-        accepted,
         compare,
         comparison_table,
         findings_of,
@@ -209,7 +209,7 @@ def accept(
     for path in _baseline_files(baselines):
         baseline, folder = load_baseline(path), out / path.stem
         findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
-        after = accepted(baseline, findings, reason)
+        after = accept_numbers(baseline, findings, reason)
         # What kept to its tolerance may have become a range all the same.
         changes = tuple(
             comparison

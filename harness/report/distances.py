@@ -1,10 +1,8 @@
-"""The table of braking distances: one row a stop, as JSON for machines and texts for people.
+"""The table of braking distances: one row for each stop, as JSON for programs and as text for readers.
 
 Stops that differ only in their draw are shown as distributions, by `railgrip.report.distribution`.
 """
 
-import json
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -13,9 +11,10 @@ from typing import Any
 from railgrip.files import write_json
 from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.page import write_page
-from railgrip.report.reference import best, controller_of, is_published, is_tuned, label, law_of
+from railgrip.report.reference import controller_of, label, references, setting_of
 from railgrip.report.results import Result, Results, from_elsewhere, makers
 from railgrip.report.row import Row
+from railgrip.report.statistics import finite
 from railgrip.report.table import Form, Table, change, names, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import Repeated
@@ -24,16 +23,18 @@ from railgrip.trace.outcome import Outcome
 STALE = "stale: other repeats"
 
 VALVES = "pneumatic"
-"""The actuation that has valves; the ideal one has turns of the pressure command."""
+"""Kind of actuation that has valves; with the ideal one, reversals of the pressure command are counted."""
 
 
 def rows_of(results: Results) -> tuple[Row, ...]:
     """Return the rows of a campaign, in its order."""
-    published = {_conditions(stop): stop for stop in results.stops if is_published(_law(stop))}
-    tuned = {_conditions(stop): stop for stop in _best_tuned(results.stops)}
     constant = _hidden_axes(results.stops)
+    compared_with = references(
+        results.stops, lambda stop: stop.record.scenario, lambda stop: stop.record.braking_distance
+    )
     return tuple(
-        _row(stop, published.get(_conditions(stop)), tuned.get(_conditions(stop)), constant) for stop in results.stops
+        _row(stop, published, tuned, constant)
+        for stop, (published, tuned) in zip(results.stops, compared_with, strict=True)
     )
 
 
@@ -49,14 +50,16 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
     }
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     write_json(as_json, content)
-    places = dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows)
-    sections = {place: [row for row in rows if (row.actuation, row.sensors, row.polach) == place] for place in places}
+    sections: dict[tuple[str, str, str], list[Row]] = {}
+    for row in rows:
+        sections.setdefault(row.setting, []).append(row)
     write_page(
         as_markdown,
         "report/distances.md.jinja",
         results=results,
         sections={
-            place: [table.without(_HEADING) for table in tables_of(here) if table] for place, here in sections.items()
+            setting: [table.without(_HEADING) for table in tables_of(here) if table]
+            for setting, here in sections.items()
         },
         missing=names(results.missing),
         notes=[*from_elsewhere(results.stops), *notes],
@@ -65,17 +68,13 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
 
 
 def tables_of(rows: Sequence[Row]) -> tuple[Table, Table]:
-    """Return the table of the rows that are draws and that of all others, without columns that have nothing in them."""
-    return distribution_table(distributions_of(rows)).filled(), distance_table(rows).filled()
-
-
-def distance_table(rows: Sequence[Row]) -> Table:
-    """Return the rows that are no draws."""
-    return Table([{name: of(row) for name, of in _COLUMNS.items()} for row in rows if row.draw is None], _FORMS)
+    """Return the table of distributions over draws and that of all other rows, both without empty columns."""
+    distances = Table([{name: of(row) for name, of in _COLUMNS.items()} for row in rows if row.draw is None], _FORMS)
+    return distribution_table(distributions_of(rows)).filled(), distances.filled()
 
 
 _HEADING = ("actuation", "sensors", "creep curve")
-"""Columns that are in the heading of a section."""
+"""Columns whose values are in the heading of a section."""
 
 _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "scenario": lambda row: row.label,
@@ -112,33 +111,33 @@ _FORMS: Mapping[str, Form] = {
 
 def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Sequence[str]) -> Row:
     record = result.record
-    metrics = record.metrics
-    stands = record.outcome is Outcome.STANDSTILL
+    scenario, metrics, distance = record.scenario, record.metrics, record.braking_distance
+    actuation, sensors, polach = setting_of(scenario)
     return Row(
-        scenario=record.scenario["name"],
+        scenario=scenario["name"],
         case=", ".join(f"{axis} {result.variants[axis]}" for axis in constant),
-        polach=_polach(result),
-        actuation=record.scenario["actuation"]["kind"],
-        sensors=record.scenario["sensors"]["kind"],
-        controller=controller_of(result.record.scenario),
-        controller_label=label(result.record.scenario),
-        estimator=_estimator(result),
+        polach=polach,
+        actuation=actuation,
+        sensors=sensors,
+        controller=controller_of(scenario),
+        controller_label=label(scenario),
+        estimator=_estimator(scenario),
         draw=int(result.variants[DRAW]) if DRAW in result.variants else None,
         reference="published" if sbc is result else "best tuned" if tuned is result else None,
-        distance_m=record.braking_distance,
-        repeated=spread_text(result.conditioning, record.digest, record.braking_distance),
-        duration_s=metrics.duration if stands else None,
-        reduction_vs_sbc=_reduction(record.braking_distance, sbc, result),
-        reduction_vs_tuned=_reduction(record.braking_distance, tuned, result),
-        utilisation=_number(metrics.utilisation),
+        distance_m=distance,
+        repeated=spread_text(result.conditioning, record.digest, distance),
+        duration_s=metrics.duration if record.outcome is Outcome.STANDSTILL else None,
+        reduction_vs_sbc=_reduction(distance, sbc, result),
+        reduction_vs_tuned=_reduction(distance, tuned, result),
+        utilisation=finite(metrics.utilisation),
         paper_distance_m=result.paper_distance,
         paper_reduction=None
         if sbc is None or sbc is result or sbc.paper_distance is None or result.paper_distance is None
         else 1 - result.paper_distance / sbc.paper_distance,
         outcome=record.outcome.value,
-        longest_lock_s=_number(max(metrics.longest_lock)),
-        valve_strokes=round(sum(metrics.actuations)) if record.scenario["actuation"]["kind"] == VALVES else None,
-        air_l=_number(1000 * metrics.air_used),
+        longest_lock_s=finite(max(metrics.longest_lock)),
+        valve_strokes=round(sum(metrics.actuations)) if actuation == VALVES else None,
+        air_l=finite(1000 * metrics.air_used),
         nis=metrics.nis_ratio,
         outside=max((*(metrics.adhesion_outside or ()), *(metrics.pad_friction_outside or ())), default=None),
         stop=result.name,
@@ -146,9 +145,10 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Seq
 
 
 def spread_text(conditioning: Repeated | None, digest: str, distance: float | None) -> str:
-    """Return median and range of the repeats of a stop, nothing without any; repeats of another stop are said to be so.
+    """Return median and range of the repeats of a stop, or `STALE` if they are the repeats of another stop.
 
     Args:
+        conditioning: Repeats; None gives an empty text.
         digest: Of the scenario of the stop.
         distance: Of the stop [m], None without standstill.
     """
@@ -163,65 +163,22 @@ def spread_text(conditioning: Repeated | None, digest: str, distance: float | No
     return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}"
 
 
-def _best_tuned(stops: Sequence[Result]) -> list[Result]:
-    """Return the stops of the best SBC with thresholds of its own, one for each actuation, sensors and creep curve."""
-    settings: dict[tuple[str, ...], list[Result]] = {}
-    for stop in stops:
-        if is_tuned(_law(stop)):
-            settings.setdefault(_setting(stop), []).append(stop)
-    candidates = (
-        best(here, lambda stop: law_of(stop.record.scenario), lambda stop: stop.record.braking_distance)
-        for here in settings.values()
-    )
-    return [stop for here in candidates for stop in here]
-
-
-def _setting(result: Result) -> tuple[str, ...]:
-    scenario = result.record.scenario
-    return scenario["actuation"]["kind"], scenario["sensors"]["kind"], _polach(result)
-
-
-def _column_values(result: Result) -> tuple[str, ...]:
-    """Return what the columns of a row say about its scenario."""
-    return (result.record.scenario["name"], *_setting(result), label(result.record.scenario), _estimator(result))
-
-
 def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
-    """Return the axes in which stops differ that look the same in every column; draws have a place of their own."""
+    """Return the axes in which stops differ that are equal in every column; draws have a column of their own."""
     alike: dict[tuple[str, ...], list[Result]] = {}
     for stop in stops:
-        alike.setdefault(_column_values(stop), []).append(stop)
+        scenario = stop.record.scenario
+        columns = (scenario["name"], *setting_of(scenario), label(scenario), _estimator(scenario))
+        alike.setdefault(columns, []).append(stop)
     axes = dict.fromkeys(axis for stop in stops for axis in stop.variants if axis != DRAW)
     return tuple(
         axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())
     )
 
 
-def _conditions(result: Result) -> str:
-    """Return everything that a stop shares with the one it is compared to: all but the controller and its estimator."""
-    own = ("controller", "estimator")
-    return json.dumps({key: value for key, value in result.record.scenario.items() if key not in own}, sort_keys=True)
-
-
-def _law(result: Result) -> Mapping[str, Any]:
-    return result.record.scenario["controller"]
-
-
-def _estimator(result: Result) -> str:
-    estimator = result.record.scenario["estimator"]
+def _estimator(scenario: Mapping[str, Any]) -> str:
+    estimator = scenario["estimator"]
     return estimator["kind"] if estimator["kind"] == "none" else f"{estimator['model']} ({estimator['kind']})"
-
-
-def _polach(result: Result) -> str:
-    adhesion = result.record.scenario["adhesion"]
-    of_places = (patch["polach"] for patch in adhesion.get("patch", ()) if patch.get("polach"))
-    curves = (adhesion["polach"], *adhesion.get("polach_of_wheelset", ()), *of_places)
-    return ", ".join(dict.fromkeys(curve["name"] for curve in curves))
-
-
-def _number(value: float) -> float | None:
-    """Return a figure, or None where it does not exist."""
-    return value if math.isfinite(value) else None
 
 
 def _reduction(distance: float | None, reference: Result | None, own: Result) -> float | None:

@@ -1,23 +1,17 @@
-"""What a controller does over many draws of a rail: median, range, worst, and its change against others draw by draw.
+"""Distances of a controller over many draws of a rail: median, range, longest, and change against others by draw.
 
-All controllers stop on the same draws, so they are compared draw by draw: what one rail is harder than another by falls
-out. A draw without a standstill counts as an endless distance, never as one less. Intervals hold 95 %: of a median from
-order statistics, whatever the distribution (Conover, Practical Nonparametric Statistics, 1999, section 3.2); of a share
-those of Clopper and Pearson (Biometrika 26, 1934).
+See `railgrip.report.statistics` for how controllers are compared.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railgrip.report.row import Conditions, Row
+from railgrip.report.statistics import endless, median_interval, quantile, relative_change, share_interval
 from railgrip.report.table import Table, percent, text
-
-CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,13 +19,13 @@ class Paired:
     """A controller against another on the same draws.
 
     Attributes:
-        label: Of the other.
-        draws: On which both were stopped.
-        shorter: Share of the draws in which it stops shorter.
-        shorter_interval: Of that share.
-        change: Median of distance over that of the other, less 1, draw by draw.
-        change_interval: Of that median; None where too few draws give one.
-        changes: Each of them, in the order of the draws; infinite where only the other came to a standstill.
+        label: Name of the other controller.
+        draws: Number of draws in which both were run.
+        shorter: Share of the draws in which this controller stops shorter.
+        shorter_interval: Interval of that share.
+        change: Median over the draws of distance over that of the other controller, less 1.
+        change_interval: Interval of that median; None with too few draws.
+        changes: Changes in the order of the draws; infinite where only the other controller came to a standstill.
     """
 
     label: str
@@ -48,17 +42,17 @@ class Distribution(Conditions):
     """One controller over the draws of one set of conditions.
 
     Attributes:
-        draws: How many.
-        stood: How many of them came to a standstill.
-        distances_m: By draw; infinite without standstill.
-        median_m: Of the distance; infinite if half of the draws or more have none.
-        low_m: 5 % of the draws are shorter.
-        high_m: 95 % are.
-        worst_m: The longest.
-        worst_draw: Its seed.
+        draws: Number of draws.
+        stood: Number of draws that ended in a standstill.
+        distances_m: Distance by draw; infinite without standstill.
+        median_m: Median distance; infinite if at least half of the draws have no standstill.
+        low_m: 5 % quantile of the distance.
+        high_m: 95 % quantile of the distance.
+        worst_m: Longest distance.
+        worst_draw: Seed of the draw with the longest distance.
         longest_lock_s: Median over the draws of the longest lock of any group.
-        vs_sbc: Against the published slip-based control; None without it.
-        vs_tuned: Against the best tuned one.
+        vs_sbc: Comparison with the published slip-based control; None without it.
+        vs_tuned: Comparison with the best tuned slip-based control; None without it.
     """
 
     draws: int
@@ -75,7 +69,7 @@ class Distribution(Conditions):
 
 
 def distributions_of(rows: Sequence[Row]) -> tuple[Distribution, ...]:
-    """Return the distributions that the draws among the rows make, in the order of the rows."""
+    """Return the distributions over the draws among the rows, in the order of the rows."""
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
         if row.draw is not None:
@@ -92,7 +86,7 @@ def distributions_of(rows: Sequence[Row]) -> tuple[Distribution, ...]:
 
 
 def over_cases(rows: Sequence[Row]) -> list[Row]:
-    """Return the rows of a scenario's many cases as if each case were a draw."""
+    """Return the rows of a scenario with many cases as if each case were a draw."""
     cases = {case: number for number, case in enumerate(dict.fromkeys(row.case for row in rows), start=1)}
     return [replace(row, case="", draw=cases[row.case]) for row in rows]
 
@@ -135,20 +129,18 @@ def _metres(distance: float, unit: str = " m") -> str:
 
 
 def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: Sequence[Row] | None) -> Distribution:
-    first, distances = rows[0], _by_draw(rows)
-    values = np.array(list(distances.values()))
-    # Not interpolated: a quantile is a draw, and endless ones have their place.
-    low, high = (float(np.quantile(values, share, method="inverted_cdf")) for share in (0.05, 0.95))
+    distances = _by_draw(rows)
+    values = list(distances.values())
     worst = max(distances, key=lambda draw: distances[draw])
     locks = [row.longest_lock_s for row in rows if row.longest_lock_s is not None]
     return Distribution(
-        **{field.name: getattr(first, field.name) for field in fields(Conditions)},
+        **{field.name: getattr(rows[0], field.name) for field in fields(Conditions)},
         draws=len(values),
-        stood=int(np.isfinite(values).sum()),
+        stood=sum(map(math.isfinite, values)),
         distances_m=distances,
         median_m=float(np.median(values)),
-        low_m=low,
-        high_m=high,
+        low_m=quantile(values, 0.05),
+        high_m=quantile(values, 0.95),
         worst_m=distances[worst],
         worst_draw=worst,
         longest_lock_s=float(np.median(locks)) if locks else None,
@@ -158,37 +150,23 @@ def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: S
 
 
 def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | None:
-    """Return how distances [m] by draw compare with those of another controller; None without a common draw."""
-    # scipy.stats takes a second to load, and only campaigns with draws need it.
-    from scipy import stats
-
+    """Return the comparison of distances [m] by draw with those of another controller; None without a common draw."""
     others = _by_draw(other)
-    both = [draw for draw in distances if draw in others]
-    if not both:
+    pairs = [(distances[draw], others[draw]) for draw in distances if draw in others]
+    if not pairs:
         return None
-    own, reference = (np.array([side[draw] for draw in both]) for side in (distances, others))
-    changes = _changes(own, reference)
-    count = int(np.count_nonzero(own < reference))
-    # scipy's stubs do not know what its own documentation promises here.
-    share = cast("Any", stats.binomtest(count, len(both)).proportion_ci(CONFIDENCE, method="exact"))
-    median = cast("Any", stats.quantile_test(changes, q=0, p=0.5)).confidence_interval(CONFIDENCE)
-    interval = float(median.low), float(median.high)
+    changes = tuple(relative_change(own, reference) for own, reference in pairs)
+    count = sum(own < reference for own, reference in pairs)
     return Paired(
         label=other[0].controller_label,
-        draws=len(both),
-        shorter=count / len(both),
-        shorter_interval=(float(share.low), float(share.high)),
+        draws=len(pairs),
+        shorter=count / len(pairs),
+        shorter_interval=share_interval(count, len(pairs)),
         change=float(np.median(changes)),
-        change_interval=None if any(map(math.isnan, interval)) else interval,
-        changes=tuple(map(float, changes)),
+        change_interval=median_interval(changes),
+        changes=changes,
     )
 
 
-def _changes(own: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return own over reference, less 1; none where neither came to a standstill."""
-    with np.errstate(invalid="ignore"):
-        return np.where(np.isinf(own) & np.isinf(reference), 0.0, own / reference - 1.0)
-
-
 def _by_draw(rows: Sequence[Row]) -> dict[int, float]:
-    return {row.draw: math.inf if row.distance_m is None else row.distance_m for row in rows if row.draw is not None}
+    return {row.draw: endless(row.distance_m) for row in rows if row.draw is not None}

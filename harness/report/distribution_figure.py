@@ -36,7 +36,7 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
         for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
             panel.set_ylim(len(here) - 0.5, -0.5)
             panel.set_yticks([])
-        _, _, polach, actuation, sensors = setting
+        actuation, sensors, polach = here[0].setting
         style.dress(
             panels[0],
             x="braking distance [m]",

@@ -1,12 +1,14 @@
-"""The table of braking distances in README.md, written from the accepted ones, so that it cannot say anything else."""
+"""The table of braking distances in README.md, written from the accepted distances so that both agree."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from railgrip.errors import RecordError
 from railgrip.files import write_text
 from railgrip.report.baseline import Accepted, Baseline
-from railgrip.report.reference import best, is_published, is_tuned, label, law_of
+from railgrip.report.reference import label, references
 from railgrip.report.table import Table, percent
 from railgrip.scenario.campaign import Campaign, PlannedStop
 
@@ -16,40 +18,65 @@ END = "<!-- end of distances -->"
 _FIRST = "braking distance"
 
 
+@dataclass(frozen=True, slots=True)
+class _Cell:
+    """One planned stop with its accepted distance and those of the references."""
+
+    stop: PlannedStop
+    scenario: dict[str, Any]
+    accepted: Accepted | None
+    paper: float | None
+
+    @property
+    def column(self) -> str:
+        return self.stop.variants["scenario"].replace("_", " ")
+
+    @property
+    def line(self) -> tuple[str, str]:
+        """Equipment and controller."""
+        return self.stop.variants["equipment"], self.stop.variants["controller"]
+
+    @property
+    def distance(self) -> float | None:
+        return self.accepted.value if self.accepted else None
+
+
 def table(campaign: Campaign, baseline: Baseline) -> str:
     """Return the table: a line for each equipment and controller, a column for each scenario.
 
-    In brackets stands the change against the published SBC, and behind it that against the best SBC with other
-    thresholds where there is one. A distance that rounding decides is its median with its range. Lock and strokes are
-    the worst of the line's scenarios.
+    Brackets hold the change against the published SBC, followed by that against the best tuned SBC where there is one.
+    A distance that rounding decides is given as median and range. Lock and strokes are the worst of the line.
     """
-    scenarios = list(dict.fromkeys(stop.variants["scenario"] for stop in campaign.stops))
-    lines: dict[tuple[str, str], dict[str, PlannedStop]] = {}
+    cells: list[_Cell] = []
     for stop in campaign.stops:
-        line = lines.setdefault((stop.variants["equipment"], stop.variants["controller"]), {})
-        line[stop.variants["scenario"]] = stop
-    published = _references(campaign.stops, [stop for stop in campaign.stops if is_published(_law(stop))])
-    tuned = _references(campaign.stops, _best_tuned(campaign.stops, baseline))
-    rows = [
-        *_published_rows(campaign, lines, scenarios),
-        *(
-            {_FIRST: f"{equipment}: {_name(stops, lines, equipment)}"}
-            | {
-                name.replace("_", " "): _cell(stops.get(name), baseline, published, tuned) if name in stops else ""
-                for name in scenarios
-            }
-            | _worst([baseline.stops[stop.name] for stop in stops.values() if stop.name in baseline.stops])
-            for (equipment, _), stops in lines.items()
-        ),
-    ]
+        reference = campaign.reference_for(stop)
+        paper = reference.distance if reference else None
+        cells.append(_Cell(stop, stop.scenario.resolved(), baseline.accepted.get(stop.name), paper))
+    compared_with = references(cells, lambda cell: cell.scenario, lambda cell: cell.distance)
+    lines: dict[tuple[str, str], dict[str, _Cell]] = {}
+    texts: dict[tuple[str, str], dict[str, str]] = {}
+    for cell, others in zip(cells, compared_with, strict=True):
+        lines.setdefault(cell.line, {})[cell.column] = cell
+        texts.setdefault(cell.line, {})[cell.column] = _text(cell, [other for other in others if other is not cell])
+    columns = list(dict.fromkeys(cell.column for cell in cells))
+    rows = _published_rows(lines.values(), columns)
+    for line, stops in lines.items():
+        known = [cell.accepted for cell in stops.values() if cell.accepted]
+        locks = [one.longest_lock for one in known if one.longest_lock is not None]
+        strokes = [one.valve_strokes for one in known if one.valve_strokes is not None]
+        rows.append(
+            {_FIRST: f"{line[0]}: {_name(line, lines)}"}
+            | {column: texts[line].get(column, "") for column in columns}
+            | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
+        )
     return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
 
 
 def write_readme(path: Path, campaign: Campaign, baseline: Baseline) -> None:
-    """Write the table between its two marks.
+    """Write the table between the two marks.
 
     Raises:
-        RecordError: The file cannot be read, or has not the two marks.
+        RecordError: The file cannot be read, or lacks one of the marks.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -58,41 +85,35 @@ def write_readme(path: Path, campaign: Campaign, baseline: Baseline) -> None:
     before, begin, rest = text.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
-        raise RecordError(f"{path}: has not the two lines between which the table belongs, '{BEGIN}' and '{END}'")
+        raise RecordError(f"{path}: lacks a line that encloses the table; add '{BEGIN}' and '{END}'")
     write_text(path, f"{before}{BEGIN}\n{table(campaign, baseline)}\n{END}{after}")
 
 
-def _published_rows(
-    campaign: Campaign, lines: Mapping[tuple[str, str], Mapping[str, PlannedStop]], scenarios: Sequence[str]
-) -> list[Mapping[str, str]]:
-    """Return what the paper says, a row for each controller that it has."""
-    rows: list[Mapping[str, str]] = []
-    before: dict[str, float] = {}
-    for stops in lines.values():
-        references = {name: campaign.reference_for(stop) for name, stop in stops.items()}
-        distances = {name: reference.distance for name, reference in references.items() if reference is not None}
+def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the published distances, a row for each controller of the paper."""
+    rows: list[dict[str, Any]] = []
+    first: dict[str, float] = {}  # the paper's SBC
+    for stops in lines:
+        distances = {column: cell.paper for column, cell in stops.items() if cell.paper is not None}
         if distances:
-            before = before or distances  # the first is the paper's SBC
-            row = {_FIRST: f"*paper: {_label(next(iter(stops.values())))}*"}
-            for name in scenarios:
-                change = None if distances is before else distances[name] / before[name] - 1
-                row[name.replace("_", " ")] = f"{distances[name]:.1f} m" + _brackets([change])
-            rows.append(row | {"longest lock": "", "valve strokes": ""})
+            first = first or distances
+            changes = {c: None if distances is first else distances[c] / first[c] - 1 for c in columns}
+            rows.append(
+                {_FIRST: f"*paper: {label(next(iter(stops.values())).scenario)}*"}
+                | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
+                | {"longest lock": "", "valve strokes": ""}
+            )
     return rows
 
 
-def _cell(stop: PlannedStop | None, baseline: Baseline, published: Mapping[str, str], tuned: Mapping[str, str]) -> str:
-    if stop is None or stop.name not in baseline.stops:
+def _text(cell: _Cell, others: Sequence[_Cell | None]) -> str:
+    """Return distance or median and range, with the changes against other stops."""
+    if cell.accepted is None:
         return ""
-    own = baseline.stops[stop.name]
-    changes = [
-        None if other is None or other == stop.name else own.distance / baseline.stops[other].distance - 1
-        for other in (references.get(stop.name) for references in (published, tuned))
-        if other is None or other in baseline.stops
-    ]
-    lowest, highest = own.ends
-    distance = f"{own.distance:.1f} m" + (f", {lowest:.1f} – {highest:.1f} m" if own.is_range else "")
-    return distance + _brackets(changes)
+    own = cell.accepted
+    range_ = f", {own.lowest:.1f} – {own.highest:.1f} m" if own.is_range else ""
+    changes = [own.value / other.distance - 1 if other and other.distance else None for other in others]
+    return f"{own.value:.1f} m{range_}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:
@@ -100,54 +121,11 @@ def _brackets(changes: Sequence[float | None]) -> str:
     return f" ({', '.join(texts)})" if texts else ""
 
 
-def _worst(stops: Sequence[Accepted]) -> dict[str, float | None]:
-    locks = [stop.longest_lock for stop in stops if stop.longest_lock is not None]
-    strokes = [stop.valve_strokes for stop in stops if stop.valve_strokes is not None]
-    return {
-        "longest lock": max(locks, default=None),
-        "valve strokes": max(strokes, default=None),
+def _name(line: tuple[str, str], lines: Mapping[tuple[str, str], Mapping[str, _Cell]]) -> str:
+    """Return the name of the controller of a line, with its variant if another line of the equipment has that name."""
+    equipment, variant = line
+    labels = {
+        other: label(next(iter(stops.values())).scenario) for other, stops in lines.items() if other[0] == equipment
     }
-
-
-def _name(
-    stops: Mapping[str, PlannedStop], lines: Mapping[tuple[str, str], Mapping[str, PlannedStop]], equipment: str
-) -> str:
-    """Return what the controller of a line is called; with its variant where another one is called the same."""
-    labels = [_label(next(iter(other.values()))) for (where, _), other in lines.items() if where == equipment]
-    first = next(iter(stops.values()))
-    own = _label(first)
-    return own if labels.count(own) == 1 else f"{own}, {first.variants['controller'].replace('_', ' ')}"
-
-
-def _references(stops: Sequence[PlannedStop], selection: Sequence[PlannedStop]) -> dict[str, str]:
-    """Return name of each stop → name of the chosen one in the same scenario and equipment."""
-    at = {(stop.variants["scenario"], stop.variants["equipment"]): stop.name for stop in selection}
-    places = {stop.name: (stop.variants["scenario"], stop.variants["equipment"]) for stop in stops}
-    return {name: at[place] for name, place in places.items() if place in at}
-
-
-def _best_tuned(stops: Sequence[PlannedStop], baseline: Baseline) -> list[PlannedStop]:
-    """Return the stops of the best tuned SBC of each equipment."""
-
-    def distance(stop: PlannedStop) -> float | None:
-        accepted = baseline.stops.get(stop.name)
-        return None if accepted is None else accepted.distance
-
-    tuned = [stop for stop in stops if is_tuned(_law(stop))]
-    return [
-        stop
-        for equipment in dict.fromkeys(stop.variants["equipment"] for stop in tuned)
-        for stop in best(
-            [stop for stop in tuned if stop.variants["equipment"] == equipment],
-            lambda stop: law_of(stop.scenario.resolved()),
-            distance,
-        )
-    ]
-
-
-def _label(stop: PlannedStop) -> str:
-    return label(stop.scenario.resolved())
-
-
-def _law(stop: PlannedStop) -> Mapping[str, object]:
-    return stop.scenario.resolved()["controller"]
+    own = labels[line]
+    return own if list(labels.values()).count(own) == 1 else f"{own}, {variant.replace('_', ' ')}"

@@ -1,12 +1,12 @@
-"""What a controller is called in tables, and which slip-based control (SBC) the others are compared with.
+"""Names of controllers in tables, and the slip-based control (SBC) that the others are compared with.
 
-There are two: the published one, two-state at slips of 10 and 15 %, which the paper compares with; and the best of
-those with other thresholds, for 10/15 % was not chosen for the creep curve at hand.
+There are two references: the published one, two-state at slips of 10 and 15 %, with which the paper compares; and the
+best of those with other thresholds, because 10 and 15 % were not chosen for the creep curve of the scenario.
 """
 
 import json
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 from railgrip.units import to_si
@@ -25,7 +25,7 @@ CONTROLLERS = {
     "ideal_bound": "ideal bound",
     "fmu": "FMU",
 }
-"""Kind of controller → name for people; with searched levels, the kind and how it knows the slip."""
+"""Kind of controller → name; with searched levels, the kind followed by the source of the slip."""
 
 PUBLISHED = (0.10, 0.15)
 """Slips at which SBC fills and vents; Schwarz, Posielek and Goetjes (2021), section 4."""
@@ -36,7 +36,7 @@ _Stop = TypeVar("_Stop")
 
 
 def label(scenario: Mapping[str, Any]) -> str:
-    """Return what the controller of a resolved scenario is called; one of slip-based control says its thresholds."""
+    """Return the name of the controller of a resolved scenario, for slip-based control with the thresholds."""
     controller, kind = scenario["controller"], controller_of(scenario)
     name = CONTROLLERS.get(kind, kind) + (", of the type test" if controller.get("tuning") == "type_test" else "")
     if kind not in _SLIP_BASED:
@@ -51,12 +51,6 @@ def is_published(controller: Mapping[str, Any]) -> bool:
     )
 
 
-def is_tuned(controller: Mapping[str, Any]) -> bool:
-    """Return whether this is SBC with thresholds of its own."""
-    kind, is_searched = controller["kind"], _is_searched(controller)
-    return kind in _SLIP_BASED and (is_searched or _thresholds(controller) != PUBLISHED)
-
-
 def controller_of(scenario: Mapping[str, Any]) -> str:
     """Return the key in `CONTROLLERS` of the controller of a resolved scenario."""
     table = scenario["controller"]
@@ -65,26 +59,61 @@ def controller_of(scenario: Mapping[str, Any]) -> str:
     return f"{table['kind']}_{'read' if scenario['estimator']['kind'] == 'none' else 'estimated'}"
 
 
-def best(stops: Sequence[_Stop], law: Callable[[_Stop], str], distance: Callable[[_Stop], float | None]) -> list[_Stop]:
-    """Return the stops of the law that stops shortest: whose mean ln(distance) is least.
+def creep_curves_of(scenario: Mapping[str, Any]) -> str:
+    """Return the names of the creep curves of a resolved scenario."""
+    adhesion = scenario["adhesion"]
+    of_places = (patch["polach"] for patch in adhesion.get("patch", ()) if patch.get("polach"))
+    curves = (adhesion["polach"], *adhesion.get("polach_of_wheelset", ()), *of_places)
+    return ", ".join(dict.fromkeys(curve["name"] for curve in curves))
 
-    Every stop counts by the share of its own distance that a law saves. One law is chosen for all the stops, not the
-    best for each: nobody knows beforehand which that is. A stop without a distance is endless.
+
+def setting_of(scenario: Mapping[str, Any]) -> tuple[str, str, str]:
+    """Return actuation, sensors and creep curves of a resolved scenario."""
+    return scenario["actuation"]["kind"], scenario["sensors"]["kind"], creep_curves_of(scenario)
+
+
+def references(
+    stops: Sequence[_Stop], scenario: Callable[[_Stop], Mapping[str, Any]], distance: Callable[[_Stop], float | None]
+) -> list[tuple[_Stop | None, _Stop | None]]:
+    """Return for each stop those with the published and with the best tuned SBC under the same conditions.
+
+    Conditions are the whole scenario but controller and estimator. The best tuned SBC is chosen for each setting.
+
+    Args:
+        stops: Of a campaign.
+        scenario: Returns the resolved scenario of a stop.
+        distance: Returns the braking distance of a stop [m], None without one.
     """
-    laws: dict[str, list[_Stop]] = {}
-    for stop in stops:
-        laws.setdefault(law(stop), []).append(stop)
+    scenarios = [scenario(stop) for stop in stops]
+    conditions = [
+        json.dumps({key: one[key] for key in one if key not in ("controller", "estimator")}, sort_keys=True)
+        for one in scenarios
+    ]
+    published = {
+        here: stop
+        for here, stop, one in zip(conditions, stops, scenarios, strict=True)
+        if is_published(one["controller"])
+    }
+    settings: dict[tuple[str, ...], dict[str, list[int]]] = {}
+    for number, one in enumerate(scenarios):
+        if _is_tuned(one["controller"]):
+            law = json.dumps([one["controller"], one["estimator"]], sort_keys=True)
+            settings.setdefault(setting_of(one), {}).setdefault(law, []).append(number)
 
-    def mean(stops: Iterable[_Stop]) -> float:
-        logarithms = [math.inf if (own := distance(stop)) is None else math.log(own) for stop in stops]
-        return sum(logarithms) / len(logarithms)
+    def mean_logarithm(numbers: Sequence[int]) -> float:
+        """Return the mean ln(distance): each stop counts by the share of its distance that a law saves."""
+        distances = [distance(stops[number]) for number in numbers]
+        return sum(math.inf if one is None else math.log(one) for one in distances) / len(numbers)
 
-    return min(laws.values(), key=mean, default=[])
+    # One law for all stops of a setting, not the best for each stop: that one is not known before the stop.
+    best = [number for laws in settings.values() for number in min(laws.values(), key=mean_logarithm)]
+    tuned = {conditions[number]: stops[number] for number in best}
+    return [(published.get(here), tuned.get(here)) for here in conditions]
 
 
-def law_of(scenario: Mapping[str, Any]) -> str:
-    """Return what tells controllers with their estimators apart."""
-    return json.dumps([scenario["controller"], scenario["estimator"]], sort_keys=True)
+def _is_tuned(controller: Mapping[str, Any]) -> bool:
+    """Return whether this is SBC with other thresholds than the published ones."""
+    return controller["kind"] in _SLIP_BASED and (_is_searched(controller) or _thresholds(controller) != PUBLISHED)
 
 
 def _is_searched(controller: Mapping[str, Any]) -> bool:

@@ -1,4 +1,4 @@
-"""The results in a campaign's folder as one value, and which compilers made the FMUs that they rest on."""
+"""The results in the folder of a campaign as one value, and the compilers that made the FMUs of its stops."""
 
 import json
 from collections import Counter
@@ -20,9 +20,9 @@ class Result:
     Attributes:
         name: Of the stop.
         variants: Axis → variant.
-        record: What its stop.json says.
+        record: Content of stop.json.
         paper_distance: Published distance of this stop [m], if there is one.
-        conditioning: Its repeats with parameters moved a little, if there are some.
+        conditioning: Repeats with slightly changed parameters, if there are some.
     """
 
     name: str
@@ -31,10 +31,16 @@ class Result:
     paper_distance: float | None
     conditioning: Repeated | None = None
 
+    @property
+    def repeats_of_this_stop(self) -> Repeated | None:
+        """Repeats, unless they are of a stop with another scenario or another distance."""
+        conditioning, record = self.conditioning, self.record
+        return conditioning if conditioning and conditioning.belongs(record.digest, record.braking_distance) else None
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Results:
-    """A campaign and those of its stops that have a result of it.
+    """A campaign with the stops that have a result.
 
     Attributes:
         missing: Stops without a result, or with one of another scenario.

@@ -6,12 +6,13 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Conditions:
-    """Under which a stop was made, and by whom.
+    """Scenario, equipment and controller of a stop.
 
     Attributes:
-        case: What else tells it apart: the variants of axes that the other columns do not show; most often empty.
+        case: Variants of the axes that no column shows; most often empty.
+        polach: Names of the creep curves.
         controller: Kind of the law.
-        controller_label: What people call it, thresholds included.
+        controller_label: Name of the controller for readers, with thresholds.
     """
 
     scenario: str
@@ -25,13 +26,18 @@ class Conditions:
 
     @property
     def label(self) -> str:
-        """Scenario and case, for people."""
+        """Scenario and case, for readers."""
         return f"{self.scenario}, {self.case}" if self.case else self.scenario
 
     @property
+    def setting(self) -> tuple[str, str, str]:
+        """Actuation, sensors and creep curves."""
+        return self.actuation, self.sensors, self.polach
+
+    @property
     def place(self) -> tuple[str, str, str, str, str]:
-        """Scenario, case, creep curve, actuation and sensors: what controllers are compared on."""
-        return self.scenario, self.case, self.polach, self.actuation, self.sensors
+        """Scenario, case and setting: controllers are compared where these are equal."""
+        return self.scenario, self.case, *self.setting
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,20 +46,21 @@ class Row(Conditions):
 
     Attributes:
         draw: Seed of a stop that is one draw of a distribution.
-        reference: Whether other stops are compared with it: with the published SBC, or with the best tuned one.
-        distance_m: None unless the train stood at the end.
-        repeated: Median and range of the distance when the plant's parameters move in the seventh digit, for people.
+        reference: Whether the stop is that of the published or of the best tuned SBC, with which others are compared.
+        distance_m: None without standstill.
+        repeated: Median and range of the distance if parameters of the plant change in the seventh digit, as text.
         reduction_vs_sbc: 1 − distance over that of the published SBC in the same conditions; None without either.
-        reduction_vs_tuned: The same against the SBC with searched thresholds that stops shortest.
-        utilisation: Of the adhesion that the ideal bound has; None for a stop that is none.
-        paper_distance_m: As published; None for a stop that was not.
-        paper_reduction: The published reduction against the published SBC.
+        reduction_vs_tuned: The same against the best tuned SBC.
+        utilisation: Share of the adhesion that the ideal bound uses; None for a stop that has no such bound.
+        paper_distance_m: Published distance; None without one.
+        paper_reduction: Published reduction against the published SBC.
         outcome: How the stop ended.
         longest_lock_s: Of any ω-group.
         valve_strokes: Of all groups; None without valves.
         air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
-        nis: Median squared innovation of the estimator over its expected one; None without an estimator.
-        outside: Largest share of time that a true adhesion or pad friction was outside ±2σ; None without an estimator.
+        nis: Median squared innovation of the estimator over the expected one; None without an estimator.
+        outside: Largest share of time in which a true adhesion or pad friction was outside ±2σ of the estimate; None
+            without an estimator.
         stop: Name of the stop in the campaign.
     """
 

@@ -355,7 +355,7 @@ def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project,
     assert railgrip("regress", *where).code == 0
     text = baselines.read_text(encoding="utf-8")
     assert text.count('reason = "First figures."') == 2
-    baselines.write_text(text.replace("distance = 2", "distance = 3"), encoding="utf-8")
+    baselines.write_text(text.replace("value = 2", "value = 3"), encoding="utf-8")
     result = railgrip("regress", *where)
     assert result.code == 3
     assert "moved" in result.out

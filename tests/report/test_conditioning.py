@@ -13,7 +13,7 @@ from railgrip.report.baseline import (
     Baseline,
     Finding,
     Findings,
-    accepted,
+    accept,
     compare,
     load_baseline,
     write_baseline,
@@ -92,27 +92,28 @@ def finding(value, repeated=None):
 
 def test_a_chaotic_stop_is_accepted_as_the_range_of_its_repeats_and_kept_anywhere_in_it(tmp_path):
     repeats = Repeated(digest="d", distances=(280.0, 300.0, 320.0))
-    before = Baseline(campaign="c", stops={"x": Accepted(distance=319, tolerance=0.3, reason="First.")})
-    after = accepted(before, finding(319.0, repeats), "A range.")
-    stop = after.stops["x"]
-    assert (stop.distance, stop.lowest, stop.highest, stop.tolerance) == (300, 280, 320, 10)
+    before = Baseline(campaign="c", accepted={"x": Accepted(value=319, unit="m", tolerance=0.3, reason="First.")})
+    after = accept(before, finding(319.0, repeats), "A range.")
+    stop = after.accepted["x"]
+    assert (stop.value, stop.lowest, stop.highest, stop.tolerance) == (300, 280, 320, 10)
     assert (stop.longest_lock, stop.valve_strokes) == (18.9, 40)
     states = {value: compare(after, finding(value))[0].state for value in (269.9, 270.1, 310.0, 329.9, 330.1)}
     assert states == {269.9: "moved", 270.1: "kept", 310.0: "kept", 329.9: "kept", 330.1: "moved"}
     write_baseline(after, tmp_path / "b.toml")
     assert load_baseline(tmp_path / "b.toml") == after
     # Repeats that are not known keep it a range; ones that no longer spread make it a number.
-    assert accepted(after, finding(310.0), "Again.").stops["x"].is_range
-    firm = accepted(after, finding(280.0, FIRM), "No longer chaotic.").stops["x"]
-    assert (firm.is_range, firm.distance, firm.tolerance) == (False, 280.0, 0.28)
+    assert accept(after, finding(310.0), "Again.").accepted["x"].is_range
+    firm = accept(after, finding(280.0, FIRM), "No longer chaotic.").accepted["x"]
+    assert (firm.is_range, firm.value, firm.tolerance) == (False, 280.0, 0.28)
 
 
 def test_half_a_range_is_refused(tmp_path):
     path = tmp_path / "b.toml"
     path.write_text(
-        'campaign = "c"\n[stops.x]\ndistance = 3\ntolerance = 1\nlowest = 2\nreason = "r"\n', encoding="utf-8"
+        'campaign = "c"\n[accepted.x]\nvalue = 3\nunit = "m"\ntolerance = 1\nlowest = 2\nreason = "r"\n',
+        encoding="utf-8",
     )
-    with pytest.raises(ScenarioError, match="has one end of a range; it wants both lowest and highest, or neither"):
+    with pytest.raises(ScenarioError, match="has one end of a range; give both lowest and highest, or neither"):
         load_baseline(path)
 
 

@@ -51,14 +51,14 @@ def campaign(tmp_path):
 
 
 def stop(distance, **more):
-    return Accepted(distance=distance, tolerance=1, reason="r", **more)
+    return Accepted(value=distance, unit="m", tolerance=1, reason="r", **more)
 
 
 @pytest.fixture
 def baseline():
     return Baseline(
         campaign="c.toml",
-        stops={
+        accepted={
             "random-ideal-sbc": stop(400, longest_lock=0.0, valve_strokes=12),
             "random-ideal-fine": stop(300),
             "random-ideal-coarse": stop(500),
@@ -87,7 +87,7 @@ def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, basel
     write_readme(path, campaign, baseline)
     assert path.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{table(campaign, baseline)}\n{END}\nafter\n"
     path.write_text("no marks\n", encoding="utf-8")
-    with pytest.raises(RecordError, match=r"README\.md: has not the two lines between which the table belongs"):
+    with pytest.raises(RecordError, match=r"README\.md: lacks a line that encloses the table"):
         write_readme(path, campaign, baseline)
     with pytest.raises(RecordError, match="cannot be read: No such file"):
         write_readme(tmp_path / "gone.md", campaign, baseline)

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from railgrip.report.results import Result
+from railgrip.report.statistics import endless, finite, quantile, quantile_interval
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table
@@ -17,8 +18,6 @@ from railgrip.studies.type_test.entrants import LIBRARY, Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
 
 _AMBIENT: Final = 101325.0  # Pa
-_RESAMPLES: Final = 2000
-_SEED: Final = 8
 
 
 class Clause(Table):
@@ -73,6 +72,8 @@ def limits_of(path: Path | None = None) -> Limits:
 
 JUDGED: Final = ("stops", "extension", "lock", "locked_distance", "reservoir", "utilisation")
 """Clauses, in the order in which they are shown."""
+_AT_LEAST: Final = ("reservoir", "utilisation")
+"""Clauses whose limit is the least value; the others have a greatest one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,27 +169,16 @@ def _judge(
     metrics = stop.record.metrics
     speed = float(stop.record.scenario["start"]["speed"])
     extension = None if distance is None or dry is None else distance / dry - 1.0
-    lock, dragged = _number(max(metrics.longest_lock_fast)), _number(max(metrics.locked_distance))
-    air, utilisation = _number(metrics.air_used), _number(metrics.utilisation)
+    lock, dragged = finite(max(metrics.longest_lock_fast)), finite(max(metrics.locked_distance))
+    air, utilisation = finite(metrics.air_used), finite(metrics.utilisation)
     remaining = None if air is None else limits.supply.remaining(air, metrics.duration)
-    friction = float(stop.variants["friction"])
-
-    def keeps(clause: Clause, value: float | None, *, at_least: bool = False) -> bool | None:
-        quoted = clause.friction is None or clause.friction[0] <= friction <= clause.friction[1]
-        if clause.limit is None or value is None or not quoted:
-            return None
-        return value >= clause.limit if at_least else value <= clause.limit
-
-    stands = distance is not None
-    quoted = limits.extension
-    verdicts = {
-        "stops": stands,
-        # A train that does not stop has no extension, and keeps none.
-        "extension": keeps(quoted, math.inf if dry is not None and not stands else extension),
-        "lock": keeps(limits.lock, lock),
-        "locked_distance": keeps(limits.locked_distance, dragged),
-        "reservoir": keeps(limits.reservoir, remaining, at_least=True),
-        "utilisation": keeps(limits.utilisation, utilisation, at_least=True),
+    values = {
+        # A train that does not stop has an endless extension.
+        "extension": math.inf if dry is not None and distance is None else extension,
+        "lock": lock,
+        "locked_distance": dragged,
+        "reservoir": remaining,
+        "utilisation": utilisation,
     }
     return Judged(
         case=case,
@@ -213,15 +203,24 @@ def _judge(
         air_l=None if air is None else 1e3 * air,
         reservoir_bar=None if remaining is None else 1e-5 * remaining,
         strokes=round(sum(metrics.actuations)),
-        tread_energy_mj=_number(1e-6 * max(metrics.tread_energy)),
+        tread_energy_mj=finite(1e-6 * max(metrics.tread_energy)),
         utilisation=utilisation,
-        nees=None if metrics.adhesion_nees is None else _number(float(np.mean(metrics.adhesion_nees))),
-        verdicts=verdicts,
+        nees=None if metrics.adhesion_nees is None else finite(float(np.mean(metrics.adhesion_nees))),
+        verdicts={"stops": distance is not None} | _verdicts(limits, values, float(stop.variants["friction"])),
     )
 
 
-def _number(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
+def _verdicts(limits: Limits, values: Mapping[str, float | None], friction: float) -> dict[str, bool | None]:
+    """Return by clause whether its value keeps the limit; None where the clause is not judged."""
+    verdicts: dict[str, bool | None] = {}
+    for name, value in values.items():
+        clause: Clause = getattr(limits, name)
+        is_quoted = clause.friction is None or clause.friction[0] <= friction <= clause.friction[1]
+        if clause.limit is None or value is None or not is_quoted:
+            verdicts[name] = None
+        else:
+            verdicts[name] = value >= clause.limit if name in _AT_LEAST else value <= clause.limit
+    return verdicts
 
 
 def _ratio(distance: float | None, other: float | None) -> float | None:
@@ -281,9 +280,9 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
         own = [stop for stop in stops if stop.controller == name]
         if not own:
             continue
-        over_best = [math.inf if stop.over_best is None else stop.over_best for stop in own if stop.best_m]
+        over_best = [endless(stop.over_best) for stop in own if stop.best_m]
         wet = [stop.k_wet for stop in own if stop.k_wet is not None and stop.verdicts["extension"] is not None]
-        low, high = _interval(wet)
+        low, high = quantile_interval(wet, 0.1) or (None, None)
         sure = [stop.nees for stop in own if stop.nees is not None]
         board.append(
             Summary(
@@ -296,9 +295,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 median=_quantile(over_best, 0.5),
                 p95=_quantile(over_best, 0.95),
                 worst=_quantile(over_best, 1.0),
-                over_bound=_quantile(
-                    [math.inf if stop.over_bound is None else stop.over_bound for stop in own if stop.bound_m], 0.5
-                ),
+                over_bound=_quantile([endless(stop.over_bound) for stop in own if stop.bound_m], 0.5),
                 k_wet=_quantile(wet, 0.1),
                 k_wet_low=low,
                 k_wet_high=high,
@@ -309,7 +306,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 strokes=_relative(own, frugal, "strokes"),
                 utilisation=_quantile([stop.utilisation for stop in own if stop.utilisation is not None], 0.5),
                 nees_low=_quantile(sure, 0.1),
-                nees=_number(float(np.mean(sure))) if sure else None,
+                nees=finite(float(np.mean(sure))) if sure else None,
                 nees_high=_quantile(sure, 0.9),
                 kept={clause: _kept(own, clause) for clause in JUDGED},
             )
@@ -323,17 +320,8 @@ def _kept(stops: Sequence[Judged], clause: str) -> float | None:
 
 
 def _quantile(values: Sequence[float], share: float) -> float | None:
-    """Return the least value that so large a share of all does not pass; None where it is infinite or there is none."""
-    return _number(float(np.quantile(values, share, method="inverted_cdf"))) if values else None
-
-
-def _interval(values: Sequence[float]) -> tuple[float | None, float | None]:
-    """Return the percentile bootstrap interval of the 10 % quantile; Efron and Tibshirani (1993), ch. 13."""
-    if len(values) < 2:
-        return None, None
-    draws = np.random.default_rng(_SEED).choice(values, (_RESAMPLES, len(values)))
-    low, high = np.quantile(np.quantile(draws, 0.1, axis=1, method="inverted_cdf"), (0.025, 0.975))
-    return float(low), float(high)
+    """Return a quantile; None where it is infinite or there is no value."""
+    return finite(quantile(values, share))
 
 
 def _relative(stops: Sequence[Judged], others: Mapping[str, Judged], figure: str) -> float | None:

@@ -1,0 +1,69 @@
+"""Statistics of controllers over draws and cases; intervals hold 95 %.
+
+All controllers stop in the same draws or cases and are compared in each of them: how hard a draw is cancels out. A stop
+without standstill counts as an endless distance; it is never left out.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final, cast
+
+import numpy as np
+from scipy import stats
+
+CONFIDENCE: Final = 0.95
+
+_RESAMPLES: Final = 2000
+_SEED: Final = 8
+
+
+def finite(value: float) -> float | None:
+    """Return a number, or None for NaN and infinity."""
+    return float(value) if math.isfinite(value) else None
+
+
+def endless(distance: float | None) -> float:
+    """Return a distance, infinite where there is none."""
+    return math.inf if distance is None else distance
+
+
+def quantile(values: Sequence[float], share: float) -> float:
+    """Return the least of the values that at least this share of them does not exceed; NaN without a value.
+
+    It is not interpolated, so that infinite values keep their place.
+    """
+    return float(np.quantile(values, share, method="inverted_cdf")) if len(values) else math.nan
+
+
+def relative_change(own: float, reference: float) -> float:
+    """Return own over reference less 1, and 0 where both are infinite."""
+    return 0.0 if math.isinf(own) and math.isinf(reference) else own / reference - 1.0
+
+
+def share_interval(count: int, of: int) -> tuple[float, float]:
+    """Return the interval of a share; Clopper and Pearson, Biometrika 26 (1934)."""
+    # scipy's stubs lack what its documentation promises, here and below.
+    interval = cast("Any", stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact"))
+    return float(interval.low), float(interval.high)
+
+
+def median_interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """Return the interval of a median from order statistics, for any distribution; None with too few values.
+
+    Source: Conover, Practical Nonparametric Statistics (1999), section 3.2.
+    """
+    interval = cast("Any", stats.quantile_test(values, q=0, p=0.5)).confidence_interval(CONFIDENCE)
+    low, high = float(interval.low), float(interval.high)
+    return None if math.isnan(low) or math.isnan(high) else (low, high)
+
+
+def quantile_interval(values: Sequence[float], share: float) -> tuple[float, float] | None:
+    """Return the percentile bootstrap interval of a quantile; None with fewer than two values.
+
+    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), chapter 13.
+    """
+    if len(values) < 2:
+        return None
+    draws = np.random.default_rng(_SEED).choice(values, (_RESAMPLES, len(values)))
+    low, high = np.quantile(np.quantile(draws, share, axis=1, method="inverted_cdf"), (0.025, 0.975))
+    return float(low), float(high)
