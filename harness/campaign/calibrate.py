@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
+from railgrip.assemble import braking_distance
 from railgrip.campaign.workers import workers
 from railgrip.files import write_text
 from railgrip.scenario.load import load
@@ -61,8 +62,6 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
     Raises:
         ArithmeticError: The distance is not reached within 0.3 … 3.
     """
-    from railgrip.assemble import braking_distance  # brings CasADi, which the command line should not wait for
-
     target = TARGETS[scenario]
 
     def excess(level: float) -> float:

@@ -17,8 +17,11 @@ from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import Bounds, differential_evolution
+from scipy.stats.qmc import Sobol
 
 from railgrip import registry
+from railgrip.assemble import braking_distance
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.law import Ranges as LawRanges
 from railgrip.controllers.tuned import SEARCHED, TYPE_TEST, SlipSource, file_of
@@ -132,9 +135,6 @@ def search(
         sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
         budget: Sets to be tried in all, whatever is searched; None for `sets`.
     """
-    from scipy.optimize import Bounds, differential_evolution
-    from scipy.stats.qmc import Sobol
-
     name = set_of(law, type_test=rail_stops is not None)
     file = registry.files(registry.LAWS)[file_of(law, name).removesuffix(".toml")]
     start = tuned_values(file, name, actuation, slip)
@@ -146,11 +146,7 @@ def search(
     objective = partial(mean_logarithm, tuple(ranges), stops)
     reference = list(pool.map(_distance, [_under(REFERENCE, "read", scenario) for scenario in scenarios]))
     reference_mean = float(np.mean(np.log(reference)))
-    # Sobol's points come in powers of two; twice as many as parameters are few for differential evolution, not too few.
-    population = 1 << max(3, math.ceil(math.log2(2 * len(ranges))))
-    if budget is not None and budget < 2 * population:
-        population = budget  # too few to evolve: what is even over the ranges is the best that there is
-    generations = max(0, math.ceil((sets * len(ranges) if budget is None else budget) / population) - 1)
+    population, generations = _effort(len(ranges), sets, budget)
     bounds = np.log(np.array(list(ranges.values())).T)
     spread = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
@@ -188,6 +184,15 @@ def search(
     )
 
 
+def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:
+    """Return population and generations of a search after the first; arguments are those of `search`."""
+    # Sobol's points come in powers of two; twice as many as parameters are few for differential evolution, not too few.
+    population = 1 << max(3, math.ceil(math.log2(2 * parameters)))
+    if budget is not None and budget < 2 * population:
+        population = budget  # too few to evolve: the best of points spread evenly over the ranges
+    return population, max(0, math.ceil((sets * parameters if budget is None else budget) / population) - 1)
+
+
 def set_of(law: str, *, type_test: bool) -> str:
     """Return the name of the set that a search finds: that of the type test, if the law has one, or the only one."""
     return TYPE_TEST if type_test and f"{law}.{TYPE_TEST}" in registry.files(registry.LAWS) else SEARCHED
@@ -216,7 +221,5 @@ def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
 
 
 def _distance(scenario: Scenario) -> float:
-    from railgrip.assemble import braking_distance
-
     distance = braking_distance(scenario)
     return _ENDLESS if distance is None else distance

@@ -1,4 +1,4 @@
-"""What one stop tells about the friction of each brake group."""
+"""Friction of each brake group, estimated from the readings of one stop."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -130,7 +130,7 @@ class Evidence:
 def evidence_of(
     recording: xarray.Dataset, temperature: Vector, parameters: Mapping[str, float] = MappingProxyType({})
 ) -> Evidence:
-    """Return what a stop tells.
+    """Return the friction of each group that the readings of a stop show.
 
     Args:
         recording: With the inputs and outputs of `MODEL`.
@@ -163,12 +163,11 @@ def evidence_of(
         raise EstimationError(f"recording '{recording.attrs.get('name', '')}': has no five seconds of braking.")
     onset = int(braking[0])
     drag = _drag(acceleration[:onset], speed[:onset], values) if onset * period >= _COASTING else float("nan")
-    # Pressures that with constant nominal friction would brake as healthy pads do: what is left to estimate is health.
+    # With constant nominal friction, these pressures brake as healthy pads do; the filter estimates the rest, health.
     reduced = pressure.copy()
     for g in range(groups):
-        mu = nominal_friction(
-            force[:, g], wheels[:, g], speed, period, values[f"r_friction[{g + 1}]"], float(temperature[g])
-        )
+        radius, start = values[f"r_friction[{g + 1}]"], float(temperature[g])
+        mu = nominal_friction(force[:, g], wheels[:, g], speed, period, radius, start)
         equivalent = pressure_of(mu / NOMINAL * force[:, g], **piston, rigging=rigging)
         reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
     mass = _mass(values)
@@ -180,13 +179,7 @@ def evidence_of(
     mean, covariance = _run_filter(
         filter_, prediction.states, inputs, readings, locked, wheels[0], float(speed[0]), count
     )
-    # The prior is taken out, so that stops can be put together without counting it once each.
-    information = np.linalg.inv(covariance) - np.eye(groups) / PRIOR**2
-    # What a stop does not tell at all has an information of zero, here with rounding: at most 100 priors wide.
-    information += np.eye(groups) / (100.0 * PRIOR) ** 2
-    spread = np.linalg.inv(0.5 * (information + information.T))
-    health = spread @ (np.linalg.solve(covariance, mean) - np.full(groups, NOMINAL) / PRIOR**2
-                       + np.full(groups, NOMINAL) / (100.0 * PRIOR) ** 2)  # fmt: skip
+    health, spread = _without_prior(mean, covariance)
     offset = pressure_spread(
         pad_friction=health / NOMINAL,
         pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(groups)]),
@@ -199,6 +192,17 @@ def evidence_of(
         offset=offset,
         drag=drag,
     )
+
+
+def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
+    """Return mean and covariance of pad friction without the prior, which would count once in each of several stops."""
+    identity, nominal = np.eye(mean.size), np.full(mean.size, NOMINAL)
+    information = np.linalg.inv(covariance) - identity / PRIOR**2
+    # Where a stop has no information, rounding is left of it: the result is at most 100 priors wide.
+    information += identity / (100.0 * PRIOR) ** 2
+    spread = np.linalg.inv(0.5 * (information + information.T))
+    moment = np.linalg.solve(covariance, mean) - nominal / PRIOR**2 + nominal / (100.0 * PRIOR) ** 2
+    return spread @ moment, spread
 
 
 def pressure_spread(
