@@ -231,14 +231,9 @@ class CompiledFilter(StepInC):
                 f"follow: wants k rows of {self.inputs.size} inputs and {m} readings, "
                 f"got shapes {np.shape(inputs)} and {np.shape(readings)}."
             )
-        states, names = list(self.design.states), self.design.inputs
-        unknown = sorted((integrals.keys() - {*names}) | ({*integrals.values()} - {*states}))
-        if unknown or every < 1:
-            problem = (
-                f"there is no input or state {unknown[0]}" if unknown else f"every is {every}, wanted is 1 or more"
-            )
-            raise EstimatorError(f"follow: {problem}.")
-        sources = [states.index(integrals[name]) if name in integrals else -1 for name in names]
+        sources = self._integrated_states(integrals)
+        if every < 1:
+            raise EstimatorError(f"follow: every is {every}, wanted is 1 or more.")
         self.hold(prior)
         rows = count // every
         estimates = Estimates(
@@ -260,6 +255,14 @@ class CompiledFilter(StepInC):
         if outcome.value:
             raise FilterDiverged(self.failure(outcome.value), after=int(steps))
         return estimates
+
+    def _integrated_states(self, integrals: Mapping[str, str]) -> list[int]:
+        """Return for each input the place of the state that it is the integral of, else -1."""
+        states, inputs = list(self.design.states), self.design.inputs
+        unknown = sorted((integrals.keys() - {*inputs}) | ({*integrals.values()} - {*states}))
+        if unknown:
+            raise EstimatorError(f"follow: there is no input or state {unknown[0]}.")
+        return [states.index(integrals[name]) if name in integrals else -1 for name in inputs]
 
     def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:
         """Predict over one period, then condition on `readings`; see `ExtendedKalmanFilter.step`."""

@@ -12,7 +12,7 @@ from railgrip.fmus.native.ctext import string_literal, strings, table
 from railgrip.fmus.native.elimination import eliminate
 from railgrip.fmus.native.straight import straight
 from railgrip.fmus.native.structure import Loops
-from railgrip.fmus.native.system import Assertion, System, column
+from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.tape import fits, interpreter, tape
 from railgrip.fmus.native.variables import Scalar, vector
 
@@ -166,18 +166,54 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         tolerance: Relative error of an internal step, the default of `_tolerance`.
     """
     lay = layout(system)
-    solves = "cs" in interfaces
-    rows, columns = jacobian(system).sparsity().get_triplet() if solves else ([], [])
-    differentiates = "me" in interfaces
-    outputs, _ = split_algebraics(system)
-    by_state = (jacobian(system), ca.jacobian(outputs, system.x)) if differentiates else (SX(0, 0), SX(0, 0))
-    (state_rows, state_columns), (output_rows, output_columns) = (of.sparsity().get_triplet() for of in by_state)
-    elimination = eliminate(len(lay.states), list(zip(rows, columns, strict=True))) if solves else None
+    states = jacobian(system).sparsity().get_triplet()
+    outputs = ca.jacobian(split_algebraics(system)[0], system.x).sparsity().get_triplet()
+    patterns = {
+        "jacobian": states if "cs" in interfaces else ([], []),
+        "state": states if "me" in interfaces else ([], []),
+        "output": outputs if "me" in interfaces else ([], []),
+    }
+    elimination = None
+    if "cs" in interfaces:
+        elimination = eliminate(len(lay.states), list(zip(*patterns["jacobian"], strict=True)))
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
-    texts = sum(isinstance(piece, SX) for a in system.assertions for piece in a.message)
     loud = loud_discretes(system)
-    by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
-    sizes = {
+    sizes = _sizes(system, lay) | {
+        "NJ": len(patterns["jacobian"][0]),
+        "BY_STATE": int("me" in interfaces),
+        "NSJ": len(patterns["state"][0]),
+        "NOJ": len(patterns["output"][0]),
+        "N_LOUD": len(loud),
+        "NLU": elimination.entries if elimination else 0,
+        "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
+        "DEFAULT_SOLVER": SOLVERS[solver],
+        "DEFAULT_TOLERANCE": repr(float(tolerance)),
+        "MODEL_GUID": string_literal(""),
+    }
+    body = [
+        "/* Generated from Modelica; do not edit. */",
+        *(f"#define {name} {value}" for name, value in sizes.items()),
+        *_value_tables(system, lay),
+        table("int", "loud", loud),
+        table("int", "indicator_relation", system.indicator_relation),
+        *(
+            table("int", f"{name}_{axis}", places)
+            for name, pattern in patterns.items()
+            for axis, places in zip(("row", "column"), pattern, strict=True)
+        ),
+        *_text_tables(system, lay),
+        _model_functions(system, interfaces),
+        '#include "layout.h"',
+        elimination.code if elimination else "",
+        *(f'#include "{part}"' for part in parts[1:]),
+        "",
+    ]
+    return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in ["tape.c", *parts]}
+
+
+def _sizes(system: System, lay: Layout) -> dict[str, int]:
+    """Return the sizes that depend on the system alone, not on interfaces and solver."""
+    return {
         "NX": len(lay.states),
         "NU": len(lay.inputs),
         "NP": len(lay.parameters),
@@ -193,54 +229,41 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         "NG": len(system.loops.guesses),
         "NQ": len(system.start_loops.guesses),
         "NA": len(system.assertions),
-        "NM": texts,
-        "NJ": len(rows),
-        "BY_STATE": int(differentiates),
-        "NSJ": len(state_rows),
-        "NOJ": len(output_rows),
-        "N_LOUD": len(loud),
-        "NLU": elimination.entries if elimination else 0,
-        "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
-        "DEFAULT_SOLVER": SOLVERS[solver],
-        "DEFAULT_TOLERANCE": repr(float(tolerance)),
-        "MODEL_GUID": string_literal(""),
+        "NM": sum(isinstance(piece, SX) for a in system.assertions for piece in a.message),
     }
+
+
+def _value_tables(system: System, lay: Layout) -> list[str]:
+    """Return the tables of start and nominal values, and of clocks."""
+    by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
-    body = [
-        "/* Generated from Modelica; do not edit. */",
-        *(f"#define {name} {value}" for name, value in sizes.items()),
-        table("double", "start_x", [s.start for s in lay.states]),
-        table("double", "start_u", [s.start for s in lay.inputs]),
-        table("double", "start_p", [s.start for s in lay.parameters]),
-        table("double", "start_d", [s.start for s in lay.discretes]),
-        table("double", "start_g", [s.start if s else 0.0 for s in guesses]),
-        table("double", "start_q", [s.start if s else 0.0 for s in start_guesses]),
+    groups = {"x": lay.states, "u": lay.inputs, "p": lay.parameters, "d": lay.discretes}
+    unknowns = {"g": guesses, "q": start_guesses}
+    return [
+        *(table("double", f"start_{name}", [s.start for s in group]) for name, group in groups.items()),
+        *(table("double", f"start_{name}", [s.start if s else 0.0 for s in own]) for name, own in unknowns.items()),
         table("double", "nominal_x", [nominal(s) for s in lay.states]),
-        table("double", "nominal_g", [nominal(s) if s else 1.0 for s in guesses]),
-        table("double", "nominal_q", [nominal(s) if s else 1.0 for s in start_guesses]),
+        *(
+            table("double", f"nominal_{name}", [nominal(s) if s else 1.0 for s in own])
+            for name, own in unknowns.items()
+        ),
         table("char", "x_calculated", [int(c) for c in system.calculated]),
         table("double", "clock_phase", [phase for phase, _ in system.clocks]),
         table("double", "clock_period", [period for _, period in system.clocks]),
-        table("int", "loud", loud),
-        table("int", "indicator_relation", system.indicator_relation),
-        table("int", "jacobian_row", rows),
-        table("int", "jacobian_column", columns),
-        table("int", "state_row", state_rows),
-        table("int", "state_column", state_columns),
-        table("int", "output_row", output_rows),
-        table("int", "output_column", output_columns),
-        table("char", "assertion_fatal", [int(a.fatal) for a in system.assertions]),
-        strings("x_name", [s.name for s in lay.states]),
-        strings("assertion_place", [a.where for a in system.assertions]),
-        *_assertion_texts(system.assertions),
-        strings("loop_names", [", ".join(loops.guesses) for loops in (system.loops, system.start_loops)]),
-        _model_functions(system, interfaces),
-        '#include "layout.h"',
-        elimination.code if elimination else "",
-        *(f'#include "{part}"' for part in parts[1:]),
-        "",
     ]
-    return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in ["tape.c", *parts]}
+
+
+def _text_tables(system: System, lay: Layout) -> list[str]:
+    """Return the tables of names, and of assertions with the pieces of their messages: null for a value."""
+    assertions = system.assertions
+    return [
+        table("char", "assertion_fatal", [int(a.fatal) for a in assertions]),
+        strings("x_name", [s.name for s in lay.states]),
+        strings("assertion_place", [a.where for a in assertions]),
+        strings("message_piece", [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]),
+        table("int", "message_begin", [0, *accumulate(len(a.message) for a in assertions)]),
+        strings("loop_names", [", ".join(loops.guesses) for loops in (system.loops, system.start_loops)]),
+    ]
 
 
 def nominal(s: Scalar) -> float:
@@ -253,10 +276,3 @@ def _model_functions(system: System, interfaces: Sequence[str]) -> str:
     rare = RARE if system.clocks else RARE | {"f_event"}
     texts = [tape(f) if f.name() in rare and fits(f) else straight(f) for f in functions(system, interfaces)]
     return "\n".join(["#include <math.h>", *interpreter(), *texts])
-
-
-def _assertion_texts(assertions: Sequence[Assertion]) -> list[str]:
-    """Return tables of the pieces of the messages, null for a value, and of where those of each assertion begin."""
-    pieces = [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]
-    begins = [0, *accumulate(len(a.message) for a in assertions)]
-    return [strings("message_piece", pieces), table("int", "message_begin", begins)]

@@ -5,7 +5,7 @@ Sources: Pantelides, SIAM J. Sci. Stat. Comput. 9 (1988) 213; Mattsson and Söde
 its `stateSelect` and `fixed` attributes say.
 """
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 import casadi as ca
@@ -61,17 +61,18 @@ def reduce_index(
     n = len(states)
     derivative_of = {i: n + i for i in range(n)}
     work = list(equations)
-    source = list(range(len(work)))
     derivative_of_equation: dict[int, int] = {}
     match: dict[int, int] = {}
 
-    def incidence(e: Equation) -> set[int]:
-        return set(ca.jacobian_sparsity(e.residual, ca.vertcat(*symbols)).get_triplet()[1])
+    def incidence(residuals: Sequence[SX]) -> list[set[int]]:
+        """Return the symbols in each residual."""
+        found = [set[int]() for _ in residuals]
+        pattern = ca.jacobian_sparsity(ca.vertcat(*residuals), ca.vertcat(*symbols))
+        for i, j in zip(*pattern.get_triplet(), strict=True):
+            found[i].add(j)
+        return found
 
-    columns = ca.vertcat(*symbols)
-    contains = [set[int]() for _ in work]
-    for i, j in zip(*ca.jacobian_sparsity(ca.vertcat(*[e.residual for e in work]), columns).get_triplet(), strict=True):
-        contains[i].add(j)
+    contains = incidence([e.residual for e in work])
 
     def augment(root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
         """Find an augmenting path, depth first, without the recursion that large models would exhaust."""
@@ -115,8 +116,7 @@ def reduce_index(
         )
         derivative_of_equation[q] = len(work)
         work.append(Equation(along + ca.jacobian(e.residual, time), e.where))
-        source.append(source[q])
-        contains.append(incidence(work[-1]))
+        contains.extend(incidence([work[-1].residual]))
 
     for first in range(len(equations)):
         e = first
@@ -139,18 +139,9 @@ def reduce_index(
                 f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
             )
 
-    # Highest derivatives and algebraics must be solved for; among the lower ones the cheapest are demoted.
-    price = [1.0 + (cost[i] if i < n else 0.001) if i in derivative_of else 0.5 for i in range(len(symbols))]
-    rows, cols = zip(*[(e, v) for e, own in enumerate(contains) for v in own], strict=True)
-    weight = csr_matrix(([price[v] for v in cols], (rows, cols)), shape=(len(work), len(symbols)))
-    try:
-        _, matching = min_weight_full_bipartite_matching(weight)
-    except ValueError as error:
-        raise TranslationError(f"{owner}: structurally singular after index reduction.") from error
-    unknown_places = set(matching.tolist())
-    missing = [symbols[v].name() for v in range(len(symbols)) if v not in derivative_of and v not in unknown_places]
-    if missing:
-        raise TranslationError(f"{owner}: structurally singular: no equation left for {', '.join(missing)}.")
+    own_cost = [*cost, *[0.001] * (len(symbols) - n)]
+    price = [1.0 + own_cost[i] if i in derivative_of else 0.5 for i in range(len(symbols))]
+    unknown_places = _solved_for(contains, symbols, price, derivative_of.keys(), owner)
     state_places = [v for v in range(len(symbols)) if v not in unknown_places]
     return IndexOne(
         equations=work,
@@ -158,3 +149,29 @@ def reduce_index(
         states=[(symbols[v], symbols[derivative_of[v]]) for v in state_places],
         former_states=frozenset(symbols[i].name() for i in range(n) if i in unknown_places),
     )
+
+
+def _solved_for(
+    contains: Sequence[set[int]], symbols: Sequence[SX], price: Sequence[float], differentiated: Set[int], owner: str
+) -> set[int]:
+    """Return the places of the symbols to solve for: all without a derivative, of the others the cheapest.
+
+    Args:
+        contains: Places of the symbols in each equation.
+        price: Of solving for each symbol.
+        differentiated: Places of the symbols whose derivative is a symbol, too.
+
+    Raises:
+        TranslationError: No such choice solves every equation.
+    """
+    rows, columns = zip(*[(e, v) for e, own in enumerate(contains) for v in own], strict=True)
+    weight = csr_matrix(([price[v] for v in columns], (rows, columns)), shape=(len(contains), len(symbols)))
+    try:
+        _, matching = min_weight_full_bipartite_matching(weight)
+    except ValueError as error:
+        raise TranslationError(f"{owner}: structurally singular after index reduction.") from error
+    places = set(matching.tolist())
+    missing = [symbols[v].name() for v in range(len(symbols)) if v not in differentiated and v not in places]
+    if missing:
+        raise TranslationError(f"{owner}: structurally singular: no equation left for {', '.join(missing)}.")
+    return places

@@ -69,17 +69,7 @@ def solve(
         return list(targets)
     residuals, columns = ca.vertcat(*[e.residual for e in equations]), ca.vertcat(*unknowns)
     row, column = (np.array(k, dtype=int) for k in ca.jacobian_sparsity(residuals, columns).get_triplet())
-    pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
-    match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
-    if (match < 0).any():
-        spare = sorted(set(range(n)) - set(match.tolist()))
-        raise TranslationError(
-            f"{owner}: structurally singular: no unknown left for the equation at "
-            + ", ".join(equations[int(i)].where for i in np.flatnonzero(match < 0))
-            + "; no equation left for "
-            + ", ".join(unknowns[j].name() for j in spare)
-            + "."
-        )
+    match = _matching(row, column, equations, unknowns, owner)
     target_columns = ca.jacobian_sparsity(ca.vertcat(*targets), columns).get_triplet()[1] if targets else []
     dependencies = _dependencies(row, column, match, target_columns)
     names: list[SX] = []
@@ -112,6 +102,29 @@ def solve(
         loops.updates.setdefault(unknown.name(), solution[unknown.name()])
         loops.residuals.setdefault(unknown.name(), residual)
     return list(out[: len(targets)])
+
+
+def _matching(
+    row: np.ndarray, column: np.ndarray, equations: Sequence[Equation], unknowns: Sequence[SX], owner: str
+) -> np.ndarray:
+    """Return the unknown that each equation is solved for, of the unknowns `column` in the equations `row`.
+
+    Raises:
+        TranslationError: The system is structurally singular.
+    """
+    n = len(unknowns)
+    pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
+    match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
+    if (match < 0).any():
+        spare = sorted(set(range(n)) - set(match.tolist()))
+        raise TranslationError(
+            f"{owner}: structurally singular: no unknown left for the equation at "
+            + ", ".join(equations[int(i)].where for i in np.flatnonzero(match < 0))
+            + "; no equation left for "
+            + ", ".join(unknowns[j].name() for j in spare)
+            + "."
+        )
+    return match
 
 
 def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]) -> set[int]:
