@@ -14,13 +14,13 @@ import numpy as np
 from railgrip import custom
 from railgrip.assemble.controller import controlling, law_states, over_the_train, valve_logic_of
 from railgrip.assemble.estimator import state_estimator
-from railgrip.assemble.faults import faults_of
 from railgrip.assemble.importing import Origin, origin_of, part_of, table_of
 from railgrip.assemble.plant import fmu_plant, python_plant
 from railgrip.assemble.rail import driver_of, rail_of
 from railgrip.assemble.sensors import sensors_of
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import PlantFailed, ScenarioError
+from railgrip.faults.site import faults_of
 from railgrip.fmu import Description
 from railgrip.loop.loop import Ending, Loop
 from railgrip.loop.parts import Clock, Controller, Parts, StateEstimator

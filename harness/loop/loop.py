@@ -1,9 +1,12 @@
 """The loop: a stop in C, which comes back to Python whenever a part written in Python is due."""
 
+import ctypes
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,8 +16,8 @@ from railgrip.errors import ControllerFailed, EstimatorFailed, LoopError, Sensor
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmu import CoSimulation
 from railgrip.fmus.native.c_library import Struct
-from railgrip.loop.formula import address_of
-from railgrip.loop.library import kernel
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.loop.library import KERNEL, kernel
 from railgrip.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
 from railgrip.loop.plausible import Plausibility
 from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
@@ -322,8 +325,35 @@ def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
             f"{formula.formula.name}: takes {formula.step.numel_in(1)} inputs, and {inputs} belong to "
             f"{layout.formation.groups} groups."
         )
-    address = address_of(formula.step)
+    address = _address_of(formula.step)
     return kernel(layout).struct("Formula", call=address, state=formula.state, parameter=formula.parameters)
+
+
+@cache
+def _address_of(step: ca.Function) -> int:
+    """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
+
+    It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.
+
+    Raises:
+        railgrip.errors.CompilerMissing: There is no C compiler.
+    """
+    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
+    generator.add(step)
+    sizes = {
+        "NX": step.numel_out(0), "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(),
+        "RESULTS": step.sz_res(),
+    }  # fmt: skip
+    header = "".join(
+        [
+            *(f"#define {name} {value}\n" for name, value in sizes.items()),
+            "#define CASADI_SYMBOL_EXPORT static\n",
+            generator.dump(),
+        ]
+    )
+    sources = {"step.h": header, "formula.c": (KERNEL / "formula.c").read_text(encoding="utf-8")}
+    library = ctypes.CDLL(str(shared_library(sources, "formula")))
+    return ctypes.cast(library.call, ctypes.c_void_p).value or 0
 
 
 def _step_from_c(struct: Struct, plant: CoSimulation) -> None:

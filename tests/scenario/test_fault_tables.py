@@ -12,9 +12,9 @@ from kernel_calls import show
 from synthetic import LIBRARY
 
 import railgrip as rg
-from railgrip.assemble.faults import faults_of
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
+from railgrip.faults.site import faults_of
 from railgrip.scenario.faults import READ_BY, Truth, kinds_of_faults
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
