@@ -177,28 +177,19 @@ class CustomController:
         Raises:
             ControllerFailed: It raised an exception, or returned something else.
         """
-        try:
-            demands = self._own.decide(observation)
-        except (KeyboardInterrupt, Interrupted):
-            raise
-        except BaseException as problem:  # SystemExit ends a part, not the program
-            raise ControllerFailed(_failure(self._own, "decide", problem) + _when(observation)) from problem
+        demands = _called(ControllerFailed, self._own, "decide", observation, time=observation.time)
         numbers = _numbers(demands)
         if numbers is not None and numbers.shape == self._shape:
             values: list[float] = numbers.tolist()
             if math.isfinite(sum(values)):
                 return values
         wrong = problem_with(demands, self._shape)
-        if not wrong:
-            return np.asarray(demands, dtype=np.float64).tolist()
-        raise ControllerFailed(
-            f"{_place(self._own, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
-            f"groups, shape {self._shape}.{_when(observation)}"
-        )
-
-
-def _when(observation: Observation) -> str:
-    return f" At {observation.time:.3f} s."
+        if wrong:
+            raise ControllerFailed(
+                f"{_place(self._own, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
+                f"groups, shape {self._shape}.{_when(observation.time)}"
+            )
+        return np.asarray(demands, dtype=np.float64).tolist()
 
 
 class DemandLimits:
@@ -345,11 +336,7 @@ class CustomEstimator:
                 f"{_place(own, 'step')} gave {', '.join(values) or 'nothing'}; it provides {', '.join(self.provides)}."
             )
         for name, value in values.items():
-            wrong = problem_with(value, self._shapes[name])
-            if wrong:
-                raise EstimatorFailed(
-                    f"{_place(own, 'step')} gave {name} as {wrong}, not finite numbers of shape {self._shapes[name]}."
-                )
+            _require_numbers(EstimatorFailed, own, "step", name, value, self._shapes[name])
             words = self._mistake(name, value, observation)
             if words:
                 raise EstimatorFailed(f"{_place(own, 'step')} gave {name} as {np.asarray(value).tolist()}{words}.")
@@ -389,32 +376,26 @@ class CustomSensors:
         """
         self._truth[:] = truth
         time = sample * self._period
-        when = f" At {time:.3f} s."
-        readings = _called(SensorsFailed, self._own, "read", time, self._truth_by_name, when=when)
+        readings = _called(SensorsFailed, self._own, "read", time, self._truth_by_name, time=time)
         by_name = _by_its_names(readings)
         if by_name is None or not by_name.keys() <= self._shapes.keys():
             raise SensorsFailed(
                 f"{_place(self._own, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
-                f"by name.{when}"
+                f"by name.{_when(time)}"
             )
         reading = np.full(self._layout.readings, np.nan)
         for name, value in by_name.items():
-            problem = problem_with(value, self._shapes[name], nan=True)
-            if problem:
-                raise SensorsFailed(
-                    f"{_place(self._own, 'read')} gave {name} as {problem}, not numbers of shape "
-                    f"{self._shapes[name]}.{when}"
-                )
+            _require_numbers(SensorsFailed, self._own, "read", name, value, self._shapes[name], time=time, nan=True)
             reading[self._layout.reading[name]] = value
             truth_of_it = self._truth_by_name.get(name)
             if name in self._checks and (words := self._checks[name].mistake(time, value, truth_of_it)):
                 raise SensorsFailed(
                     f"{_place(self._own, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
-                    f"{np.asarray(truth_of_it).tolist()}{words}.{when}"
+                    f"{np.asarray(truth_of_it).tolist()}{words}.{_when(time)}"
                 )
         self._has_read = self._has_read or bool(np.isfinite(reading).any())
         if not self._has_read and time >= _PATIENCE:
-            raise SensorsFailed(f"{_place(self._own, 'read')} gives no reading at all.{when}")
+            raise SensorsFailed(f"{_place(self._own, 'read')} gives no reading at all.{_when(time)}")
         return reading
 
 
@@ -448,7 +429,7 @@ class CustomPlant:
         """
         self._steps = 0
         formation = self._layout.formation
-        outputs = _called(PlantFailed, self._own, "start", formation, self._speed, self._period, when=self._when)
+        outputs = _called(PlantFailed, self._own, "start", formation, self._speed, self._period, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
             raise PlantFailed(
@@ -463,28 +444,23 @@ class CustomPlant:
         """Step it and return what it shows, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        outputs = _called(PlantFailed, self._own, "step", self._inputs_by_name, when=self._when)
+        outputs = _called(PlantFailed, self._own, "step", self._inputs_by_name, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or self._output_names.symmetric_difference(by_name):
             raise PlantFailed(
                 f"{_place(self._own, 'step')} returned {_short(outputs)}, not what it showed at the start, "
-                f"{', '.join(sorted(self._output_names))}.{self._when}"
+                f"{', '.join(sorted(self._output_names))}.{_when(self._time)}"
             )
         return self._vector("step", by_name)
 
     @property
-    def _when(self) -> str:
-        return f" At {self._steps * self._period:.3f} s."
+    def _time(self) -> float:
+        return self._steps * self._period
 
     def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
         truth = np.full(self._layout.outputs, np.nan)
         for name, value in outputs.items():
-            problem = problem_with(value, self._shapes[name])
-            if problem:
-                raise PlantFailed(
-                    f"{_place(self._own, method)} showed {name} as {problem}, not finite numbers of shape "
-                    f"{self._shapes[name]}.{self._when}"
-                )
+            _require_numbers(PlantFailed, self._own, method, name, value, self._shapes[name], time=self._time)
             truth[self._layout.output[name]] = value
         return truth
 
@@ -601,14 +577,38 @@ def _names(own: object, attribute: str, choice: Collection[str]) -> tuple[str, .
     return tuple(dict.fromkeys(value))
 
 
-def _called(failed: type[RailgripError], own: object, method: str, *arguments: object, when: str = "") -> Any:
-    """Return what a method of the user's class returns, or raise `failed` with a sentence."""
+def _called(
+    failed: type[RailgripError], own: object, method: str, *arguments: object, time: float | None = None
+) -> Any:
+    """Return what a method of the user's class returns, or raise `failed` with the sentence and time [s]."""
     try:
         return getattr(own, method)(*arguments)
     except (KeyboardInterrupt, Interrupted):
         raise
-    except BaseException as problem:  # SystemExit ends a part, not the program
-        raise failed(_failure(own, method, problem) + when) from problem
+    except BaseException as problem:  # SystemExit ends a component, not the program
+        raise failed(_failure(own, method, problem) + _when(time)) from problem
+
+
+def _when(time: float | None) -> str:
+    return "" if time is None else f" At {time:.3f} s."
+
+
+def _require_numbers(
+    failed: type[RailgripError],
+    own: object,
+    method: str,
+    name: str,
+    value: Any,
+    shape: tuple[int, ...],
+    *,
+    time: float | None = None,
+    nan: bool = False,
+) -> None:
+    """Raise `failed` unless a returned value is finite numbers of a shape, or NaN where that is allowed."""
+    problem = problem_with(value, shape, nan=nan)
+    if problem:
+        kind = "numbers" if nan else "finite numbers"
+        raise failed(f"{_place(own, method)} gave {name} as {problem}, not {kind} of shape {shape}.{_when(time)}")
 
 
 def _text_of(problem: BaseException) -> str:

@@ -8,8 +8,9 @@ that rolls, slides and locks, of a train that stands, and of sensors that have n
 """
 
 import copy
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TypeVar
 
 import numpy as np
@@ -32,7 +33,7 @@ from railgrip.custom import (
 )
 from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
 from railgrip.loop.plausible import slowing_of
-from railgrip.signals import Layout, layout_of
+from railgrip.signals import layout_of
 from railgrip.units import short
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation, carried_mass
@@ -64,22 +65,19 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     Raises:
         ContractBroken: It does something else.
     """
-    for formation in formations():
-        law, limits = _made(factory), DemandLimits(formation)
+    limits_of = cache(DemandLimits)  # one for both runs: demands that were once in Pa are not judged again
 
-        def run(
-            law: Controller = law, formation: Formation = formation, limits: DemandLimits = limits
-        ) -> Iterator[Row]:
-            controller = CustomController(law, formation)
-            for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
-                for observation in observations(formation, estimated=estimated):
-                    before = copy.deepcopy(observation)
-                    demands = controller.decide(observation)
-                    _require_unchanged(law, before, observation)
-                    _require_pressures(law, formation, demands)
-                    yield tuple(limits.limit(demands, observation))
+    def rows(law: Controller, formation: Formation) -> Iterator[Row]:
+        controller, limits = CustomController(law, formation), limits_of(formation)
+        for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
+            for observation in observations(formation, estimated=estimated):
+                before = copy.deepcopy(observation)
+                demands = controller.decide(observation)
+                _require_unchanged(law, before, observation)
+                _require_pressures(law, formation, demands)
+                yield tuple(limits.limit(demands, observation))
 
-        _require_same(law, "decide", run)
+    _require_repeatable(factory, "decide", rows)
 
 
 def check_estimator(factory: Callable[[], Estimator]) -> None:
@@ -91,24 +89,21 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
     Raises:
         ContractBroken: It does something else.
     """
-    for formation in formations():
-        own = _made(factory)
 
-        def run(own: Estimator = own, formation: Formation = formation) -> Iterator[Row]:
-            estimator = CustomEstimator(own, formation)
-            for observation in observations(formation, estimated=False):
-                if not np.isfinite(observation.speed):
-                    continue
-                before = copy.deepcopy(observation)
-                estimates = estimator.step(observation)
-                _require_unchanged(own, before, observation)
-                for name in (name for name in estimates if name.endswith("_sd") and np.any(estimates[name] < 0.0)):
-                    raise ContractBroken(
-                        f"{type(own).__name__}.step gives a negative {name}: {estimates[name].tolist()}"
-                    )
-                yield tuple(np.concatenate([estimates[name] for name in estimator.provides]).tolist())
+    def rows(own: Estimator, formation: Formation) -> Iterator[Row]:
+        estimator = CustomEstimator(own, formation)
+        for observation in observations(formation, estimated=False):
+            if not np.isfinite(observation.speed):
+                continue
+            before = copy.deepcopy(observation)
+            values = estimator.step(observation)
+            _require_unchanged(own, before, observation)
+            for name, value in values.items():
+                if name.endswith("_sd") and np.any(value < 0.0):
+                    raise ContractBroken(f"{type(own).__name__}.step gives a negative {name}: {value.tolist()}")
+            yield tuple(np.concatenate([values[name] for name in estimator.provides]).tolist())
 
-        _require_same(own, "step", run)
+    _require_repeatable(factory, "step", rows)
 
 
 def check_sensors(factory: Callable[[], Sensors]) -> None:
@@ -120,23 +115,22 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
     Raises:
         ContractBroken: It does something else.
     """
-    for formation in formations():
-        own, layout = _made(factory), layout_of(formation)
 
-        def run(own: Sensors = own, layout: Layout = layout) -> Iterator[Row]:
-            sensors = CustomSensors(own, layout, layout.formation, _PERIOD, np.random.default_rng(1))
-            readings: list[Row] = []
-            for sample, observation in enumerate(_courses(layout.formation, estimated=False)):
-                truth = np.zeros(layout.outputs)
-                for name in ("speed", "acceleration", "wheelset_speed", "slip"):
-                    truth[layout.output[name]] = getattr(observation, name)
-                truth[layout.output["cylinder_pressure"]] = observation.pressure
-                readings.append(tuple(sensors.read(sample, truth).tolist()))
-            if np.isnan(np.array(readings)).all():
-                raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
-            yield from readings
+    def rows(own: Sensors, formation: Formation) -> Iterator[Row]:
+        layout = layout_of(formation)
+        sensors = CustomSensors(own, layout, formation, _PERIOD, np.random.default_rng(1))
+        readings: list[Row] = []
+        for sample, observation in enumerate(_braking(formation, estimated=False)):
+            truth = np.zeros(layout.outputs)
+            for name in ("speed", "acceleration", "wheelset_speed", "slip"):
+                truth[layout.output[name]] = getattr(observation, name)
+            truth[layout.output["cylinder_pressure"]] = observation.pressure
+            readings.append(tuple(sensors.read(sample, truth).tolist()))
+        if np.isnan(np.array(readings)).all():
+            raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
+        yield from readings
 
-        _require_same(own, "read", run)
+    _require_repeatable(factory, "read", rows)
 
 
 def check_plant(factory: Callable[[], Plant], formation: Formation | None = None) -> None:
@@ -153,29 +147,22 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
     Raises:
         ContractBroken: It does something else.
     """
-    for vehicle in formations() if formation is None else (formation,):
-        own, layout = _made(factory), layout_of(vehicle)
 
-        def run(own: Plant = own, layout: Layout = layout) -> Iterator[Row]:
-            brakes = layout.formation
-            pressure, release = tuple(brakes.pressure_max.tolist()), (0.0,) * brakes.groups
-            plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
-            good, poor = (
-                tried(layout, plant, period=_PERIOD, release=release, brake=pressure, friction=friction)
-                for friction in (GOOD_RAIL, POOR_RAIL)
-            )
-            slowing = slowing_of(carried_mass(sum(brakes.wheelset_load)), is_known=False)
-            radius = tuple(brakes.wheel_radius.tolist())
-            results = findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing)
-            for finding in (finding for finding in results if not finding.good):
+    def rows(own: Plant, vehicle: Formation) -> Iterator[Row]:
+        layout, pressure = layout_of(vehicle), tuple(vehicle.pressure_max.tolist())
+        plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
+        good, poor = (
+            tried(layout, plant, period=_PERIOD, release=(0.0,) * vehicle.groups, brake=pressure, friction=friction)
+            for friction in (GOOD_RAIL, POOR_RAIL)
+        )
+        slowing = slowing_of(carried_mass(sum(vehicle.wheelset_load)), is_known=False)
+        radius = tuple(vehicle.wheel_radius.tolist())
+        for finding in findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing):
+            if not finding.good:
                 raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
-            yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
+        yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
 
-        _require_same(own, "step", run)
-
-
-def _made(factory: Callable[[], T]) -> T:
-    return foreign(lambda: factory(), lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
+    _require_repeatable(factory, "step", rows, None if formation is None else [formation])
 
 
 def formations() -> Iterator[Formation]:
@@ -198,10 +185,10 @@ def observations(formation: Formation, *, estimated: bool) -> Iterator[Observati
     _lock(unread, values, pressure)
     estimates = (values, 7 * values) if estimated else (None, None)
     yield Observation(0.0, np.nan, np.nan, unread, unread, estimated, *estimates, pressure, formation.pressure_max)
-    yield from _courses(formation, estimated=estimated)
+    yield from _braking(formation, estimated=estimated)
 
 
-def _courses(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
+def _braking(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
     """Yield a braking train whose groups roll, slide and lock one after the other."""
     groups = formation.groups
     for k in range(1, 302):
@@ -236,13 +223,24 @@ def _require_unchanged(own: object, before: Observation, after: Observation) -> 
             raise ContractBroken(f"{type(own).__name__} changes {name} of what it is shown")
 
 
-def _require_same(own: object, method: str, run: Callable[[], Iterator[Row]]) -> None:
-    """Refuse what fails in a run, or gives something else in a second one."""
-    try:
-        first, second = list(run()), list(run())
-    except (ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed) as problem:
-        raise ContractBroken(str(problem)) from problem
-    if not np.array_equal(first, second, equal_nan=True):
-        raise ContractBroken(
-            f"{type(own).__name__}.{method} gives something else after a second start; start() begins everything anew"
-        )
+def _require_repeatable(
+    factory: Callable[[], T],
+    method: str,
+    rows: Callable[[T, Formation], Iterator[Row]],
+    vehicles: Iterable[Formation] | None = None,
+) -> None:
+    """Refuse an object that fails in a run, or whose second run on a vehicle differs from the first.
+
+    Raises:
+        ContractBroken: It does one of these, or the factory raises an exception.
+    """
+    for vehicle in formations() if vehicles is None else vehicles:
+        own = foreign(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
+        try:
+            first, second = list(rows(own, vehicle)), list(rows(own, vehicle))
+        except (ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed) as problem:
+            raise ContractBroken(str(problem)) from problem
+        if not np.array_equal(first, second, equal_nan=True):
+            raise ContractBroken(
+                f"{type(own).__name__}.{method} gives something else after a second start; start() must reset its state"
+            )

@@ -1,1 +1,33 @@
-"""How long things take: medians and ratios of paired runs, so that a busy machine moves both sides alike."""
+"""Durations, as medians and ratios of runs in turn: a busy machine slows both sides of a ratio alike."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+
+Row = tuple[str, str, str]
+"""What was measured, the figure with its unit, and its target, if there is one."""
+
+
+def microseconds(
+    call: Callable[[], object], *, count: int = 1, rounds: int = 9, clock: Callable[[], float] = perf_counter
+) -> float:
+    """Return the time of a call that is made `count` times in a row [µs], the median over rounds."""
+    durations: list[float] = []
+    for _ in range(rounds):
+        begin = clock()
+        for _ in range(count):
+            call()
+        durations.append((clock() - begin) / count * 1e6)
+    return median(durations)
+
+
+def machine() -> str:
+    """Return processor, number of cores and load, without which times mean little."""
+    name = "unknown processor"
+    cpuinfo = Path("/proc/cpuinfo")
+    if cpuinfo.exists():
+        models = [line.partition(":")[2].strip() for line in cpuinfo.read_text().splitlines() if "model name" in line]
+        name = models[0] if models else name
+    return f"{name}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"

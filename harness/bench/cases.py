@@ -4,8 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import Final
 
-from railgrip.bench import filters, fmi, stop
-from railgrip.bench.timing import Row
+from railgrip.bench import Row, filters, fmi, stop
 
 CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "cold build of all FMUs": stop.of_recipes,

@@ -7,7 +7,7 @@ import numpy as np
 
 from railgrip.assemble.files import lowered
 from railgrip.assemble.prediction import consist_of, start_of, whole_of
-from railgrip.bench.timing import Row, microseconds
+from railgrip.bench import Row, microseconds
 from railgrip.estimation.run import by_name, prediction_of
 from railgrip.estimation.sources import with_track_force
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for

@@ -6,8 +6,8 @@ from statistics import median
 
 import numpy as np
 
-from railgrip.bench.timing import Row
-from railgrip.fmu.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours, seconds_of_simulate_fmu
+from railgrip.bench import Row
+from railgrip.fmu.comparison import seconds_in_c, seconds_of_fmpy, seconds_of_ours
 from railgrip.fmu.description import Description, describe
 from railgrip.fmu.mapping import Binding, Signal, bind
 from railgrip.fmus.build import fmu
@@ -24,7 +24,6 @@ def steps_of(recipe: str) -> Iterator[Row]:
     yield f"{recipe}: set + step of 1 ms + get, ours", f"{median(times['ours']):.1f} µs", ""
     yield "  the same in a loop in C", f"{median(times['c']):.1f} µs", "10 µs"
     yield "  FMPy's FMU2Slave over ours", over_ours("fmpy"), ""
-    yield "  fmpy.simulate_fmu over ours", over_ours("simulate_fmu"), ""
     yield "  ours over C", f"{ours_over_c:.2f}", ""
 
 
@@ -46,7 +45,6 @@ def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: i
     run: dict[str, Callable[..., tuple[float, np.ndarray]]] = {
         "ours": seconds_of_ours,
         "fmpy": seconds_of_fmpy,
-        "simulate_fmu": seconds_of_simulate_fmu,
         "c": seconds_in_c,
     }
     times: dict[str, list[float]] = {way: [] for way in run}
@@ -58,8 +56,6 @@ def step_times(file: Path, *, period: float = 1e-3, count: int = 2000, rounds: i
     for way in ("fmpy", "c"):
         if not np.array_equal(last[way], last["ours"]):
             raise AssertionError(f"{file.name}: {way} and ours end on different outputs, so they did not do the same.")
-    # simulate_fmu lets the FMU keep its own time grid, whose last point may differ in rounding.
-    np.testing.assert_allclose(last["simulate_fmu"], last["ours"], rtol=1e-6, atol=1e-9)
     return times
 
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from railgrip.assemble import OwnParts, braking_distance, run_stop
 from railgrip.assemble.parts import assembled
+from railgrip.bench import Row, microseconds
 from railgrip.bench.fmi import plant_step
-from railgrip.bench.timing import Row, microseconds
 from railgrip.cache import VARIABLE
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.controllers.observation import Observation

@@ -7,8 +7,8 @@ from railgrip.console import progress, show_table
 @app.command()
 def bench() -> None:
     """Measure speed: medians, and ratios of what ran in turn. Times are shown beside their targets, never judged."""
+    from railgrip.bench import Row, machine
     from railgrip.bench.cases import CASES
-    from railgrip.bench.timing import Row, machine
     from railgrip.report.table import Table
 
     rows: list[Row] = []

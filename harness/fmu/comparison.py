@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final, cast
 
-import fmpy
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
 from numpy.typing import NDArray
@@ -86,35 +85,6 @@ def seconds_of_fmpy(
         slave.terminate()
         slave.freeInstance()
     return took, np.array(last)
-
-
-def seconds_of_simulate_fmu(
-    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
-) -> tuple[float, Vector]:
-    """Return the time of `count` steps through fmpy.simulate_fmu on unpacked files, and the last outputs.
-
-    Its instantiation is inside, as its interface demands; over a thousand steps that is little.
-    """
-    channels_in, channels_out = _only_real(description, binding)
-    model = fmpy.read_model_description(str(description.file))
-    series = np.array(
-        [(0.0, *inputs), (count * period, *inputs)], dtype=[("time", "f8"), *((v, "f8") for v in channels_in.variables)]
-    )
-    with unpack(description) as folder:
-        begin = time.perf_counter()
-        result: Any = fmpy.simulate_fmu(
-            str(folder),
-            validate=False,
-            fmi_type="CoSimulation",
-            model_description=model,
-            stop_time=count * period,
-            step_size=period,
-            output_interval=period,
-            input=series,
-            output=list(channels_out.variables),
-        )
-        took = time.perf_counter() - begin
-    return took, np.array([result[name][-1] for name in channels_out.variables])
 
 
 def seconds_in_c(

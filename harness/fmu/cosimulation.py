@@ -178,7 +178,33 @@ def _cross() -> Any:
     return cross
 
 
-class CoSimulation:
+class SteppedPlant:
+    """A plant that is stepped by a co-simulation FMU, wherever that FMU runs: its step count, time and first failure.
+
+    Attributes:
+        sample: Number of steps since the start; −1 before `start`.
+    """
+
+    def __init__(self, description: Description, binding: Binding, period: float, parameters: Values) -> None:
+        """Check period [s] and parameters; see `CoSimulation`."""
+        if not (isfinite(period) and period > 0):
+            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
+        self._description = description
+        self._binding = binding
+        self._period = period
+        self._parameters = dict(parameters)
+        self._assignments = assignments(description, parameters)
+        self._stack = ExitStack()
+        self._failure: PlantFailed | None = None
+        self.sample = -1
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return max(self.sample, 0) * self._period
+
+
+class CoSimulation(SteppedPlant):
     """A co-simulation FMU in this process.
 
         with CoSimulation(description, binding, period=1e-3, parameters={"mass": 84e3}) as plant:
@@ -186,7 +212,7 @@ class CoSimulation:
             while moving:
                 outputs = plant.step(inputs)
 
-    Vectors are those of `binding.inputs` and `binding.outputs`. Once a call has failed the instance is spent.
+    Vectors are those of `binding.inputs` and `binding.outputs`. After a failed call the instance cannot be used again.
     """
 
     def __init__(
@@ -198,27 +224,19 @@ class CoSimulation:
         parameters: Values,
         folder: Path | None = None,
     ) -> None:
-        """Check the question; nothing is loaded before `with`.
+        """Check the arguments; nothing is loaded before `with`.
 
         Args:
             period: Communication step [s].
             parameters: Values by FMU variable, in the FMU's units.
-            folder: Where the FMU is unpacked already; None unpacks it for the time of the `with`.
+            folder: Folder of the unpacked FMU; None unpacks it for the duration of the `with`.
 
         Raises:
             FmuError: A parameter is wrong or the period is not positive.
         """
-        if not (isfinite(period) and period > 0):
-            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
-        self._description = description
-        self._binding = binding
-        self._period = period
-        self._assignments = assignments(description, parameters)
+        super().__init__(description, binding, period, parameters)
         self._folder = folder
-        self._stack = ExitStack()
         self._instance: Instance | None = None
-        self._failure: PlantFailed | None = None
-        self._sample = -1
         self._ready = False  # started, not failed, not closed
 
     def __enter__(self) -> Self:
@@ -248,16 +266,6 @@ class CoSimulation:
         self._present = set_step_get.present if set_step_get.present.size < size else None
         self._blank = np.full(size, np.nan)
 
-    @property
-    def sample(self) -> int:
-        """Number of steps since the start; −1 before `start`."""
-        return self._sample
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return max(self._sample, 0) * self._period
-
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time.
 
@@ -265,7 +273,7 @@ class CoSimulation:
             PlantFailed: The FMU cannot be initialised.
         """
         instance = self._open()
-        if self._sample >= 0:
+        if self.sample >= 0:
             raise RuntimeError("a plant is started once; open another one to start again")
         if np.shape(inputs) != (self._binding.inputs.size,):
             raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
@@ -274,7 +282,7 @@ class CoSimulation:
             self._set_step_get.inputs[:] = inputs
             self._require_fine(self._set_step_get.send())
             instance.exit_initialization()
-            self._sample = 0
+            self.sample = 0
             self._require_fine(self._set_step_get.receive())
         self._ready = True
         return self._spread()
@@ -290,10 +298,10 @@ class CoSimulation:
             raise self._not_ready()
         set_step_get = self._set_step_get
         set_step_get.inputs[:] = inputs
-        failure = set_step_get.step(self._sample * self._period)
+        failure = set_step_get.step(self.sample * self._period)
         if failure:
             self.note_steps(0, failure)
-        self._sample += 1
+        self.sample += 1
         return set_step_get.outputs.copy() if self._present is None else self._spread()
 
     def follow(self, inputs: Vector) -> Vector:
@@ -310,7 +318,7 @@ class CoSimulation:
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
             raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
-        outputs, steps, code = set_step_get.follow(rows, self._sample)
+        outputs, steps, code = set_step_get.follow(rows, self.sample)
         self.note_steps(steps, code)
         return outputs
 
@@ -326,9 +334,9 @@ class CoSimulation:
         Raises:
             PlantFailed: They ended early.
         """
-        self._sample += steps
+        self.sample += steps
         what = outcome(code)
-        self._sample += what in ("getting", "not finite")  # the step itself succeeded
+        self.sample += what in ("getting", "not finite")  # the step itself succeeded
         self._require_fine(what)
 
     def _open(self) -> Instance:

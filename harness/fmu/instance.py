@@ -11,7 +11,7 @@ import sys
 import tempfile
 from collections import deque
 from collections.abc import Callable, Generator
-from contextlib import chdir, contextmanager
+from contextlib import chdir, contextmanager, suppress
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -19,6 +19,7 @@ from typing import Any, Final, Literal, cast
 
 import fmpy
 import fmpy.logging
+from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import (
     FMU2Model,
     FMU2Slave,
@@ -168,7 +169,7 @@ class Instance:
         try:
             # FMPy loads from the folder of the library, and stays there when loading fails.
             with chdir(Path.cwd()):
-                instance = maker(
+                instance: Any = maker(
                     guid=description.guid,
                     unzipDirectory=str(folder),
                     modelIdentifier=interface.identifier,
@@ -183,48 +184,23 @@ class Instance:
         self._environment = next(_environments)
         self._log: Log = deque(maxlen=50)
         _logs[self._environment] = self._log
-        self._callbacks = _callbacks(self._environment)
+        self._model = instance  # keeps the callbacks
         self._running = False
         self._defect: Reason | None = None
-        resources = (folder / "resources").resolve().as_uri()
-        kind = 1 if way == "co-simulation" else 0
         with _without_solver_lines(description):
-            component = self._library.fmi2Instantiate(
-                name.encode(),
-                kind,
-                description.guid.encode(),
-                resources.encode(),
-                ctypes.byref(self._callbacks),
-                0,
-                1,
-            )
-        self.component: int = component or 0
+            try:
+                instance.instantiate(callbacks=_callbacks(self._environment), loggingOn=True)
+            except Exception:  # FMPy raises bare Exception when there is no component
+                self.component = 0
+            else:
+                self.component = cast(int, instance.component)
         if not self.component:
             failure = self.failure("refused", "fmi2Instantiate", 0.0)
             self.close()
             raise PlantFailed(failure)
-        self._hear_only_problems()
-
-    def _hear_only_problems(self) -> None:
-        """Switch debug chatter off, keep the categories that say why a call failed."""
-        categories = [c for c in self.description.log_categories if c in _PROBLEMS]
-        names = (ctypes.c_char_p * max(len(categories), 1))(*(w.encode() for w in categories))
-        # The status is of no interest: an FMU without such logging still works.
-        self._library.fmi2SetDebugLogging(
-            self.component,
-            int(bool(categories)),
-            len(categories),
-            ctypes.cast(names, ctypes.POINTER(ctypes.c_char_p)),
-        )
-
-    def function(self, name: str, *argument_types: Any) -> Callable[..., int]:
-        """Return an FMI function for the hot path, with its argument types declared.
-
-        The interpreter lock is kept: a call lasts microseconds, and handing the lock over and back costs a
-        good part of that.
-        """
-        prototype = ctypes.PYFUNCTYPE(ctypes.c_int, *argument_types)
-        return cast(Callable[..., int], prototype(_address(getattr(self._library, name))))
+        with suppress(FMICallException):  # an FMU without such logging still works
+            categories = [c for c in description.log_categories if c in _PROBLEMS]
+            instance.setDebugLogging(bool(categories), categories)
 
     def address(self, name: str) -> int:
         """Return where an FMI function is, for a caller in C."""

@@ -26,7 +26,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from railgrip.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.fmu.child import ANSWER, FAILED, REFUSED, TALKATIVE, UNREACHABLE, Request, receive, send
-from railgrip.fmu.cosimulation import CoSimulation
+from railgrip.fmu.cosimulation import CoSimulation, SteppedPlant
 from railgrip.fmu.description import Description
 from railgrip.fmu.instance import unpack
 from railgrip.fmu.keeper import REPORT
@@ -45,7 +45,7 @@ _TOKEN: Final = "RAILGRIP_ISOLATED"
 """Environment variable by which a process is known as started by an FMU, whatever it did to be nobody's child."""
 
 
-class IsolatedCoSimulation:
+class IsolatedCoSimulation(SteppedPlant):
     """A co-simulation FMU in a child process, with the interface of `CoSimulation`."""
 
     def __init__(
@@ -73,20 +73,13 @@ class IsolatedCoSimulation:
                 f"{description.file.name}: an FMU cannot have a process of its own on this system; "
                 f"set trust = true under {table} to load it into this one."
             )
-        CoSimulation(description, binding, period=period, parameters=parameters)  # the same questions are wrong
-        self._description = description
-        self._binding = binding
-        self._period = period
-        self._parameters = dict(parameters)
+        super().__init__(description, binding, period, parameters)
         self._limits = limits
         self._patience = limits.patience
         self._notify = notify
-        self._stack = ExitStack()
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
         self._life: socket.socket | None = None
-        self._failure: PlantFailed | None = None
-        self._sample = -1
         self._token = token_hex(8)
         self._hurry = False
 
@@ -137,7 +130,7 @@ class IsolatedCoSimulation:
         if not self._hurry and self._failure is None:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(timeout=self._patience)
-            self._tell_a_bad_end(process, life)
+            self._report_bad_end(process, life)
         life.close()  # and its keeper the end of this one for the order to end everything
         try:
             process.wait(timeout=_GOODBYE)
@@ -147,7 +140,7 @@ class IsolatedCoSimulation:
         if process.returncode:  # whoever killed the keeper may have left something behind
             _sweep(self._token)
 
-    def _tell_a_bad_end(self, process: subprocess.Popen[bytes], life: socket.socket) -> None:
+    def _report_bad_end(self, process: subprocess.Popen[bytes], life: socket.socket) -> None:
         """Tell the user when the FMU could not be terminated and freed; results are not touched by that."""
         words = f"it did not return within {self._patience:g} s"
         if process.poll() is not None:
@@ -158,16 +151,6 @@ class IsolatedCoSimulation:
         name = self._description.file.name
         self._notify(f"{name}: when it was terminated and freed after the last step, {words}; the results stand.")
 
-    @property
-    def sample(self) -> int:
-        """Number of steps since the start; −1 before `start`."""
-        return self._sample
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return max(self._sample, 0) * self._period
-
     def start(self, inputs: Vector) -> Vector:
         """Initialise with `inputs` applied and return the outputs at the start time.
 
@@ -175,7 +158,7 @@ class IsolatedCoSimulation:
             PlantFailed: The FMU cannot be initialised, crashes or does not return.
         """
         values = self._values(self._ask("start", _bytes(inputs)))
-        self._sample = 0
+        self.sample = 0
         return values
 
     def step(self, inputs: Vector) -> Vector:
@@ -185,7 +168,7 @@ class IsolatedCoSimulation:
             PlantFailed: The FMU did not return OK or not in time, crashed, or an output is not finite.
         """
         values = self._values(self._ask("step", _bytes(inputs)))
-        self._sample += 1
+        self.sample += 1
         return values
 
     def _values(self, payload: bytes) -> Vector:

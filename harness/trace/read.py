@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray
@@ -64,10 +65,54 @@ def recorded(
     """
     all_signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
     _require_signals(path, table, all_signals, inputs)
-    series = read_series(path, table)
     flags: list[Flag] = []
-    sources: dict[str, tuple[Vector, Vector]] = {}
-    units_of_source: dict[str, Vector] = {}
+    columns = _columns(path, table, units, inputs, flags)
+    times = {name: column.time for name, column in columns.items()}
+    grid = _grid(path, table, {name: time for name, time in times.items() if name in inputs} or times)
+    signals: dict[str, tuple[Vector, str]] = {
+        name: (np.full(grid.size, np.nan), units[name]) for name in outputs if name not in table.columns
+    }
+    for name, column in table.columns.items():
+        target = units[name.removeprefix(TRUTH)]
+        if column.value is not None:
+            values = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, target))
+        elif name in inputs:
+            source = columns[name]
+            values, changes = input_on_grid(name, source.time, source.values, grid, table.period, table.longest_gap)
+            _refuse_gaps(path, name, column, values, grid, table)
+            flags += changes
+        else:
+            source = columns[name]
+            values, changes = on_grid(name, source.time, source.values, grid, table.period)
+            # Gaps of the file: samples that were left out already have their flags.
+            longest = max(table.longest_gap, 1.5 * float(np.median(np.diff(source.file_time))))
+            flags += [*changes, *gaps_of(name, source.file_time, grid, longest, "gap")]
+        signals[name] = values, target
+    recording = recording_of(
+        {name: signals[name] for name in (*table.columns, *outputs) if not name.startswith(TRUTH)},
+        period=table.period,
+        truth={name.removeprefix(TRUTH): signals[name] for name in table.columns if name.startswith(TRUTH)},
+        start=float(grid[0]),
+        name=path.stem,
+    )
+    recording.attrs["flags"] = summary(flags)
+    return FileRecording(recording=recording, flags=tuple(flags))
+
+
+class _Samples(NamedTuple):
+    """The usable samples of a column in the model's unit, and the instants at which the file has a number."""
+
+    time: Vector
+    values: Vector
+    file_time: Vector
+
+
+def _columns(
+    path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], flags: list[Flag]
+) -> dict[str, _Samples]:
+    """Return the columns of the file by signal, converted and cleaned; what was found goes into `flags`."""
+    series = read_series(path, table)
+    columns: dict[str, _Samples] = {}
     for name, column in table.columns.items():
         if column.column is None:
             continue
@@ -75,51 +120,20 @@ def recorded(
         time, values = _rising(path, name, series[column.column], flags)
         gain, shift = _converted(path, name, column, series[column.column].unit, target)
         values = gain * values + shift
-        values = np.where(np.abs(values) < _LARGEST, values, np.nan)
-        units_of_source[name] = time[np.isfinite(values)]
-        if name.startswith(TRUTH):  # a reference, not a sensor: what it says is judged by nobody here
-            time, values = time[np.isfinite(values)], values[np.isfinite(values)]
+        is_number = np.abs(values) < _LARGEST
+        file_time = time[is_number]
+        if name.startswith(TRUTH):  # a reference, not a sensor: its samples are not judged
+            time, values = file_time, values[is_number]
         else:
+            values = np.where(is_number, values, np.nan)
             time, values, changes = cleaned(name, time, values, _treatment(name, column, table, target, name in inputs))
             flags += changes
         if time.size < 2:
             raise EstimationError(
                 f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
             )
-        sources[name] = time, values
-    grid = _grid(
-        path, table, {n: t for n, (t, _) in sources.items() if n in inputs} or {n: t for n, (t, _) in sources.items()}
-    )
-    signals: dict[str, tuple[Vector, str]] = {}
-    for name, column in table.columns.items():
-        target = units[name.removeprefix(TRUTH)]
-        if column.value is not None:
-            signals[name] = np.full(grid.size, _si(f"[data.columns] {name} value", column.value, target)), target
-            continue
-        time, values = sources[name]
-        if name in inputs:
-            values_on_grid, changes = input_on_grid(name, time, values, grid, table.period, table.longest_gap)
-            _refuse_gaps(path, name, column, values_on_grid, grid, table)
-        else:
-            values_on_grid, changes = on_grid(name, time, values, grid, table.period)
-            # Gaps of the file: what was left out above has been said there.
-            longest = max(table.longest_gap, 1.5 * float(np.median(np.diff(units_of_source[name]))))
-            changes += gaps_of(name, units_of_source[name], grid, longest, "gap")
-        flags += changes
-        signals[name] = values_on_grid, target
-    for name in outputs:
-        if name not in signals:
-            signals[name] = np.full(grid.size, np.nan), units[name]
-    truth = {name.removeprefix(TRUTH): signal for name, signal in signals.items() if name.startswith(TRUTH)}
-    recording = recording_of(
-        {name: signal for name, signal in signals.items() if not name.startswith(TRUTH)},
-        period=table.period,
-        truth=truth,
-        start=float(grid[0]),
-        name=path.stem,
-    )
-    recording.attrs["flags"] = summary(flags)
-    return FileRecording(recording=recording, flags=tuple(flags))
+        columns[name] = _Samples(time, values, file_time)
+    return columns
 
 
 def _require_signals(path: Path, table: DataTable, signals: Sequence[str], inputs: Sequence[str]) -> None:
