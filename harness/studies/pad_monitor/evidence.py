@@ -188,7 +188,7 @@ def evidence_of(
     )
     return Evidence(
         health=health / NOMINAL,
-        covariance=np.asarray(spread / NOMINAL**2, dtype=np.float64),
+        covariance=spread / NOMINAL**2,
         offset=offset,
         drag=drag,
     )
@@ -200,7 +200,7 @@ def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
     information = np.linalg.inv(covariance) - identity / PRIOR**2
     # Where a stop has no information, rounding is left of it: the result is at most 100 priors wide.
     information += identity / (100.0 * PRIOR) ** 2
-    spread = np.linalg.inv(0.5 * (information + information.T))
+    spread = np.asarray(np.linalg.inv(0.5 * (information + information.T)), dtype=np.float64)
     moment = np.linalg.solve(covariance, mean) - nominal / PRIOR**2 + nominal / (100.0 * PRIOR) ** 2
     return spread @ moment, spread
 
