@@ -113,7 +113,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
     """Flatten and check a Modelica class.
 
     Args:
-        class_name: Full name, such as `RailBraking.FMUs.TwoPartTrain`.
+        class_name: Full name, such as `RailBraking.Plants.TwoPartTrain`.
         modelica_path: A `.mo` file, or a library's folder with its `package.mo`; RailBraking when absent. It may use
             classes of RailBraking; a library says so with `annotation(uses(RailBraking))` in its `package.mo`.
         complete: Every parameter must have a value.

@@ -13,7 +13,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     """Return the explicit ODE of a Modelica class, from the user's cache once it was lowered.
 
     Args:
-        class_name: Full name, such as `RailBraking.FMUs.TrainPrediction`.
+        class_name: Full name, such as `RailBraking.Predictions.TrainPrediction`.
         modelica_path: A `.mo` file or a library's folder; RailBraking when absent.
 
     Raises:

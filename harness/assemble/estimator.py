@@ -235,7 +235,7 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
         ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
     """
     own = table.library
-    model = lowered(f"RailBraking.FMUs.{name}") if own is None else lower(name, library_of(own.path))
+    model = lowered(f"RailBraking.Predictions.{name}") if own is None else lower(name, library_of(own.path))
     where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
     prediction_groups = sum(name.startswith("w[") for name in states)

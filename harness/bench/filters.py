@@ -26,7 +26,7 @@ from railgrip.vehicle.formation import Formation
 
 def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
     """Yield the steps of the filters over a braked train with readings that fit it."""
-    translation = lowered(f"RailBraking.FMUs.{model}")
+    translation = lowered(f"RailBraking.Predictions.{model}")
     prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
     noise_set = NOISE_SETS[noise]
     noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)

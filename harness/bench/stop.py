@@ -127,7 +127,7 @@ def of_consists() -> Iterator[Row]:
         with tempfile.TemporaryDirectory() as folder:
             # A name that was never built: the description string is part of what the cache looks up.
             source = Path(folder) / "Cars.mo"
-            source.write_text(f'block Cars "{folder}"\n  extends RailBraking.FMUs.Consist(cars={cars});\nend Cars;\n')
+            source.write_text(f'block Cars "{folder}"\n  extends RailBraking.Plants.Consist(cars={cars});\nend Cars;\n')
             begin = perf_counter()
             description = describe(build_class("Cars", source, compiler="native").path)
             seconds = perf_counter() - begin

@@ -14,7 +14,7 @@ outputs, arrays as scalars `cylinder_pressure[1]`. What the plant knows and no f
         period=0.01,
         truth={"mu_b": (mu, "1"), "alpha": (alpha, "1")},
     )
-    prediction = prediction_of("RollerRigPrediction", {"load": 98.1e3})       # any class of RailBraking.FMUs
+    prediction = prediction_of("RollerRigPrediction", {"load": 98.1e3})       # any class of RailBraking.Predictions
     settings = Settings(
         process={"w": 1e-4, "v": 1e-6, "mu_b": 2.5e-5, "alpha": 1e-2},        # densities, (unit of state)²/s
         readings={"speed": 1e-8, "wheelset_speed": 1e-6},                     # variances

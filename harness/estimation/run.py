@@ -72,7 +72,7 @@ def prediction_of(
     outputs: Sequence[str] | None = None,
     kind: Kind = "fmu",
 ) -> PredictionInC:
-    """Return the prediction of a class of RailBraking.FMUs, its other parameters at their defaults.
+    """Return the prediction of a class of RailBraking.Predictions, its other parameters at their defaults.
 
     An FMU is built when it is not up to date; it is of one thread at a time.
 
@@ -116,12 +116,12 @@ def equations_of(
 
 @cache
 def _file_of(model: str) -> Path:
-    """Return the FMU of a class of RailBraking.FMUs, built when it is not up to date."""
+    """Return the FMU of a class of RailBraking.Predictions, built when it is not up to date."""
     name = model.rpartition(".")[2]
     own = read_recipes().recipes.get(name)
-    if own is not None and own.class_name in (model, f"RailBraking.FMUs.{model}"):
+    if own is not None and own.class_name in (model, f"RailBraking.Predictions.{model}"):
         return fmu(name)
-    return build_class(model if "." in model else f"RailBraking.FMUs.{model}", LIBRARY, "me").path
+    return build_class(model if "." in model else f"RailBraking.Predictions.{model}", LIBRARY, "me").path
 
 
 def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
@@ -138,8 +138,8 @@ def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
 
 @cache
 def model_of(model: str) -> Model:
-    """Return a class of RailBraking.FMUs as functions; translated once in a process."""
-    return lower(model if "." in model else f"RailBraking.FMUs.{model}")
+    """Return a class of RailBraking.Predictions as functions; translated once in a process."""
+    return lower(model if "." in model else f"RailBraking.Predictions.{model}")
 
 
 def units_of(model: str) -> dict[str, str]:

@@ -162,8 +162,8 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
 
 @pytest.mark.parametrize("suspension", [True, False])
 def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspension: bool):
-    """The same derivative and readings as RailBraking.FMUs.TrainPrediction, or -Reduced, at states drawn at random."""
-    model = lower(f"RailBraking.FMUs.TrainPrediction{'' if suspension else 'Reduced'}")
+    """The same derivative and readings as Predictions.TrainPrediction, or -Reduced, at states drawn at random."""
+    model = lower(f"RailBraking.Predictions.TrainPrediction{'' if suspension else 'Reduced'}")
     library = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
     frames = ("m_frame", "I_frame", "wheelbase")
     data = {k: v for k, v in TWO_PART_DATA.items() if suspension or k.partition("[")[0] not in frames}
@@ -304,7 +304,7 @@ def test_a_reading_that_is_no_number_it_can_use_leaves_the_belief_as_it_was():
 
 
 def test_parts_that_meet_in_more_than_the_acceleration_are_refused():
-    model = lower("RailBraking.FMUs.TrainPredictionReduced")
+    model = lower("RailBraking.Predictions.TrainPredictionReduced")
     with pytest.raises(EstimatorError, match="linear in its acceleration"):
         part_equations(model, 0)
 

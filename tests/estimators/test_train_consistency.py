@@ -90,7 +90,7 @@ class Tuned:
 
 @cache
 def tuned(model: str, sensors: str) -> Tuned:
-    lowered = lower(f"RailBraking.FMUs.{model}")
+    lowered = lower(f"RailBraking.Predictions.{model}")
     prediction = CasadiPrediction(lowered, {parameter.name: parameter.start for parameter in lowered.parameters})
     noises = NOISE_SETS[f"{MODELS[model]}_{sensors}"]
     mean, pressures = settled(prediction)

@@ -23,7 +23,7 @@ SIZES = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 3e-3, "ddz": 0.
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
 def prediction(request):
-    model = lower(f"RailBraking.FMUs.{request.param}")
+    model = lower(f"RailBraking.Predictions.{request.param}")
     return CasadiPrediction(model, {parameter.name: parameter.start for parameter in model.parameters})
 
 

@@ -22,7 +22,7 @@ LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced", "TrainPredictionDisturbed"])
 def catalogue(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Model, Description]:
-    name = f"RailBraking.FMUs.{request.param}"
+    name = f"RailBraking.Predictions.{request.param}"
     file = tmp_path_factory.mktemp("prediction") / f"{request.param}.fmu"
     source = package.sources(
         explicit(read(name, LIBRARY)), interfaces=("me",), solver="rodas4", tolerance=1e-6, step=1e-3

@@ -236,7 +236,7 @@ def test_a_class_that_does_not_compile_ends_both_command_lines_with_file_line_an
         env=os.environ | {"PYTHONPATH": str(house)},
     )
     assert done.returncode == 2, done.stderr
-    assert "RailBraking.FMUs.TwoPartTrain does not compile" in done.stderr
+    assert "RailBraking.Plants.TwoPartTrain does not compile" in done.stderr
     assert "unresolved component reference: 'air_flwo'" in done.stderr
     assert f"modelica/RailBraking/Vehicles/PartialTrain.mo:{line}: der(air) = air_flwo;" in done.stderr
     assert "Traceback" not in done.stderr

@@ -83,7 +83,7 @@ def test_a_filter_told_of_another_process_noise_uses_it():
 
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
     """The literal model's own slopes against differences of equation (8)."""
-    model = lower("RailBraking.FMUs.LateralLiteral")
+    model = lower("RailBraking.Predictions.LateralLiteral")
     literal = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
     x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
     values = {"speed": 25.0, "mu0": 0.3, "A_falling": 0.4, "B_falling": 2.0, "lateral_position": 2e-3}

@@ -44,7 +44,7 @@ def test_the_fmu_solves_equations_1_to_17(rolling, condition):
 )
 def test_the_modes_are_those_of_the_wheelset_in_the_literature_of_this_model(speed, dominant, hertz, fastest):
     """Kinematic mode and fastest mode of the linearised lateral dynamics, computed apart from this model."""
-    model = lower("RailBraking.FMUs.LateralPrediction")
+    model = lower("RailBraking.Predictions.LateralPrediction")
     x = ca.SX.sym("x", 5)
     u = [speed, 0.0] if model.inputs[0].name == "speed" else [0.0, speed]
     rates = model.derivative(0, x, u, [p.start for p in model.parameters])

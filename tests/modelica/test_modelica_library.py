@@ -8,6 +8,8 @@ import pytest
 
 LIBRARY = Path(__file__).parents[2] / "modelica" / "RailBraking"
 FILES = sorted(LIBRARY.rglob("*.mo"))
+EXPORTED = ("Plants", "Predictions", "FMUs")
+"""Packages whose blocks become FMUs."""
 KINDS = r"(?:partial\s+)?(?:model|block|function|record|package|connector|class)"
 
 
@@ -55,7 +57,7 @@ def test_documentation(path: Path) -> None:
     source = text(path)
     assert "Documentation(info=" in source
     kind = re.search(rf"^({KINDS})", source, re.MULTILINE)[1]
-    packages = {"Contact", "Friction", "Pneumatics", "Components", "Tracks", "Vehicles", "FMUs"}
+    packages = {"Contact", "Friction", "Pneumatics", "Components", "Tracks", "Vehicles", *EXPORTED}
     if path.parent.name in packages and path.name != "package.mo" and kind != "record":
         assert "<h4>Limitations</h4>" in source
 
@@ -94,7 +96,7 @@ def test_every_class_is_used_by_a_validation_or_an_example() -> None:
 
 
 def test_every_parameter_of_an_exported_block_has_a_value_and_every_input_a_start() -> None:
-    exported = [p for p in (LIBRARY / "FMUs").glob("*.mo") if p.name != "package.mo"]
+    exported = [p for p in FILES if p.parent.name in EXPORTED and p.name != "package.mo"]
     for path in [*exported, *(LIBRARY / "Vehicles").glob("Partial*.mo")]:
         public = text(path).partition("protected")[0]
         for found in re.findall(r"^  parameter [^;]*;", public, re.MULTILINE):
@@ -126,7 +128,8 @@ DRAWN = [
 ]
 PART = re.compile(
     r"^  (?:(?:replaceable|parameter)\s+)*"
-    r"(?:Interfaces|Friction|Pneumatics|Components|Contact|Tracks|Vehicles|FMUs)\.(?:\w+\.)*[A-Z]\w*\s+(\w+)[^;]*?;",
+    rf"(?:Interfaces|Friction|Pneumatics|Components|Contact|Tracks|Vehicles|{'|'.join(EXPORTED)})"
+    r"\.(?:\w+\.)*[A-Z]\w*\s+(\w+)[^;]*?;",
     re.MULTILINE,
 )
 EXTENT = re.compile(r"extent=\{\{(-?\d+), (-?\d+)\}, \{(-?\d+), (-?\d+)\}\}")

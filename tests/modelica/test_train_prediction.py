@@ -16,7 +16,7 @@ FULL_STATES = (
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
 def prediction(request: pytest.FixtureRequest) -> Model:
-    return lower(f"RailBraking.FMUs.{request.param}")
+    return lower(f"RailBraking.Predictions.{request.param}")
 
 
 def defaults(model: Model) -> list[float]:

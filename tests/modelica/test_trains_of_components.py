@@ -23,10 +23,11 @@ def pair(tmp_path_factory: pytest.TempPathFactory) -> tuple[System, System]:
     file.write_text("""
         package Pair
           block Plain
-            extends RailBraking.FMUs.Consist(cars=2);
+            extends RailBraking.Plants.Consist(cars=2);
           end Plain;
           block ConstantPads
-            extends RailBraking.FMUs.Consist(cars=2, redeclare block TrainPad = RailBraking.Friction.ConstantFriction);
+            extends RailBraking.Plants.Consist(
+              cars=2, redeclare block TrainPad = RailBraking.Friction.ConstantFriction);
           end ConstantPads;
         end Pair;""")
     return explicit(read("Pair.Plain", file)), explicit(read("Pair.ConstantPads", file))

@@ -29,7 +29,7 @@ SHORT = ("limits.horizon=1 s", "vehicle.model=SimpleTrain.Car")
 
 PREDICTION = """within SimpleTrain;
 block CarPrediction "The train of the catalogue as an estimator believes it to be, under a name of one's own"
-  extends RailBraking.FMUs.TrainPredictionReduced;
+  extends RailBraking.Predictions.TrainPredictionReduced;
 end CarPrediction;
 """
 
@@ -232,7 +232,7 @@ def with_valves(folder, vehicle, parameters=None):
 def test_the_valve_predictor_and_the_tracking_bound_know_the_valves_of_the_plant(tmp_path):
     """A train with slow valves, and one whose controller and whose plant have another value, each of its own."""
     (tmp_path / "Slow.mo").write_text(
-        "block Slow extends RailBraking.FMUs.TwoPartTrainPneumatic("
+        "block Slow extends RailBraking.Plants.TwoPartTrainPneumatic("
         "T_fill=0.8, T_vent=0.5, dead_fill=0.09, dead_vent=0.11); end Slow;"
     )
     vehicle = {"model": "Slow", "library": "Slow.mo"}

@@ -38,7 +38,7 @@ class BothFilters(CompiledFilter):
     def __init__(self, prediction, *arguments):
         super().__init__(prediction, *arguments)
         assert isinstance(prediction, FmuPrediction)
-        model = lowered("RailBraking.FMUs.TrainPrediction")
+        model = lowered("RailBraking.Predictions.TrainPrediction")
         equations = CasadiPrediction(model, {variable.name: variable.start for variable in model.parameters})
         assert equations.states == prediction.states
         self.other = CompiledFilter(equations, *arguments)

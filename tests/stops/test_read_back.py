@@ -40,7 +40,7 @@ def wrong(tmp_path_factory):
         text = wheelsets.read_text()
         assert ALL in text
         wheelsets.write_text(text.replace(ALL, LOST[lost]))
-        return build_class("Wrong.FMUs.TwoPartTrain", library, compiler="native").path
+        return build_class("Wrong.Plants.TwoPartTrain", library, compiler="native").path
 
     return built
 

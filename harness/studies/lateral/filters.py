@@ -52,9 +52,9 @@ FIRST_CREEP: Final = 1e-7
 """Creep at which the literal filter starts; at zero its equations are singular."""
 
 CLASSES: Final[Mapping[Name, str]] = {
-    "literal": "RailBraking.FMUs.LateralLiteral",
-    "known_track": "RailBraking.FMUs.LateralPrediction",
-    "unknown_track": "RailBraking.FMUs.LateralPredictionUnknownTrack",
+    "literal": "RailBraking.Predictions.LateralLiteral",
+    "known_track": "RailBraking.Predictions.LateralPrediction",
+    "unknown_track": "RailBraking.Predictions.LateralPredictionUnknownTrack",
 }
 
 

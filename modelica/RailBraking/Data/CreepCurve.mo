@@ -13,7 +13,7 @@ for all of its wheelsets, of its parameters; one whose rail changes its curve fr
 <code>curve</code> to inputs, as in
 </p>
 <blockquote><pre>
-extends FMUs.TwoPartTrain(
+extends Plants.TwoPartTrain(
   curve={Data.CreepCurve(k_A=k_A_in[i], k_S=k_S_in[i], A=A_in[i], B=B_in[i]) for i in 1:6});
 </pre></blockquote>
 </html>"));

@@ -1,7 +1,7 @@
 within RailBraking.Examples;
 model CoupledCarsStop "Emergency stop of two coupled cars of which one does not brake"
   extends Icons.Example;
-  FMUs.Consist train(
+  Plants.Consist train(
     cars=2, start_speed=60/3.6, k_A=dry.k_A, k_S=dry.k_S, A_falling=dry.A, B_falling=dry.B, k_coupler=1e7,
     c_coupler=2e5, slack_coupler=0.04) "Train"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));

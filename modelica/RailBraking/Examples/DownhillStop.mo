@@ -1,9 +1,9 @@
 within RailBraking.Examples;
 model DownhillStop "Stop on a falling gradient in a curve, and the same on level track"
   extends Icons.Example;
-  FMUs.TwoPartTrain train(start_speed=60/3.6) "Train on the gradient"
+  Plants.TwoPartTrain train(start_speed=60/3.6) "Train on the gradient"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
-  FMUs.TwoPartTrain train_level(start_speed=60/3.6) "Train on level track"
+  Plants.TwoPartTrain train_level(start_speed=60/3.6) "Train on level track"
     annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Tracks.UniformTrack track(m=84000, gradient=-0.02, curvature=1/500, begin=50)
     "Twenty per mille downhill, radius 500 m"

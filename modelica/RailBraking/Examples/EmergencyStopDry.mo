@@ -1,7 +1,7 @@
 within RailBraking.Examples;
 model EmergencyStopDry "Emergency stop from 85 km/h on a dry rail"
   extends Icons.Example;
-  FMUs.TwoPartTrain train(start_speed=85/3.6, k_A=dry.k_A, k_S=dry.k_S, A_falling=dry.A, B_falling=dry.B) "Train"
+  Plants.TwoPartTrain train(start_speed=85/3.6, k_A=dry.k_A, k_S=dry.k_S, A_falling=dry.A, B_falling=dry.B) "Train"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
   parameter Contact.Surfaces.Dry dry "Rail"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));

@@ -1,7 +1,7 @@
 within RailBraking.Examples;
 model EmergencyStopSlippery "Emergency stop from 80 km/h on a slippery rail without wheel-slide protection"
   extends Icons.Example;
-  FMUs.TwoPartTrain train(start_speed=80/3.6) "Train; its surface is that of a wet rail"
+  Plants.TwoPartTrain train(start_speed=80/3.6) "Train; its surface is that of a wet rail"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
   Types.Ratio build_up "Share of full pressure after 0.4 s of dead time, with a time constant of 0.5 s";
 equation

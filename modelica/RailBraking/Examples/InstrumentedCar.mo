@@ -1,7 +1,7 @@
 within RailBraking.Examples;
 model InstrumentedCar "The instrumented car meets a sine in the alignment"
   extends Icons.Example;
-  FMUs.MultiPurposeVehicle car(speed_set=17.88, k_A=0.3, k_S=0.1) "Car on wet rail"
+  Plants.MultiPurposeVehicle car(speed_set=17.88, k_A=0.3, k_S=0.1) "Car on wet rail"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 protected
   constant Types.Length way[4] = {0, 2.1, 14.2, 16.3} "Wheelsets behind the first";

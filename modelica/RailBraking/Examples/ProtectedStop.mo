@@ -3,7 +3,7 @@ model ProtectedStop "Stop from 50 km/h on a slippery rail with valves and a plai
   extends Icons.Example;
   parameter Types.Ratio slip_low = 0.10 "Slip below which a group is filled";
   parameter Types.Ratio slip_high = 0.15 "Slip above which a group is vented";
-  FMUs.TwoPartTrainPneumatic train(start_speed=50/3.6, hysteresis=0.06) "Train"
+  Plants.TwoPartTrainPneumatic train(start_speed=50/3.6, hysteresis=0.06) "Train"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 equation
   for i in 1:4 loop

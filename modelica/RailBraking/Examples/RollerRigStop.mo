@@ -1,7 +1,7 @@
 within RailBraking.Examples;
 model RollerRigStop "Wheelset on the roller, braked into a slide and released"
   extends Icons.Example;
-  FMUs.RollerRig rig(start_speed=30) "Rig"
+  Plants.RollerRig rig(start_speed=30) "Rig"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 equation
   rig.mu0 = 0.06;

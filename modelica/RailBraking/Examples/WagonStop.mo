@@ -1,7 +1,7 @@
 within RailBraking.Examples;
 model WagonStop "Wagon braked on a rail that is worse under its front wheelset"
   extends Icons.Example;
-  FMUs.Wagon wagon(start_speed=10) "Wagon"
+  Plants.Wagon wagon(start_speed=10) "Wagon"
     annotation(Placement(transformation(extent={{-20, -20}, {20, 20}})));
 equation
   wagon.mu0 = {0.25, 0.30};

@@ -6,13 +6,14 @@ model WanderingWheelset "A wheelset on a wavy dry track, and what three predicti
   parameter Types.Frequency f = 1 "At which the track is passed";
   parameter Contact.Surfaces.MalDry rail "Rail"
     annotation(Placement(transformation(extent={{-73, 20}, {-33, 60}})));
-  FMUs.LateralWheelset plant(start_speed=v, rolling_creep=0) "Wheelset"
+  Plants.LateralWheelset plant(start_speed=v, rolling_creep=0) "Wheelset"
     annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
-  FMUs.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track"
+  Predictions.LateralPrediction known(mu0_start=rail.mu0, A_falling=rail.A, B_falling=rail.B) "Knows the track"
     annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));
-  FMUs.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track"
+  Predictions.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track"
     annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
-  FMUs.LateralLiteral literal(friction_start=rail.mu0) "Five states of the paper, on the plant's position and angle"
+  Predictions.LateralLiteral literal(friction_start=rail.mu0)
+    "Five states of the paper, on the plant's position and angle"
     annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
   FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact by itself"
     annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));

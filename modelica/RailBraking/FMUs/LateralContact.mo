@@ -31,7 +31,7 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-What the states of <a href=\"modelica://RailBraking.FMUs.LateralPrediction\">LateralPrediction</a> say about the
+What the states of <a href=\"modelica://RailBraking.Predictions.LateralPrediction\">LateralPrediction</a> say about the
 contact, for programs that report it; they never model the contact a second time.
 </p>
 <h4>Limitations</h4>

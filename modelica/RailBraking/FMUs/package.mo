@@ -1,9 +1,9 @@
 within RailBraking;
-package FMUs "The blocks that are exported; nothing extends them"
+package FMUs "Wheel-rail contacts without a vehicle, exported for programs that need only them"
   annotation (Documentation(info="<html>
 <p>
-Parameters, inputs and outputs are the whole face of a block. Every parameter has a value, because FMI demands one;
-whoever runs a scenario sets all of them.
+Blocks without states. They evaluate the same contact as the plants and the predictions do, so that reports and the
+calculation of ideal braking distances need no contact model of their own.
 </p>
 </html>"));
 end FMUs;

@@ -13,8 +13,10 @@ class Overview "What is where"
 <tr><td>Pneumatics</td><td>cylinders, valves, rigging; brake pipe, distributors, reservoirs, compressor</td></tr>
 <tr><td>Components</td><td>wheelsets, brakes, axles, bogies, car bodies, couplers</td></tr>
 <tr><td>Tracks</td><td>gradients and curves</td></tr>
-<tr><td>Vehicles</td><td>cars, trains and their predictions, without what an edition adds</td></tr>
-<tr><td>FMUs</td><td>the blocks that are exported</td></tr>
+<tr><td>Vehicles</td><td>cars, trains and their predictions, which Plants and Predictions complete</td></tr>
+<tr><td>Plants</td><td>vehicles and test rigs as simulated, exported as FMUs</td></tr>
+<tr><td>Predictions</td><td>vehicles and test rigs as an estimator believes them to be, exported as FMUs</td></tr>
+<tr><td>FMUs</td><td>wheel-rail contacts without a vehicle, exported as FMUs</td></tr>
 <tr><td>Validation, Examples</td><td>closed-form answers; cases to run</td></tr>
 </table>
 <h4>Examples</h4>
@@ -27,7 +29,7 @@ class Overview "What is where"
 <a href=\"modelica://RailBraking.Examples.BlendedStop\">BlendedStop</a>,
 <a href=\"modelica://RailBraking.Examples.BrakedWheelset\">BrakedWheelset</a>,
 <a href=\"modelica://RailBraking.Examples.CreepCurves\">CreepCurves</a>,
-<a href=\"modelica://RailBraking.Examples.Predictions\">Predictions</a>,
+<a href=\"modelica://RailBraking.Examples.PredictedTrain\">PredictedTrain</a>,
 <a href=\"modelica://RailBraking.Examples.RollerRigStop\">RollerRigStop</a>,
 <a href=\"modelica://RailBraking.Examples.WagonStop\">WagonStop</a>,
 <a href=\"modelica://RailBraking.Examples.CoupledCarsStop\">CoupledCarsStop</a>,

@@ -9,7 +9,9 @@ class ReleaseNotes "Release notes"
 <li>Wagon, roller rig, wheelset with lateral motion and instrumented car.</li>
 <li>Plants say which of their wheelsets turn as one: <code>wheelsets_per_group</code>, and where they are:
 <code>wheelsets_per_car</code>, <code>wheelset_position</code>.</li>
-<li>Physics of all vehicles in <code>Vehicles</code>; blocks of <code>FMUs</code> add the actuation.</li>
+<li>Physics of all vehicles in <code>Vehicles</code>; blocks of <code>Plants</code> add the actuation.</li>
+<li><code>FMUs</code> is divided into <code>Plants</code>, <code>Predictions</code> and <code>FMUs</code>; names of
+classes stay: <code>FMUs.TwoPartTrain</code> is <code>Plants.TwoPartTrain</code>.</li>
 <li>Brake equipment with air ports: brake pipe, driver's brake valve, distributor, reservoir, compressor, load
 valve;
 electropneumatic command, electrodynamic brake with blending, magnetic track brake,

@@ -3,7 +3,7 @@ model EnergyOfAConsist "Energy of coupled cars becomes heat and work, nothing is
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-5);
 
-  FMUs.Consist train(
+  Plants.Consist train(
     cars=2, start_speed=50/3.6, m_wheelset={14e3, 14e3, 14e3, 14e3, 10e3, 10e3, 10e3, 10e3}, c_coupler=1e5,
     slack_coupler=0.02) "Train on a wet rail";
   final parameter Types.Energy E = 96000*(50/3.6)^2/2 + 880*(50/3.6/0.42)^2/2 "Energy at the start";

@@ -3,7 +3,7 @@ model EnergyOfAStop "Energy of motion becomes heat and work, nothing is lost"
   extends Icons.Validation;
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
-  FMUs.TwoPartTrain train(start_speed=85/3.6) "Train on a wet rail";
+  Plants.TwoPartTrain train(start_speed=85/3.6) "Train on a wet rail";
   final parameter Types.Energy E = 84000*(85/3.6)^2/2 + 862*(85/3.6/0.38)^2/2 "Energy at the start";
 equation
   train.mu0 = fill(0.12, 6);

@@ -4,7 +4,7 @@ model PadRelaxation "Relaxing pad friction follows its closed form"
   extends Interfaces.PartialValidation(tolerance=1e-4);
 
   parameter Types.Ratio mu_start = 0.20 "Pad friction at the start";
-  FMUs.RollerRigPrediction rig(start_speed=30, mu_b_start=mu_start, alpha_start=0.0015, mu_b_relaxes=1, T_mu=10)
+  Predictions.RollerRigPrediction rig(start_speed=30, mu_b_start=mu_start, alpha_start=0.0015, mu_b_relaxes=1, T_mu=10)
     "Rolling, released";
 protected
   Types.Time elapsed "Time in which friction comes from its start to its present value";

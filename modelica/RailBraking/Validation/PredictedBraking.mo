@@ -4,9 +4,10 @@ model PredictedBraking "Rig and wagon slow as adhesion and masses say"
   extends Interfaces.PartialValidation(tolerance=1e-6);
 
   parameter Types.Ratio alpha = 0.08 "Adhesion, kept";
-  FMUs.RollerRigPrediction rig(start_speed=30, alpha_start=alpha, A_drag=0) "One wheelset, imitating a wagon of two";
-  FMUs.WagonPrediction wagon(start_speed=30, alpha_start=alpha, A_drag=0) "Both wheelsets brake";
-  FMUs.WagonPrediction printed(
+  Predictions.RollerRigPrediction rig(start_speed=30, alpha_start=alpha, A_drag=0)
+    "One wheelset, imitating a wagon of two";
+  Predictions.WagonPrediction wagon(start_speed=30, alpha_start=alpha, A_drag=0) "Both wheelsets brake";
+  Predictions.WagonPrediction printed(
     start_speed=30, alpha_start=alpha, A_drag=0, adhesion_share=0.5, resistance_transfer=1, adhesion_transfer=0)
     "As equation (12) is printed";
 protected

@@ -5,7 +5,7 @@ model PredictedParts "Bogies and a body make the prediction of the two-part trai
   parameter Types.Ratio alpha[4] = {0.12, 0.08, 0.08, 0.12} "Adhesion of each group, kept";
   parameter Types.Pressure pressure[4] = {3e5, 2e5, 2e5, 3e5} "Cylinder pressure of each group";
   parameter Types.AngularVelocity w_start = 22.222222222222222/0.38 "Angular velocity of all wheelsets at the start";
-  FMUs.TrainPrediction train(alpha_start=alpha) "With suspension, as a whole";
+  Predictions.TrainPrediction train(alpha_start=alpha) "With suspension, as a whole";
   Vehicles.BodyPrediction body(m=84000, v(start=22.222222222222222)) "Its masses along the track";
   Vehicles.PartPrediction front(
     n_bogies=1, group_of_wheelset={1, 1}, w(each start=w_start), alpha(each start=alpha[1]), J={222}, r_wheel={0.38},
@@ -23,7 +23,7 @@ model PredictedParts "Bogies and a body make the prediction of the two-part trai
     r_friction={0.235, 0.220, 0.220, 0.235}, m_group={27500, 14500, 14500, 27500},
     m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},
     wheelbase={1.9, 2.65, 1.9}) "The same train by data of each group and bogie";
-  FMUs.TrainPredictionReduced reduced(alpha_start=alpha) "Without suspension, as a whole";
+  Predictions.TrainPredictionReduced reduced(alpha_start=alpha) "Without suspension, as a whole";
   Vehicles.PartPrediction group(
     w(each start=w_start), alpha(each start=alpha[1]), J={222}, r_wheel={0.38}, n_units={3}, r_friction={0.235},
     m_group={27500}) "Its leading group";

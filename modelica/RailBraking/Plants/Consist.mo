@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block Consist "Train of equal cars whose cylinders follow pressure commands"
   extends Icons.Vehicle;
   extends Vehicles.PartialConsist(cars=4);

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Predictions;
 block LateralPrediction "Lateral dynamics with unknown friction, on a track whose position is known"
   extends Icons.Vehicle;
   extends Vehicles.PartialLateralPrediction;
@@ -13,7 +13,8 @@ equation
 <h4>Limitations</h4>
 <p>
 A vehicle seldom knows its track to fractions of a millimetre; see <a
-href=\"modelica://RailBraking.FMUs.LateralPredictionUnknownTrack\">LateralPredictionUnknownTrack</a>. Otherwise those
+href=\"modelica://RailBraking.Predictions.LateralPredictionUnknownTrack\">LateralPredictionUnknownTrack</a>.
+Otherwise those
 of <a href=\"modelica://RailBraking.Vehicles.PartialLateralPrediction\">PartialLateralPrediction</a>.
 </p>
 </html>"));

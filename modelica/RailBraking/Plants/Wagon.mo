@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block Wagon "Wagon of two braked wheelsets whose cylinders follow pressure commands"
   extends Icons.Vehicle;
   extends Vehicles.PartialWagon;

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block TwoPartTrain "Two-part train whose cylinders follow pressure commands"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartTrain;
@@ -32,7 +32,7 @@ equation
     Documentation(info="<html>
 <p>
 The actuation that control papers assume. For valves as in service see
-<a href=\"modelica://RailBraking.FMUs.TwoPartTrainPneumatic\">TwoPartTrainPneumatic</a>.
+<a href=\"modelica://RailBraking.Plants.TwoPartTrainPneumatic\">TwoPartTrainPneumatic</a>.
 </p>
 <h4>Limitations</h4>
 <p>Those of <a href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>.</p>

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block LateralWheelset "Conical wheelset on two halves of a torsional axle, disturbed sideways by the track"
   extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Predictions;
 block TrainPrediction "Two-part train as an estimator believes it to be"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartPrediction(

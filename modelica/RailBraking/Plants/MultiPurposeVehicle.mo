@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed on irregular track"
   extends Icons.Vehicle;
   extends Vehicles.MultiPurposeVehicle;

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Predictions;
 block TrainPredictionReduced "Two-part train as an estimator believes it to be, without suspension"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartPrediction(final n_bogies=0);

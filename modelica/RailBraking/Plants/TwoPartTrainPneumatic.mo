@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block TwoPartTrainPneumatic "Two-part train whose cylinders are filled, held and vented by valves"
   extends Icons.Vehicle;
   extends Vehicles.PartialTwoPartTrain;

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Predictions;
 block LateralPredictionUnknownTrack
   "Lateral dynamics with unknown friction, on a track of which only the spectrum is known"
   extends Icons.Vehicle;

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Predictions;
 block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   extends Icons.Vehicle;
   parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start";

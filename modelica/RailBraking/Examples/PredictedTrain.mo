@@ -1,11 +1,11 @@
 within RailBraking.Examples;
-model Predictions "The prediction models of a train beside each other, braked at a constant adhesion"
+model PredictedTrain "The prediction models of a train beside each other, braked at a constant adhesion"
   extends Icons.Example;
-  FMUs.TrainPrediction full(alpha_start={0.12, 0.08, 0.08, 0.12}) "With suspension"
+  Predictions.TrainPrediction full(alpha_start={0.12, 0.08, 0.08, 0.12}) "With suspension"
     annotation(Placement(transformation(extent={{-60, -20}, {-20, 20}})));
-  FMUs.TrainPredictionReduced reduced(alpha_start={0.12, 0.08, 0.08, 0.12}) "Without suspension"
+  Predictions.TrainPredictionReduced reduced(alpha_start={0.12, 0.08, 0.08, 0.12}) "Without suspension"
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
-  FMUs.TrainPredictionDisturbed disturbed(alpha_start={0.12, 0.08, 0.08, 0.12}, d(start=-0.05))
+  Predictions.TrainPredictionDisturbed disturbed(alpha_start={0.12, 0.08, 0.08, 0.12}, d(start=-0.05))
     "With suspension, on a rising gradient that it may come to know"
     annotation(Placement(transformation(extent={{-20, -80}, {20, -40}})));
 equation
@@ -24,4 +24,4 @@ Adhesion and pad friction keep their values: without readings a prediction drift
 lock or spin up.
 </p>
 </html>"));
-end Predictions;
+end PredictedTrain;

@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Plants;
 block RollerRig "One braked wheelset on a roller that stands for the rail and for the wagon"
   extends Icons.Vehicle;
   extends Vehicles.PartialRollerRig;

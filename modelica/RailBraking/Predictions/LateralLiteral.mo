@@ -1,4 +1,4 @@
-within RailBraking.FMUs;
+within RailBraking.Predictions;
 block LateralLiteral "Lateral dynamics as five states, creep, friction and creep force among them"
   extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
