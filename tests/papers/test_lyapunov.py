@@ -1,0 +1,80 @@
+"""Equations 9 and 12 to 15 of Schwarz, Posielek and Goetjes (2021) along a stop with their law as printed.
+
+Judged where friction of the rail rests, as the proof assumes, above 3 m/s, and on the slip of the second group.
+"""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from railgrip.assemble import assembled, trace_of
+from railgrip.studies.papers.adhesion_based import IDENTIFIED
+from railgrip.studies.papers.table1 import read_fits, stop_of
+
+GROUP, WHEELSET = 1, 2
+
+
+@pytest.fixture(scope="module")
+def stop():
+    fit = read_fits(IDENTIFIED)[0]
+    scenario = stop_of("trapezoid", fit.candidate, fit.levels["trapezoid"], "abc")
+    with assembled(scenario) as parts:
+        contact = parts.vehicle.contact
+    trace = trace_of(scenario)
+    time, v = trace["time"].values, trace["speed"].values
+    s, released = trace["slip"].values[:, GROUP], trace["command"].values[:, GROUP] < 1e5
+    load, mu0, adhesion = (trace[name].values[:, WHEELSET] for name in ("wheelset_load", "mu0", "adhesion"))
+
+    def alpha(ds, dv):
+        return contact(s + ds, v + dv, load, mu0)
+
+    # Steps of central differences: rounding and curvature are both below a thousandth.
+    ds, dv = 1e-5, 1e-3
+    resting = np.convolve(np.abs(np.gradient(mu0, time)), np.ones(5), "same") == 0.0
+    judged = resting & (v > 3.0) & (s > 0.002) & (s < 0.5)
+    cross = (alpha(ds, dv) - alpha(ds, -dv) - alpha(-ds, dv) + alpha(-ds, -dv)) / (4 * ds * dv)
+    values = {
+        "sigma": (alpha(ds, 0) - alpha(-ds, 0)) / (2 * ds),
+        "curvature": (alpha(ds, 0) - 2 * alpha(0, 0) + alpha(-ds, 0)) / ds**2,
+        "cross": cross,
+        "by_speed": (alpha(0, dv) - alpha(0, -dv)) / (2 * dv),
+        "slip_rate": np.gradient(s, time),
+        "adhesion_rate": np.gradient(adhesion, time),
+        "acceleration": np.gradient(v, time),
+        "released": released,
+    }
+    values["sigma_rate"] = np.gradient(values["sigma"], time)
+    return SimpleNamespace(**{name: value[judged] for name, value in values.items()})
+
+
+def rms(values):
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def test_adhesion_changes_as_equation_12_says_and_the_neglected_term_is_small(stop):
+    neglected = stop.by_speed * stop.acceleration
+    rest = stop.adhesion_rate - stop.sigma * stop.slip_rate - neglected
+    assert rms(rest) < 0.02 * rms(stop.adhesion_rate)
+    assert rms(neglected) < 0.01 * rms(stop.adhesion_rate)
+
+
+def test_the_product_of_rates_has_the_sign_of_the_slope_as_equation_13_says(stop):
+    same = np.sign(stop.slip_rate * stop.adhesion_rate) == np.sign(stop.sigma)
+    assert len(same) > 1000
+    assert np.mean(same) > 0.98
+    assert same[np.abs(stop.slip_rate) > 0.05].all()
+
+
+def test_the_slope_changes_as_equation_15_says(stop):
+    predicted = stop.curvature * stop.slip_rate + stop.cross * stop.acceleration
+    assert rms(stop.sigma_rate - predicted) < 0.02 * rms(stop.sigma_rate)
+
+
+def test_the_lyapunov_function_falls_where_the_brake_obeys_equation_9_and_rises_where_it_does_not(stop):
+    """The filter of the law delays it, so that the brake has the other sign for a part of the stop, and V rises."""
+    change = stop.sigma * stop.sigma_rate
+    obeys = (stop.sigma < 0) == stop.released
+    assert (stop.curvature < 0).all()
+    assert np.mean(change[obeys] < 0) > 0.8
+    assert np.mean(change[~obeys] < 0) < 0.2

@@ -1,0 +1,51 @@
+"""Table 1 of Schwarz, Posielek and Goetjes identified from its six distances, and its page."""
+
+from pathlib import Path
+
+import pytest
+
+from railgrip.scenario.polach import named_set
+from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
+from railgrip.studies.papers.pages import with_tables
+from railgrip.studies.papers.study import PAGE, tables_of
+from railgrip.studies.papers.table1 import REPEATS, SCENARIOS, median_distance, read_fits
+
+PROJECT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def identified():
+    return read_fits(IDENTIFIED)[0]
+
+
+@pytest.fixture(scope="module")
+def tables(identified):
+    return tables_of(read_fits(FITS), identified)
+
+
+def test_the_page_says_what_the_files_of_results_say(tables):
+    text = (PROJECT / PAGE).read_text(encoding="utf-8")
+    assert with_tables(text, tables) == text
+
+
+def test_a_stale_number_is_found(tables):
+    text = (PROJECT / PAGE).read_text(encoding="utf-8")
+    assert "382.9 m" in text
+    stale = text.replace("382.9 m", "382.8 m")
+    assert with_tables(stale, tables) == text != stale
+
+
+def test_the_named_curve_is_the_identified_one(identified):
+    assert named_set("identified") == identified.candidate.polach
+
+
+def test_all_six_distances_are_within_one_per_cent(identified):
+    assert identified.largest < 0.01
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("controller", ["sbc", "abc"])
+def test_stops_repeat_what_the_file_says(identified, name, controller):
+    """Single stops of twelve stray by 1.6 % at most, on the trapezoid; their medians by 0.1 %."""
+    distance = median_distance(name, identified.candidate, identified.levels[name], controller, REPEATS)
+    assert distance == pytest.approx(getattr(identified, controller)[name], rel=5e-3)
