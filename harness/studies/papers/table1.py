@@ -24,7 +24,7 @@ from railgrip.assemble import braking_distance
 from railgrip.campaign.work import Work
 from railgrip.files import replacing
 
-SCENARIOS = ("trapezoid", "sine_sweep", "random")
+SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
 SBC = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}
 """Table 1, braking distances of slip-based control [m]."""
 ABC = {"trapezoid": 333.4, "sine_sweep": 286.6, "random": 309.6}
@@ -167,7 +167,8 @@ def _level(name: str, candidate: Candidate) -> float:
 
     if excess(LEVELS[0]) < 0 or excess(LEVELS[1]) > 0:
         return math.nan
-    return round(float(brentq(excess, *LEVELS, xtol=_LEVEL_STEP)), 5)
+    solution: Any = brentq(excess, *LEVELS, xtol=_LEVEL_STEP)
+    return round(float(solution), 5)
 
 
 STAGES = (64, 16, 16, 16, 16)
