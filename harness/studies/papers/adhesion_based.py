@@ -133,8 +133,7 @@ def adhesion_figure(stops: Mapping[str, Stop]) -> Figure:
 
 
 def _metres(stop: Stop) -> str:
-    distance = stop.metrics.distance
-    return "no standstill" if distance is None else f"{distance:.1f} m"
+    return f"{stop.metrics.distance:.1f} m"
 
 
 def _value(one: Fitted, name: str) -> float:

@@ -143,7 +143,7 @@ def fit(candidate: Candidate, repeats: int = REPEATS) -> Fitted:
     return at_levels(candidate, levels, repeats)
 
 
-_NONE = dict.fromkeys(SCENARIOS, math.nan)
+_NONE: Mapping[str, float] = {str(name): math.nan for name in SCENARIOS}
 
 
 def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: int) -> Fitted:
