@@ -5,19 +5,28 @@ block MultiPurposeVehicle "Instrumented car on two bogies that holds its speed o
   parameter Types.Mass m_body = 39000 "Mass of the car body";
   parameter Types.Mass m_frame = 2600 "Mass of a bogie frame";
   parameter Types.Mass m_unsprung = 1400 "Mass of a wheelset";
-  parameter Types.Inertia I_body[3] = {6.0e4, 1.2e6, 1.2e6} "Inertia of the body in roll, pitch and yaw";
-  parameter Types.Inertia I_frame[3] = {1722, 1476, 3067} "Inertia of a frame in roll, pitch and yaw";
+  parameter Types.Inertia I_body_roll = 6.0e4 "Inertia of the body in roll";
+  parameter Types.Inertia I_body_pitch = 1.2e6 "Inertia of the body in pitch";
+  parameter Types.Inertia I_body_yaw = 1.2e6 "Inertia of the body in yaw";
+  parameter Types.Inertia I_frame_roll = 1722 "Inertia of a frame in roll";
+  parameter Types.Inertia I_frame_pitch = 1476 "Inertia of a frame in pitch";
+  parameter Types.Inertia I_frame_yaw = 3067 "Inertia of a frame in yaw";
   parameter Types.Inertia I_wheelset = 810 "Inertia of a wheelset in yaw";
   parameter Types.Inertia J[4] = {112, 160, 160, 112} "Inertia of the wheelsets about their axles, drive included";
   parameter Types.Length r_wheel[4] = {0.42, 0.42, 0.42, 0.42} "Rolling radius of the wheelsets";
   parameter Types.Length pivots = 14.2 "Distance of the bogie pivots";
   parameter Types.Length wheelbase = 2.1 "Distance of the wheelsets of a bogie";
   parameter Types.Ratio conicity = 0.15 "Equivalent conicity";
-  parameter Types.Stiffness k_primary[3] = {4e6, 5e6, 1.22e6} "Stiffness of one axle box along, across, vertical";
-  parameter Types.Damping c_primary[3] = {3e4, 3e4, 1.2e4} "Damping of one axle box along, across, vertical";
-  parameter Types.Stiffness k_secondary[2] = {6e5, 4.3e5} "Stiffness of one secondary spring across, vertical";
-  parameter Types.Damping c_secondary[2] = {1e5, 3e4}
-    "Damping of one side of the secondary suspension across, vertical";
+  parameter Types.Stiffness k_primary_x = 4e6 "Stiffness of one axle box, along the track";
+  parameter Types.Stiffness k_primary_y = 5e6 "Stiffness of one axle box, across the track";
+  parameter Types.Stiffness k_primary_z = 1.22e6 "Stiffness of one axle box, vertical";
+  parameter Types.Damping c_primary_x = 3e4 "Damping of one axle box, along the track";
+  parameter Types.Damping c_primary_y = 3e4 "Damping of one axle box, across the track";
+  parameter Types.Damping c_primary_z = 1.2e4 "Damping of one axle box, vertical";
+  parameter Types.Stiffness k_secondary_y = 6e5 "Stiffness of one secondary spring, across the track";
+  parameter Types.Stiffness k_secondary_z = 4.3e5 "Stiffness of one secondary spring, vertical";
+  parameter Types.Damping c_secondary_y = 1e5 "Damping of one side of the secondary suspension, across the track";
+  parameter Types.Damping c_secondary_z = 3e4 "Damping of one side of the secondary suspension, vertical";
   parameter Types.Damping c_yaw = 1.5e6 "Damping of one yaw damper between frame and body";
   parameter Types.Stiffness k_track = 5e7 "Stiffness of the track under one wheel";
   parameter Types.Ratio k_A = 0.3 "Polach: reduction of the creep stiffness in the area of adhesion";
@@ -71,14 +80,14 @@ protected
   final parameter Types.Force drag_start = resistance_rolling + resistance_drag*speed_set^2
     "Resistance at the set speed";
   Components.GuidedBody body(
-    m=m_body, I_roll=I_body[1], I_pitch=I_body[2], I_yaw=I_body[3], pivots=pivots, h=0.9, h_frame=0.3, b_secondary=1.0,
-    k_rod=5e6, c_rod=5e4, k_y=k_secondary[1], k_z=k_secondary[2], c_y=c_secondary[1], c_z=c_secondary[2], c_yaw=c_yaw)
-      "Car body"
+    m=m_body, I_roll=I_body_roll, I_pitch=I_body_pitch, I_yaw=I_body_yaw, pivots=pivots, h=0.9, h_frame=0.3,
+    b_secondary=1.0, k_rod=5e6, c_rod=5e4, k_y=k_secondary_y, k_z=k_secondary_z, c_y=c_secondary_y, c_z=c_secondary_z,
+    c_yaw=c_yaw) "Car body"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.GuidedFrame frame[2](
-    each m=m_frame, each I_roll=I_frame[1], each I_pitch=I_frame[2], each I_yaw=I_frame[3], each wheelbase=wheelbase,
-    each h=0.15, each b_primary=b_box, each k_x=k_primary[1], each k_y=k_primary[2], each k_z=k_primary[3],
-    each c_x=c_primary[1], each c_y=c_primary[2], each c_z=c_primary[3]) "Bogie frames"
+    each m=m_frame, each I_roll=I_frame_roll, each I_pitch=I_frame_pitch, each I_yaw=I_frame_yaw,
+    each wheelbase=wheelbase, each h=0.15, each b_primary=b_box, each k_x=k_primary_x, each k_y=k_primary_y,
+    each k_z=k_primary_z, each c_x=c_primary_x, each c_y=c_primary_y, each c_z=c_primary_z) "Bogie frames"
     annotation(Placement(transformation(extent={{20, 20}, {60, 60}})));
   Components.GuidedWheelset wheelset[4](
     each m=m_unsprung, each I_yaw=I_wheelset, J=J, r=r_wheel, each conicity=conicity, each b=b, each k_track=k_track,
