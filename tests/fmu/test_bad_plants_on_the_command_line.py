@@ -108,34 +108,34 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
 
 
 @pytest.mark.parametrize(
-    ("more", "sentence"),
+    ("more", "defined", "sentence"),
     [
-        ('distance = "-distance"', "'distance' shows -"),
-        ('acceleration = "-acceleration"', "it looks like the other sign"),
-        ('start_speed = { variable = "start_speed", scale = 3.6 }', "'speed' shows 2.77778 m/s at the start"),
-        ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', "a constant slip of 17%"),
-        ('pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }', "full brakes slow the train by 1"),
-        ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', "it looks like bar for Pa"),
+        ('distance = "-distance"', (), "'distance' shows -"),
+        ('acceleration = "-acceleration"', (), "it looks like the other sign"),
+        ('start_speed = { variable = "start_speed", scale = 3.6 }', (), "'speed' shows 2.77778 m/s at the start"),
+        ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', (), "a constant slip of 17%"),
+        (
+            'pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }',
+            (),
+            "full brakes slow the train by 1",
+        ),
+        ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', (), "it looks like bar for Pa"),
+        # Read with 0.38 m they would slide by 17 % all the time, and slip control would never brake.
+        (
+            "",
+            ("RADIUS=0.46",),
+            "'wheelset_speed[1]' rolls with 0.46 m of radius by speed over wheel speed; the harness believes 0.38 m",
+        ),
     ],
 )
-def test_a_map_that_does_not_fit_is_found_by_a_short_run_before_the_stop(
-    railgrip: Railgrip, foundry: Path, more: str, sentence: str
+def test_a_map_or_radius_that_does_not_fit_is_found_by_a_short_run_before_the_stop(
+    railgrip: Railgrip, foundry: Path, more: str, defined: tuple[str, ...], sentence: str
 ):
-    result = railgrip(faulty_fmu(foundry), more=f"[vehicle.map]\n{more}")
+    result = railgrip(faulty_fmu(foundry, defined=defined), more=f"[vehicle.map]\n{more}")
     assert result.code == 2
     assert "town: [vehicle.map] does not fit well.fmu: in a short run before the stop '" in result.err
     assert sentence in result.err
     assert not Path("out/stop.json").exists()
-
-
-def test_wheels_of_another_radius_than_the_harness_believes_are_found_before_the_stop(
-    railgrip: Railgrip, foundry: Path
-):
-    """Read with 0.38 m, wheels of 0.46 m would slide by 17 % all the time, and slip control would never brake."""
-    result = railgrip(faulty_fmu(foundry, defined=("RADIUS=0.46",)))
-    assert result.code == 2
-    assert "'wheelset_speed[1]' rolls with 0.46 m" in result.err
-    assert "believes 0.38 m" in result.err
 
 
 @pytest.mark.parametrize("trust", [True, False])

@@ -13,7 +13,6 @@ from tiny_fmu import GUID, tied, tiny, xml
 from railgrip.errors import FmuError, PlantFailed
 from railgrip.fmu import CoSimulation, describe
 from railgrip.fmu.instance import Instance, unpack
-from railgrip.loop.parts import Plant
 
 PERIOD = 1e-3
 
@@ -75,10 +74,6 @@ def test_earlier_outputs_are_not_overwritten(foundry: Path):
         first = plant.start(np.zeros(1))
         plant.step(np.zeros(1))
         np.testing.assert_array_equal(first, [1.0, 2.0])
-
-
-def test_it_is_a_plant(foundry: Path):
-    assert isinstance(opened(tiny(foundry)), Plant)
 
 
 def test_a_wrong_number_of_inputs_is_refused(foundry: Path):

@@ -84,13 +84,6 @@ def test_a_refusal_to_start_comes_through(foundry: Path, scratch: Path):
     assert list(scratch.iterdir()) == []
 
 
-def test_a_crash_while_freeing_does_not_spoil_the_results(foundry: Path, scratch: Path):
-    with isolated(tiny(foundry, "BAD_FREE")) as plant:
-        plant.start(np.zeros(1))
-        assert plant.step(np.zeros(1))[0] == pytest.approx(np.exp(-2 * PERIOD), rel=1e-15)
-    assert list(scratch.iterdir()) == []
-
-
 def test_a_wrong_parameter_is_refused_before_a_process_starts(foundry: Path):
     with pytest.raises(FmuError, match=r"'rate' of .* is at most 10"):
         isolated(tiny(foundry), rate=11.0)

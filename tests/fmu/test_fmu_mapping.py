@@ -32,30 +32,27 @@ def foreign(foundry: Path) -> Description:
     return describe(tiny(foundry, description=xml(state_unit="km/h", input_unit="bar")))
 
 
-def test_values_arrive_in_the_units_of_each_side(foreign: Description):
+@pytest.mark.parametrize(
+    ("table", "pressure", "sign"),
+    [
+        ({}, 2e5, 1),
+        ({"speed": "-x"}, 2e5, -1),
+        # ours = scale · theirs: with scale −2, sending −4e5 Pa is 2 bar of theirs.
+        ({"command": {"variable": "-u", "scale": 2}}, -4e5, 1),
+    ],
+)
+def test_values_arrive_in_the_units_and_signs_of_each_side(
+    foreign: Description, table: dict[str, object], pressure: float, sign: int
+):
     """1 km/h is 1/3.6 m/s, 2e5 Pa is 2 bar: seen through a step of the closed-form FMU."""
-    binding = tied(foreign)
+    binding = tied(foreign, table)
     # dx/dt = -2 x + 3 u with x = 1 km/h and u = 2 bar at first; after h, x = 3 - 2 exp(-2 h).
     with CoSimulation(foreign, binding, period=0.5, parameters={}) as plant:
-        at_start = plant.start(np.array([2e5]))
-        after = plant.step(np.array([2e5]))
+        at_start = plant.start(np.array([pressure]))
+        after = plant.step(np.array([pressure]))
     # Two conversions and one exponential: rounding only.
-    np.testing.assert_allclose(at_start, [1 / 3.6], rtol=1e-14)
-    np.testing.assert_allclose(after, [(3 - 2 * np.exp(-1)) / 3.6], rtol=1e-14)
-
-
-def test_a_minus_turns_the_sign_of_an_output(foreign: Description):
-    with CoSimulation(foreign, tied(foreign, {"speed": "-x"}), period=0.5, parameters={}) as plant:
-        np.testing.assert_allclose(plant.start(np.zeros(1)), [-1 / 3.6], rtol=1e-14)
-
-
-def test_a_minus_and_a_scale_turn_an_input(foreign: Description):
-    """ours = scale · theirs: with scale −2, sending −4e5 Pa is 2 bar of theirs."""
-    binding = tied(foreign, {"command": {"variable": "-u", "scale": 2}})
-    with CoSimulation(foreign, binding, period=0.5, parameters={}) as plant:
-        plant.start(np.array([-4e5]))
-        after = plant.step(np.array([-4e5]))
-    np.testing.assert_allclose(after, [(3 - 2 * np.exp(-1)) / 3.6], rtol=1e-14)
+    np.testing.assert_allclose(at_start, [sign / 3.6], rtol=1e-14)
+    np.testing.assert_allclose(after, [sign * (3 - 2 * np.exp(-1)) / 3.6], rtol=1e-14)
 
 
 def test_truth_values_and_counts_travel_as_numbers(foundry: Path):
@@ -146,11 +143,6 @@ def test_everything_missing_is_told_at_once(foundry: Path):
         bind(describe(tiny(foundry)), inputs=[], outputs=[signal("cont"), signal("torque", "N.m", 2)])
 
 
-def test_what_is_not_needed_may_be_absent(foundry: Path):
-    binding = bind(describe(tiny(foundry)), inputs=[], outputs=[signal("x"), signal("heat", "J", needed=False)])
-    assert binding.outputs.absent == ("heat",)
-
-
 def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
     """What the FMU lacks is NaN among outputs and dropped among inputs; the rest is where it always is."""
     description = describe(tiny(foundry))
@@ -159,6 +151,7 @@ def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
         inputs=[signal("wind", "N", 2, needed=False), signal("u")],
         outputs=[signal("heat", "J", needed=False), signal("y"), signal("slip", size=2, needed=False), signal("flag")],
     )
+    assert binding.outputs.absent == ("heat", "slip")
     assert binding.outputs.layout["flag"] == slice(4, 5)
     with CoSimulation(description, binding, period=1e-3, parameters={}) as plant:
         for outputs in (plant.start(np.array([5.0, 6.0, 0.5])), plant.step(np.array([5.0, 6.0, 0.5]))):

@@ -111,7 +111,7 @@ def test_what_it_says_is_limited_in_all(
 
 
 @pytest.mark.parametrize("misbehaviour", ["CRASHES_IN_TERMINATE", "CRASHES_IN_FREE"])
-def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, misbehaviour: str):
+def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, scratch: Path, misbehaviour: str):
     sentences: list[str] = []
     with isolated(faulty_fmu(foundry, misbehaviour), notify=sentences.append) as plant:
         plant.start(np.zeros(4))
@@ -120,6 +120,7 @@ def test_a_crash_at_the_end_is_told_and_leaves_the_results(foundry: Path, misbeh
         f"{misbehaviour.lower()}.fmu: when it was terminated and freed after the last step, its process was ended by "
         "SIGABRT; the results stand."
     ]
+    assert list(scratch.iterdir()) == []
 
 
 def test_a_good_end_is_not_worth_a_word(foundry: Path):

@@ -20,7 +20,6 @@
 #define REFUSES 8
 #define BAD_INITIALISATION 9
 #define PENDING 10
-#define BAD_FREE 11
 #define EXITS 12
 #define NO_STATUS 13
 
@@ -70,7 +69,6 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
 void fmi2FreeInstance(fmi2Component c) {
     Tiny *m = c;
     if (!m) return;
-    if (MISBEHAVIOUR == BAD_FREE) abort();
     if (m->s.broken == FATAL) protest("freed after fmi2Fatal");
     else protest("freed");
     m->call->freeMemory(m);

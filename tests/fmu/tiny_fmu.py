@@ -106,7 +106,6 @@ def tiny(
     misbehaviour: str = "WELL",
     *,
     description: str | None = None,
-    guid: str = GUID,
     platform: str = fmpy.platform,
 ) -> Path:
     """Build the FMU in `folder` and return its file.
@@ -115,14 +114,13 @@ def tiny(
         folder: Where the FMU is written.
         misbehaviour: A name defined in tiny.c.
         description: Its modelDescription.xml; None for the plain one.
-        guid: Compiled into the binary.
         platform: Folder of the binary inside the FMU.
     """
     library = shared_library(
         {"tiny.c": SOURCES["tiny.c"], "quiet.h": SOURCES["quiet.h"]},
         f"tiny_{misbehaviour.lower()}",
         include=(HEADERS,),
-        flags=(f"-DMISBEHAVIOUR={misbehaviour}", f'-DTINY_GUID="{guid}"', "-D_POSIX_C_SOURCE=200809L"),
+        flags=(f"-DMISBEHAVIOUR={misbehaviour}", f'-DTINY_GUID="{GUID}"', "-D_POSIX_C_SOURCE=200809L"),
     )
     file = folder / f"{misbehaviour.lower()}.fmu"
     with zipfile.ZipFile(file, "w") as archive:
@@ -141,11 +139,10 @@ def tied(description: Description) -> Binding:
     )
 
 
-CURVED_STATES = ("a", "b", "c")
 CURVED_OUTPUTS = ("y[1]", "y[2]")
 
 
-def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forgets: bool = False) -> Path:
+def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> Path:
     """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there."""
     library = shared_library(
         {name: SOURCES[name] for name in ("curved.c", "quiet.h", "reals_only.h")},
@@ -153,8 +150,7 @@ def curved(folder: Path, *, directional: bool = True, nominal: float = 1.0, forg
         include=(HEADERS,),
         flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),
     )
-    size = f' nominal="{nominal}"'
-    rows = [_row(n, i, "local", "continuous", "exact", f'Real start="0"{size}') for i, n in enumerate("abc")]
+    rows = [_row(n, i, "local", "continuous", "exact", 'Real start="0" nominal="1"') for i, n in enumerate("abc")]
     rows += [
         _row(f"der({n})", 3 + i, "local", "continuous", "calculated", f'Real derivative="{i + 1}"')
         for i, n in enumerate("abc")
