@@ -22,8 +22,24 @@ def railgrip(tmp_path, monkeypatch, capfd):
     return run
 
 
-def test_a_new_file_is_a_train_that_fits_together(railgrip):
+@pytest.fixture
+def mine(railgrip, tmp_path):
+    """A new train file."""
     assert railgrip("train", "new", "mine.toml")[0] == 0
+    return tmp_path / "mine.toml"
+
+
+def replace(file, *changes):
+    """Replace texts of a file, each of which must be in it."""
+    text = file.read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text, encoding="utf-8")
+
+
+@pytest.mark.usefixtures("mine")
+def test_a_new_file_is_a_train_that_fits_together(railgrip):
     code, out, err = railgrip("train", "check", "mine.toml")
     assert (code, err) == (0, "")
     assert "mine: 88.0 t" in out
@@ -31,10 +47,8 @@ def test_a_new_file_is_a_train_that_fits_together(railgrip):
     assert railgrip("train", "new", "mine.toml") == (2, "", "mine.toml is already there; name another file\n")
 
 
-def test_what_does_not_fit_ends_with_file_and_key(railgrip, tmp_path):
-    railgrip("train", "new", "mine.toml")
-    file = tmp_path / "mine.toml"
-    file.write_text(file.read_text(encoding="utf-8").replace('mass = "44 t"', 'mass = "4 t"'), encoding="utf-8")
+def test_what_does_not_fit_ends_with_file_and_key(railgrip, mine):
+    replace(mine, ('mass = "44 t"', 'mass = "4 t"'))
     code, _, err = railgrip("train", "check", "mine.toml")
     assert code == 2
     assert "mine.toml: [bogies.trailer] frame_mass: frame and axles have 5.6 t, but only 2 t stand" in err
@@ -52,12 +66,8 @@ def test_what_does_not_fit_ends_with_file_and_key(railgrip, tmp_path):
         ),  # friction below zero at speed
     ],
 )
-def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgrip, tmp_path, wanted, weak):
-    railgrip("train", "new", "mine.toml")
-    file = tmp_path / "mine.toml"
-    text = file.read_text(encoding="utf-8").replace('rolling_arm = "0.4 mm"', "rolling_arm = 0")
-    assert wanted in text
-    file.write_text(text.replace(wanted, weak).replace("0.0018", "1e-9"), encoding="utf-8")
+def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgrip, mine, wanted, weak):
+    replace(mine, ('rolling_arm = "0.4 mm"', "rolling_arm = 0"), (wanted, weak), ("0.0018", "1e-9"))
     code, _, err = railgrip("train", "check", "mine.toml")
     assert code == 2
     assert "mine.toml: [brakes]: by hand calculation the brakes do not stop mine from 120 km/h within 600 s; " in err
@@ -66,10 +76,8 @@ def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgri
     assert "full brake" in out
 
 
-def test_distributors_and_accelerators_are_shown_and_said(railgrip, tmp_path):
-    railgrip("train", "new", "mine.toml")
-    file = tmp_path / "mine.toml"
-    text = file.read_text(encoding="utf-8")
+def test_distributors_and_accelerators_are_shown_and_said(railgrip, mine):
+    text = mine.read_text(encoding="utf-8")
     text = text.replace('kind = "electropneumatic"', 'kind = "brake_pipe"').replace(
         'delay = "0.4 s"                    # from the demand to the first pressure\ntime_constant = "0.5 s"',
         'diameter = "32 mm"\nfill_time = "4 s"\nreservoir = "100 l" ',
@@ -77,7 +85,7 @@ def test_distributors_and_accelerators_are_shown_and_said(railgrip, tmp_path):
     begin, end = text.index("# [distributors.R]"), text.index("[[cars]]")
     tables = "\n".join(line.removeprefix("# ") for line in text[begin:end].splitlines())
     cars = text[end:].replace('name = "A"', 'name = "A"\ndistributor = "R"\naccelerator = "quick"')
-    file.write_text(text[:begin] + tables + "\n" + cars, encoding="utf-8")
+    mine.write_text(text[:begin] + tables + "\n" + cars, encoding="utf-8")
     code, out, err = railgrip("train", "show", "mine.toml")
     assert code == 0, err
     row = next(line for line in out.splitlines() if "quick" in line)
