@@ -17,15 +17,14 @@ from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder, thinned
 from railgrip.trace.stop import read_stop, write_stop
 
+COARSE = load(
+    LIBRARY / "trapezoid.toml", [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]
+)
+
 
 @pytest.fixture(scope="module")
 def stop():
-    return stop_of(
-        load(
-            LIBRARY / "trapezoid.toml",
-            ["periods.communication=10 ms", "periods.estimator=10 ms", "periods.controller=10 ms"],
-        )
-    )
+    return stop_of(COARSE)
 
 
 def test_what_the_loop_writes_is_what_the_trace_says():
@@ -79,12 +78,7 @@ def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):
 @pytest.mark.parametrize("outcome", Outcome)
 def test_only_a_standstill_has_a_braking_distance(outcome, tmp_path):
     """However a stop ends, the distance travelled has its own name, so that no table can take it for the other."""
-    stop = stop_of(
-        load(
-            LIBRARY / "trapezoid.toml", [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]
-        ),
-        outcome=outcome,
-    )
+    stop = stop_of(COARSE, outcome=outcome)
     travelled = (80 / 3.6) ** 2 / 2
     write_stop(stop, tmp_path, keep_trace=False)
     content, record = json.loads((tmp_path / "stop.json").read_text(encoding="utf-8")), read_stop(tmp_path)
