@@ -27,14 +27,20 @@ def delay(tmp_path_factory: pytest.TempPathFactory) -> FMU2Slave:
     return slave
 
 
-def run(delay: FMU2Slave, commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
-    """Hold each command over a step of one period, with one sample in it; return filling and venting, shape (n, 2)."""
+def begin(delay: FMU2Slave, command: float, dead_fill: float, dead_vent: float) -> None:
+    """Initialise the delay anew."""
     place = delay.references
     delay.reset()
-    delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [dead_fill, dead_vent, commands[0]])
+    delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [dead_fill, dead_vent, command])
     delay.setupExperiment(startTime=0.0)
     delay.enterInitializationMode()
     delay.exitInitializationMode()
+
+
+def run(delay: FMU2Slave, commands: np.ndarray, dead_fill: float, dead_vent: float) -> np.ndarray:
+    """Hold each command over a step of one period, with one sample in it; return filling and venting, shape (n, 2)."""
+    begin(delay, commands[0], dead_fill, dead_vent)
+    place = delay.references
     seen: list[list[float]] = []
     for k, command in enumerate(commands):
         delay.setReal([place["command"]], [command])
@@ -66,13 +72,9 @@ def test_valves_follow_the_command_after_their_dead_times(delay: FMU2Slave, dead
 
 def test_no_sample_falls_on_a_whole_millisecond(delay: FMU2Slave) -> None:
     """There communication steps end, where the sample would be a matter of rounding. It falls half a step beyond."""
-    place = delay.references
-    delay.reset()
-    delay.setReal([place["dead_fill"], place["dead_vent"], place["command"]], [0.0, 0.0, 1.0])
-    delay.setupExperiment(startTime=0.0)
-    delay.enterInitializationMode()
-    delay.exitInitializationMode()
+    begin(delay, 1.0, 0.0, 0.0)
+    filling = [delay.references["filling"]]
     delay.doStep(0.0, 0.00049)
-    assert delay.getReal([place["filling"]]) == [0.0]
+    assert delay.getReal(filling) == [0.0]
     delay.doStep(0.00049, 0.00002)
-    assert delay.getReal([place["filling"]]) == [1.0]
+    assert delay.getReal(filling) == [1.0]
