@@ -37,9 +37,15 @@ def omc(tmp_path, monkeypatch):
     openmodelica.version_line.cache_clear()
 
 
-def test_the_script_loads_the_package_as_a_user_would(tmp_path):
-    library = tmp_path / "Lib"
-    library.mkdir()
+@pytest.fixture
+def library(tmp_path):
+    folder = tmp_path / "Lib"
+    folder.mkdir()
+    (folder / "package.mo").write_text("package Lib end Lib;")
+    return folder
+
+
+def test_the_script_loads_the_package_as_a_user_would(library):
     lines = openmodelica.script(RECIPE, library, derivatives=False).splitlines()
     assert lines[0] == 'setCommandLineOptions("--fmiFlags=s:cvode");'
     assert f'loadFile("{library / "package.mo"}");' in lines
@@ -132,11 +138,8 @@ def test_a_plant_is_not_asked_for_derivatives(omc, tmp_path):
         openmodelica.export(RECIPE, tmp_path, tmp_path / "Plant.fmu")
 
 
-def test_it_is_asked_again_only_when_something_moved(omc, own_cache, tmp_path):
+def test_it_is_asked_again_only_when_something_moved(omc, own_cache, library, tmp_path):
     """An own version line and a changed Modelica file are each something."""
-    library = tmp_path / "Lib"
-    library.mkdir()
-    (library / "package.mo").write_text("package Lib end Lib;")
     book = Cookbook(file=tmp_path / "recipes.toml", recipes={"Plant": RECIPE})
 
     def made() -> str:
@@ -180,10 +183,7 @@ def test_of_a_long_build_log_only_the_lines_that_tell_are_passed_on(omc, tmp_pat
 
 
 @pytest.mark.parametrize("copied", [True, False])
-def test_the_log_that_a_message_names_is_there_after_the_build(omc, own_cache, tmp_path, copied):
-    library = tmp_path / "Lib"
-    library.mkdir()
-    (library / "package.mo").write_text("package Lib end Lib;")
+def test_the_log_that_a_message_names_is_there_after_the_build(omc, own_cache, library, tmp_path, copied):
     book = Cookbook(file=tmp_path / "recipes.toml", recipes={"Plant": PREDICTION})
     # The first attempt, with directional derivatives, fails at length; the second makes an FMU.
     omc(
