@@ -17,6 +17,14 @@ from railgrip.campaign.run import kept_result
 from railgrip.scenario.campaign import load_campaign
 
 
+def rewrite(project, old, new):
+    """Replace a text of pair.toml, which must be in it."""
+    path = project / "pair.toml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
 def stops_in(folder):
     return sorted(path.parent.name for path in folder.glob("*/stop.json"))
 
@@ -59,6 +67,7 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
         (("run",), "Missing argument 'FILE.toml'"),
         (("fly",), "No such command 'fly'"),
         (("campaign", "wet.toml"), "wet.toml: is a file of the kind scenario; use `railgrip run wet.toml`"),
+        (("campaign", "pair.toml", "pair.toml"), "two campaigns are named 'pair'"),
         (("campaign", "pair.toml", "--set", "seed=x"), "pair.toml, stop wet-sbc (wet.toml): seed is 'x'"),
         (("report", "nowhere"), "nowhere: has neither campaign.json nor stop.json"),
         (("regress", "--baselines", "nowhere"), "nowhere: there is no baseline file (*.toml) in it"),
@@ -137,12 +146,6 @@ def test_two_campaigns_in_one_command_have_a_report_each(railgrip, project):
     pages = [(project / "both" / name / "index.html").read_text(encoding="utf-8") for name in ("pair", "other")]
     assert [page.count("data:image/png") for page in pages] == [4, 2]
     assert result.out.count("−15.8 %") == 2
-
-
-def test_two_campaigns_of_one_name_are_refused(railgrip, project):
-    result = railgrip("campaign", "pair.toml", "pair.toml")
-    assert result.code == 2
-    assert "two campaigns are named 'pair'" in result.err
 
 
 def test_what_another_scenario_or_another_program_left_is_run_again(project, monkeypatch):
@@ -285,13 +288,7 @@ def test_the_exit_code_says_whether_outcomes_are_those_expected_each_time(
 
 @pytest.mark.usefixtures("in_process")
 def test_one_refused_stop_does_not_take_the_others_with_it(railgrip, project):
-    text = (project / "pair.toml").read_text(encoding="utf-8")
-    (project / "pair.toml").write_text(
-        text.replace(
-            'controller.kind = "slip_two_state"', 'controller.kind = "slip_two_state"\ndescription = "refuse"'
-        ),
-        encoding="utf-8",
-    )
+    rewrite(project, 'kind = "slip_two_state"', 'kind = "slip_two_state"\ndescription = "refuse"')
     result = railgrip("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     assert result.code == 2
     assert "wet-sbc: wet: the plant has no brakes" in result.err
@@ -308,14 +305,8 @@ def is_alive(group):
 
 
 def test_ctrl_c_leaves_what_had_finished_and_nothing_half_written(program, project):
-    text = (project / "pair.toml").read_text(encoding="utf-8")
     marker = project / "running"
-    (project / "pair.toml").write_text(
-        text.replace(
-            'controller.kind = "adhesion_based"', f'controller.kind = "adhesion_based"\ndescription = "wait {marker}"'
-        ),
-        encoding="utf-8",
-    )
+    rewrite(project, 'kind = "adhesion_based"', f'kind = "adhesion_based"\ndescription = "wait {marker}"')
     process = program("campaign", "pair.toml", "--out", "out", "--panels", "abc")
     patience = time.monotonic() + 600  # against hanging for ever; the stop itself waits for the signal
     while not (marker.exists() and stops_in(project / "out") == ["wet-sbc"]):
