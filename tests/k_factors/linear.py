@@ -32,7 +32,9 @@ class LinearBrake:
         return brentq(lambda k: np.log(self.probability(k, isolated) / probability), 1e-3, 1.5, xtol=1e-12)
 
 
-def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, **more):
+def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, error_factor=1.0, beta=0.0, **more):
+    """A study of a brake; `error_factor` and `beta` are those of the isolated units."""
+    independent = {"beta": 0.0, "source": "a test"}
     return Specification.model_validate(
         {
             "name": "test",
@@ -44,8 +46,18 @@ def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, **m
                 {"quantity": "mass", "per": "train", "kind": "normal", "deviation": "2 %", "source": "a test"}
             ],
             "failures": {
-                "isolated_unit": {"probability": isolated, "source": "a test"},
-                "stuck_valve": {"probability": stuck, "source": "a test"},
+                "isolated_unit": {
+                    "probability": isolated,
+                    "error_factor": error_factor,
+                    "source": "a test",
+                    "common_cause": {"beta": beta, "source": "a test"},
+                },
+                "stuck_valve": {
+                    "probability": stuck,
+                    "error_factor": 1.0,
+                    "source": "a test",
+                    "common_cause": independent,
+                },
             },
         }
         | more

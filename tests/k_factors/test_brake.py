@@ -68,12 +68,17 @@ def test_brute_force_finds_the_same_k_at_one_in_ten_thousand(vt642, monkeypatch)
     result = quasi_static(specification, brake)
     random, count, chunk, share = np.random.default_rng(11), 10_000_000, 4_000, 2
     failures = specification.failures
+    unit, valve = failures.isolated_unit, failures.stuck_valve
+    together = unit.common_cause.beta * unit.probability
+    alone = unit.probability - together
     # Failures of all trains first, for trains of the same units are braked together.
     places = np.array(brake.units) + 1
     trains = np.zeros(places.prod(), dtype=int)
     for _ in range(10):
-        left = random.binomial(brake.units, 1 - failures.isolated_unit.probability, (count // 10, len(brake.units)))
-        left[random.random(left.shape) < failures.stuck_valve.probability] = 0
+        left = random.binomial(brake.units, 1 - alone, (count // 10, len(brake.units)))
+        left[random.random(left.shape) < together] = 0
+        left[random.random(left.shape) < (1 - valve.common_cause.beta) * valve.probability] = 0
+        left[random.random(len(left)) < valve.common_cause.beta * valve.probability] = 0
         trains += np.bincount(np.ravel_multi_index(tuple(left.T), tuple(places)), minlength=trains.size)
     assert trains.sum() == count
     lowest: list[np.ndarray] = []

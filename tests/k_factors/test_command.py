@@ -25,6 +25,8 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
     assert first == again
     assert set(first) == {"k_factors.png", "k_factors.md"}
     assert [one["ebcl"] for one in contents[0]["k_dry"]] == 4 * list(range(10))
+    assert all(one["low_of_rates"] <= one["low"] for one in contents[0]["k_dry"])
+    assert all(one["high"] <= one["high_of_rates"] for one in contents[0]["k_dry"])
     assert all(one["low"] <= one["k"] <= one["high"] for one in contents[0]["k_dry"])
     assert "EBCL" in capsys.readouterr().out
 
@@ -66,6 +68,9 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
         ("estimate.draws=3", "has no key 'draws'"),
         ("estimate.runs=1", "[estimate] runs"),
         ("failures.stuck_valve.probability=0.5", "must be at most 0.1"),
+        ("failures.stuck_valve.error_factor=0.5", "[failures.stuck_valve] error_factor"),
+        ("failures.stuck_valve.common_cause.beta=0.6", "must be at most 0.5"),
+        ("failures.stuck_valve={probability=1e-5, error_factor=3, source='none'}", "common_cause"),
         ("dispersion=[{quantity='mass', per='unit', kind='normal', deviation='2 %', source='none'}]", "per unit"),
         ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='2 bar', source='none'}]", "bar"),
         ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='20 %', source='none'}]", "0.15"),

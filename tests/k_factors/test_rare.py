@@ -11,6 +11,7 @@ from scipy.stats import binom, norm
 
 from railgrip.studies.k_factors.k_dry import PROBABILITIES, quasi_static
 from railgrip.studies.k_factors.rare import (
+    Rates,
     Sample,
     estimates,
     importance_sample,
@@ -25,15 +26,15 @@ ISOLATED = 1e-3
 
 
 def test_failure_states_are_those_of_every_combination_of_units_and_valves():
-    states, rest = states_of((2, 1, 2), 0.03, 0.01, neglect=0.0)
+    states, rest = states_of((2, 1, 2), Rates(0.03, 0.01), neglect=0.0)
     every = brute_states((2, 1, 2), 0.03, 0.01)
     assert rest == 0.0
     assert {state.available: pytest.approx(state.probability, rel=1e-12) for state in states} == every
 
 
 def test_what_is_left_out_of_failure_states_is_said_exactly():
-    every, _ = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=0.0)
-    states, rest = states_of((3, 2, 2, 3), 1e-4, 1e-5, neglect=1e-12)
+    every, _ = states_of((3, 2, 2, 3), Rates(1e-4, 1e-5), neglect=0.0)
+    states, rest = states_of((3, 2, 2, 3), Rates(1e-4, 1e-5), neglect=1e-12)
     left_out = sorted(state.probability for state in every if state.available not in {s.available for s in states})
     assert 0 < rest <= 1e-12
     assert rest == pytest.approx(sum(left_out), rel=1e-9)
@@ -42,9 +43,53 @@ def test_what_is_left_out_of_failure_states_is_said_exactly():
 
 
 def test_a_train_of_many_groups_has_few_states_that_matter():
-    states, rest = states_of((4,) * 30, 1e-5, 1e-6, neglect=1e-10)
+    states, rest = states_of((4,) * 30, Rates(1e-5, 1e-6), neglect=1e-10)
     assert len(states) < 10_000
     assert sum(state.probability for state in states) + rest == pytest.approx(1.0, abs=1e-13)
+
+
+@pytest.mark.parametrize("beta", [0.0, 0.02, 0.1])
+def test_two_units_in_parallel_are_lost_as_the_beta_factor_model_says(beta):
+    """IEC 61508-6: P = β q + ((1 − β) q)², where both at once are too rare to count."""
+    q = 1e-4
+    states, _ = states_of((2,), Rates(q, 0.0, isolated_beta=beta), neglect=0.0)
+    lost, one_left = (next(s.probability for s in states if s.available == (left,)) for left in (0, 1))
+    assert lost == pytest.approx(beta * q + ((1 - beta) * q) ** 2, rel=1e-7)
+    alone = (1 - beta) * q
+    assert one_left == pytest.approx((1 - beta * q) * 2 * alone * (1 - alone), rel=1e-12)
+
+
+def test_a_common_cause_of_all_valves_takes_all_groups():
+    """As for two components in parallel, with a valve of a group in the place of a unit."""
+    q, beta = 1e-3, 0.05
+    states, _ = states_of((1, 1), Rates(0.0, q, stuck_beta=beta), neglect=1e-9)
+    every = {state.available: state.probability for state in states}
+    assert every[0, 0] == pytest.approx(beta * q + (1 - beta * q) * ((1 - beta) * q) ** 2, rel=1e-12)
+    assert sum(every.values()) == pytest.approx(1.0, abs=1e-14)
+
+
+def test_states_with_common_causes_are_all_there_is():
+    rates = Rates(0.02, 0.01, isolated_beta=0.2, stuck_beta=0.1)
+    states, rest = states_of((2, 1, 2), rates, neglect=0.0)
+    assert rest == 0.0
+    assert sum(state.probability for state in states) == pytest.approx(1.0, abs=1e-14)
+    for state in states:
+        assert state.probability == pytest.approx(rates.of_state((2, 1, 2), state.available), rel=1e-14)
+
+
+@pytest.mark.parametrize("error_factor", [1.0, 3.0, 10.0])
+def test_the_interval_holds_what_a_lognormal_rate_does_to_a_linear_brake(error_factor):
+    """K falls with the rate, so its quantiles are those at the quantiles of the rate."""
+    brake, median = LinearBrake(), 1e-4
+    result = quasi_static(specification(runs=20, samples=500, isolated=median, error_factor=error_factor), brake)
+    factor = error_factor ** (norm.ppf(0.975) / norm.ppf(0.95))
+    for k, k_of_rates in zip(result.k, result.k_of_rates, strict=True):
+        for probability, sampled, one in zip(PROBABILITIES, k, k_of_rates, strict=True):
+            low, high = (brake.quantile(probability, rate) for rate in (median * factor, median / factor))
+            # beside the rates the interval holds what sampling adds on either side
+            assert one.low == pytest.approx(low - (sampled.value - sampled.low), abs=3e-3)
+            assert one.high == pytest.approx(high + (sampled.high - sampled.value), abs=3e-3)
+            assert one.low <= sampled.low <= sampled.high <= one.high
 
 
 def test_a_linear_gaussian_brake_with_binomial_failures_has_its_closed_quantiles():

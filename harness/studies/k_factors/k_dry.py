@@ -9,6 +9,7 @@ from statistics import median
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtri
 
 from railgrip.assemble import braking_distance
 from railgrip.assemble.vehicle import VehicleData
@@ -20,12 +21,16 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.studies.k_factors import rare
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
-from railgrip.studies.k_factors.rare import Sample, State
-from railgrip.studies.k_factors.specification import Specification
+from railgrip.studies.k_factors.rare import Rates, Sample, State
+from railgrip.studies.k_factors.specification import Failures, Specification
 from railgrip.trace.k_wet import Interval
 
 PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
 """Of a lower deceleration than K times the nominal one, for EBCL 0 to 9 (SUBSET-040, K_dry_rst)."""
+
+_CONFIDENCE = 0.95
+_RATES = 1000
+"""Draws of the failure rates, of which 25 are beyond either end of an interval."""
 
 _NEGLECT = 1e-3
 """Most that failure states which are left out may have of the smallest probability in question."""
@@ -40,13 +45,15 @@ class QuasiStatic:
 
     Attributes:
         runs: For each output, the sample of each run.
-        k: For each output, K of EBCL 0 to 9.
+        k: For each output, K of EBCL 0 to 9, with the interval of sampling alone.
+        k_of_rates: The same with the interval that also holds the uncertainty of the failure rates.
         states: Failure states that were sampled.
-        neglected: Probability of all others.
+        neglected: Most that all others have as probability.
     """
 
     runs: tuple[tuple[Sample, ...], ...]
     k: tuple[tuple[Interval, ...], ...]
+    k_of_rates: tuple[tuple[Interval, ...], ...]
     states: tuple[State, ...]
     neglected: float
     seconds: float
@@ -82,10 +89,14 @@ def quasi_static(
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     begin = time.perf_counter()
     effort, smallest = specification.estimate, PROBABILITIES[-1]
-    states, neglected = _states(specification, brake.units, _NEGLECT * smallest)
+    rates = _rates(specification.failures)
+    # As deep and as many as the highest rates want, for the intervals hold these as well.
+    highest = _rates(specification.failures, float(ndtri((1 + _CONFIDENCE) / 2)))
+    deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
+    states = tuple(State(one.available, rates.of_state(brake.units, one.available)) for one in deep)
     parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
-    for number, state in enumerate(states, start=1):
-        notify(f"failure state {number} of {len(states)}")
+    for number, state in enumerate(deep, start=1):
+        notify(f"failure state {number} of {len(deep)}")
         performance = partial(brake.ratios, state.available)
         points = rare.worst_points(performance, brake.dimension, rare.depth(state, smallest))
         random = generator(specification.seed, f"k_factors {state.available}")
@@ -96,7 +107,20 @@ def quasi_static(
     shares = [state.probability for state in states]
     runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
     k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    return QuasiStatic(runs=runs, k=k, states=states, neglected=neglected, seconds=time.perf_counter() - begin)
+    drawn = np.array([[one.of_state(brake.units, state.available) for state in states] for one in _drawn(specification)])
+    equal = [1 / effort.runs] * effort.runs
+    k_of_rates = tuple(
+        rare.widened(of, [rare.pooled(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
+        for of, part in zip(k, parts, strict=True)
+    )
+    return QuasiStatic(
+        runs=runs,
+        k=k,
+        k_of_rates=k_of_rates,
+        states=states,
+        neglected=neglected,
+        seconds=time.perf_counter() - begin,
+    )
 
 
 def scenario_of_draw(
@@ -177,9 +201,27 @@ def plain(k: Interval) -> dict[str, float]:
 
 
 def _states(specification: Specification, units: Sequence[int], neglect: float) -> tuple[tuple[State, ...], float]:
-    failures = specification.failures
-    isolated, stuck = failures.isolated_unit.probability, failures.stuck_valve.probability
-    return rare.states_of(units, isolated, stuck, neglect=neglect)
+    return rare.states_of(units, _rates(specification.failures), neglect=neglect)
+
+
+def _rates(failures: Failures, *standard: float) -> Rates:
+    """Return the rates so many standard deviations above their medians: one for both, or one for each; 0 without."""
+    isolated, stuck = failures.isolated_unit, failures.stuck_valve
+    first, last = (standard[0], standard[-1]) if standard else (0.0, 0.0)
+    return Rates(
+        isolated=isolated.quantile(first),
+        stuck=stuck.quantile(last),
+        isolated_beta=isolated.common_cause.beta,
+        stuck_beta=stuck.common_cause.beta,
+    )
+
+
+def _drawn(specification: Specification) -> list[Rates]:
+    """Return draws of the failure rates, each rate as a Latin hypercube has it."""
+    random = generator(specification.seed, "k_factors rates")
+    standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)
+    pairs = zip(standard, random.permutation(standard), strict=True)
+    return [_rates(specification.failures, float(first), float(last)) for first, last in pairs]
 
 
 def _cost(specification: Specification, units: Sequence[int], probability: float) -> int:

@@ -5,9 +5,10 @@ P(g < k) = Σ P(state) P(g(state, U) < k): states are enumerated, what happens w
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import ceil, comb, log, sqrt
+from math import ceil, comb, log, prod, sqrt
 
 import numpy as np
+from scipy.special import ndtri, stdtrit
 
 from railgrip.estimators.belief import Array
 from railgrip.trace.k_wet import Interval
@@ -18,6 +19,9 @@ Performance = Callable[[Array], Array]
 _TURNS = 3
 _STEP = 1e-3
 _ROUNDING = 1e-9
+
+_GRID = 8000
+"""Values at which the distributions of the failure states are mixed: fractions of 1e-3 apart."""
 
 _CHAIN = 10
 """Length of a Markov chain: one over the share that each level keeps."""
@@ -37,28 +41,58 @@ class State:
     probability: float
 
 
-def states_of(
-    units: Sequence[int], isolated: float, stuck: float, *, neglect: float
-) -> tuple[tuple[State, ...], float]:
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """How likely components have failed, with common causes by the beta-factor model of IEC 61508-6, annex D.
+
+    A component fails alone with (1 − β) q, and with all others of its set with β q.
+
+    Attributes:
+        isolated: Probability that a unit is.
+        stuck: Probability that the valve of a group is.
+        isolated_beta: Share of `isolated` in which all units of the group are.
+        stuck_beta: Share of `stuck` in which the valves of all groups are.
+    """
+
+    isolated: float
+    stuck: float
+    isolated_beta: float = 0.0
+    stuck_beta: float = 0.0
+
+    @property
+    def total_loss(self) -> float:
+        """Probability that a common cause has all valves stuck."""
+        return self.stuck_beta * self.stuck
+
+    def of_group(self, units: int) -> tuple[float, ...]:
+        """Return the probability of 0, 1 … `units` braking units in a group, without the common cause of all valves."""
+        alone = (1 - self.isolated_beta) * self.isolated
+        together = self.isolated_beta * self.isolated
+        stuck = (1 - self.stuck_beta) * self.stuck
+        # The group is lost by its valve or by the common cause of its units.
+        lost = stuck + (1 - stuck) * together
+        return tuple(
+            (1 - lost) * comb(units, count) * alone ** (units - count) * (1 - alone) ** count + lost * (count == 0)
+            for count in range(units + 1)
+        )
+
+    def of_state(self, units: Sequence[int], available: Sequence[int]) -> float:
+        """Return the probability that just these of the units of each group brake."""
+        independent = prod(self.of_group(n)[left] for n, left in zip(units, available, strict=True))
+        return (1 - self.total_loss) * independent + self.total_loss * (not any(available))
+
+
+def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tuple[State, ...], float]:
     """Return the likeliest failure states and the probability of all others.
 
     Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
 
     Args:
-        isolated: Probability that a unit is.
-        stuck: Probability that the valve of a group is.
+        units: Of each group.
+        rates: Of failures.
         neglect: Most that the others may have together.
     """
-    groups = [
-        [
-            (
-                count,
-                (1 - stuck) * comb(n, count) * isolated ** (n - count) * (1 - isolated) ** count + stuck * (count == 0),
-            )
-            for count in range(n + 1)
-        ]
-        for n in units
-    ]
+    groups = [list(enumerate(rates.of_group(n))) for n in units]
     states, rest = [State((), 1.0)], 0.0
     for group in groups:
         candidates = [State((*one.available, count), one.probability * p) for one in states for count, p in group]
@@ -68,6 +102,10 @@ def states_of(
         excess = min(int(np.searchsorted(tail, neglect / len(groups), side="right")), len(candidates) - 1)
         rest += float(tail[excess - 1]) if excess else 0.0
         states = candidates[: len(candidates) - excess]
+    if rates.total_loss > 0.0:
+        available = {state.available for state in states} | {(0,) * len(units)}
+        states = [State(left, rates.of_state(units, left)) for left in available]
+        states.sort(key=lambda state: (-state.probability, state.available))
     return tuple(states), rest
 
 
@@ -90,6 +128,10 @@ class Sample:
         place = int(np.searchsorted(self._below, probability))
         return float(self.values[min(place, len(self.values) - 1)])
 
+    def probability_of_at_most(self, values: Array) -> Array:
+        """Return the estimated probability of not being above each of some values."""
+        return np.append(0.0, self._below)[np.searchsorted(self.values, values, side="right")]
+
 
 def pooled(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
     """Return the sample of a mixture, each part with its share."""
@@ -109,20 +151,55 @@ def estimates(
 
     Source: Asmussen, Glynn: Stochastic Simulation (2007), III.5.
     """
-    from scipy.stats import t
-
     if neglected >= min(probabilities):
         raise ValueError(
             f"states of a probability of {neglected:g} are left out of a quantile of {min(probabilities):g}"
         )
     together = pooled(runs, [1 / len(runs)] * len(runs))
-    width = float(t.ppf((1 + confidence) / 2, len(runs) - 1)) / sqrt(len(runs))
+    width = float(stdtrit(len(runs) - 1, (1 + confidence) / 2)) / sqrt(len(runs))
     intervals: list[Interval] = []
     for probability in probabilities:
         half = width * float(np.std([run.quantile(probability) for run in runs], ddof=1))
         value = together.quantile(probability)
         intervals.append(Interval(value, together.quantile(probability - neglected) - half, value + half))
     return tuple(intervals)
+
+
+def widened(
+    intervals: Sequence[Interval],
+    parts: Sequence[Sample],
+    shares: Array,
+    probabilities: Sequence[float],
+    confidence: float = 0.95,
+) -> tuple[Interval, ...]:
+    """Return intervals of quantiles that also hold what is uncertain in the probabilities of the failure states.
+
+    The quantile is formed anew for each draw of the probabilities; the interval reaches from the lower to the upper
+    quantile of the results, and further by what sampling adds. States that were left out lower the lower ends.
+
+    Args:
+        intervals: Of sampling alone.
+        parts: The sample of each state.
+        shares: Draws of the states' probabilities, shape (draws, states).
+        probabilities: Of the quantiles.
+        confidence: Of the intervals.
+    """
+    values = np.sort(np.concatenate([one.values for one in parts]))
+    grid = np.append(values[:: max(len(values) // _GRID, 1)], values[-1])
+    cumulative = shares @ np.array([one.probability_of_at_most(grid) for one in parts])
+    left_out = np.maximum(1.0 - shares.sum(axis=1), 0.0)
+    tails = ((1 - confidence) / 2, (1 + confidence) / 2)
+    wide: list[Interval] = []
+    for one, probability in zip(intervals, probabilities, strict=True):
+        places = [
+            np.array([np.searchsorted(row, p) for row, p in zip(cumulative, below, strict=True)])
+            for below in (probability - left_out, np.full(len(shares), probability))
+        ]
+        worst, best = (grid[np.minimum(place, len(grid) - 1)] for place in places)
+        low = float(np.quantile(worst, tails[0])) - (one.value - one.low)
+        high = float(np.quantile(best, tails[1])) + (one.high - one.value)
+        wide.append(Interval(one.value, min(low, one.low), max(high, one.high)))
+    return tuple(wide)
 
 
 def worst_points(performance: Performance, dimension: int, depth: int) -> Array:
@@ -212,7 +289,5 @@ def _levels(probability: float) -> int:
 
 def depth(state: State, smallest: float) -> int:
     """Return how many deviations out a state must be sampled for a quantile of probability `smallest` of all states."""
-    from scipy.special import ndtri
-
     inside = smallest / state.probability
     return 0 if inside >= 0.5 else int(np.ceil(-ndtri(inside)))

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictInt, model_validator
+from scipy.special import ndtr, ndtri
 
 from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Array
@@ -84,8 +85,6 @@ class Uniform(_Dispersion):
 
     def of(self, standard: Array) -> Array:
         """Return deviations for standard normal numbers, as a share of nominal or in Pa."""
-        from scipy.special import ndtr
-
         lowest, highest = self._deviation("lowest"), self._deviation("highest")
         return lowest + (highest - lowest) * ndtr(standard)
 
@@ -93,18 +92,37 @@ class Uniform(_Dispersion):
 Dispersion = Annotated[Normal | Uniform, Field(discriminator="kind")]
 
 
+class CommonCause(Table):
+    """Failures that several components have at once, by the beta-factor model of IEC 61508-6, annex D."""
+
+    beta: Annotated[float, Unit("1", at_least=0, at_most=0.5)] = Field(
+        description="share of a component's failures that all components of its set have at once"
+    )
+    source: Annotated[str, Field(min_length=3)]
+
+
 class Failure(Table):
-    """How likely one component has failed when the train brakes, independently of the others."""
+    """How likely one component has failed when the train brakes, how uncertain that is, and what fails with it."""
 
     probability: Annotated[float, Unit("1", at_least=0, at_most=0.1)]
+    error_factor: Annotated[float, Unit("1", at_least=1, at_most=100)] = Field(
+        description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
+    )
     source: Annotated[str, Field(min_length=3)]
+    common_cause: CommonCause
+
+    def quantile(self, standard: float) -> float:
+        """Return the probability so many standard deviations of its logarithm above the median, at most 1."""
+        return min(self.probability * self.error_factor ** (standard / float(ndtri(0.95))), 1.0)
 
 
 class Failures(Table):
     """What fails as a whole."""
 
-    isolated_unit: Failure = Field(description="a brake unit without force, each of them")
-    stuck_valve: Failure = Field(description="a group whose vent valve stays open, each of them")
+    isolated_unit: Failure = Field(description="a brake unit without force; units of a group share a common cause")
+    stuck_valve: Failure = Field(
+        description="a group whose vent valve stays open; all valves of the train share a common cause"
+    )
 
 
 class Effort(Table):

@@ -83,9 +83,14 @@ STUDY = KFactors
 
 
 def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
-    """Return one row for each EBCL: probability, and K with its interval for each output."""
+    """Return one row for each EBCL: probability, and for each output K, its interval of sampling, and that of rates."""
+    of_outputs = list(zip(result.k, result.k_of_rates, strict=True))
     rows = [
-        [str(level), f"{probability:g}", *(_text(plain(k[level])) for k in result.k)]
+        [
+            str(level),
+            f"{probability:g}",
+            *(f"{_text(plain(k[level]))} [{wide[level].low:.3f}–{wide[level].high:.3f}]" for k, wide in of_outputs),
+        ]
         for level, probability in enumerate(PROBABILITIES)
     ]
     return Table.of(("EBCL", "P(less)", *brake.outputs), rows, left=0)
@@ -145,8 +150,15 @@ def content(
             "plant_distance_m": distance,
         },
         "k_dry": [
-            {"output": output, "ebcl": level, "probability": PROBABILITIES[level], **plain(one)}
-            for output, of in zip(brake.outputs, result.k, strict=True)
+            {
+                "output": output,
+                "ebcl": level,
+                "probability": PROBABILITIES[level],
+                **plain(one),
+                "low_of_rates": wide[level].low,
+                "high_of_rates": wide[level].high,
+            }
+            for output, of, wide in zip(brake.outputs, result.k, result.k_of_rates, strict=True)
             for level, one in enumerate(of)
         ],
         "specification": specification.model_dump(mode="json"),
