@@ -73,8 +73,9 @@ def test_states_with_common_causes_are_all_there_is():
     states, rest = states_of((2, 1, 2), rates, neglect=0.0)
     assert rest == 0.0
     assert sum(state.probability for state in states) == pytest.approx(1.0, abs=1e-14)
-    for state in states:
-        assert state.probability == pytest.approx(rates.of_state((2, 1, 2), state.available), rel=1e-14)
+    available = [state.available for state in states]
+    assert len(set(available)) == len(available) == 3 * 2 * 3
+    assert [state.probability for state in states] == pytest.approx(rates.of_states((2, 1, 2), available), rel=1e-14)
 
 
 @pytest.mark.parametrize("error_factor", [1.0, 3.0, 10.0])

@@ -93,7 +93,8 @@ def quasi_static(
     # As deep and as many as the highest rates want, for the intervals hold these as well.
     highest = _rates(specification.failures, float(ndtri((1 + _CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
-    states = tuple(State(one.available, rates.of_state(brake.units, one.available)) for one in deep)
+    available = [state.available for state in deep]
+    states = tuple(State(*one) for one in zip(available, rates.of_states(brake.units, available), strict=True))
     parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
     for number, state in enumerate(deep, start=1):
         notify(f"failure state {number} of {len(deep)}")
@@ -107,7 +108,7 @@ def quasi_static(
     shares = [state.probability for state in states]
     runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
     k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    drawn = np.array([[one.of_state(brake.units, state.available) for state in states] for one in _drawn(specification)])
+    drawn = np.array([one.of_states(brake.units, available) for one in _drawn(specification)])
     equal = [1 / effort.runs] * effort.runs
     k_of_rates = tuple(
         rare.widened(of, [rare.pooled(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
