@@ -1,4 +1,7 @@
-"""State of practice: no speed over ground; a reference from the wheels alone, criteria of slip and of deceleration."""
+"""A law of ours after published descriptions of common practice: its reference is from wheel speeds alone.
+
+There is no speed over ground; the criteria are slip and deceleration of a wheel.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +13,7 @@ from railgrip.controllers.sampled import Draft, Expression, choose, either, ever
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WheelReferenceTuning(Tuning):
-    """Parameters of the state of practice.
+    """Parameters of a law after published descriptions of common practice.
 
     An axle may be vented for 5 to 10 s before it has to brake again, and the last kilometres per hour are left to the
     brake.
@@ -77,7 +80,9 @@ class WheelReference(GroupLaw):
     }
     entries: ClassVar[Mapping[str, Entry]] = {
         "wheel_reference": Entry(
-            description="state of practice: reference from wheel speeds alone", role="baseline", slip="read"
+            description="law of ours after published descriptions: reference from wheel speeds alone",
+            role="baseline",
+            slip="read",
         )
     }
 

@@ -121,6 +121,45 @@ def test_one_stop_that_never_ends_leaves_no_worst_ratio():
     assert own.kept["stops"] == pytest.approx(2 / 3)
 
 
+def test_a_baseline_that_locks_for_longer_than_the_clause_allows_is_not_the_best():
+    others = case("a", mine=315.0)
+    for stop in others:
+        if stop.variants["controller"] == "tuned":
+            others[others.index(stop)] = result("a", "tuned", 300.0, longest_lock_fast=(0.0, 0.41))
+    stops = judgements(others, TAKING_PART, LIMITS)
+    assert {stop.best_m for stop in stops} == {330.0}
+    assert mine(others).over_best == pytest.approx(315 / 330)
+    unlimited = LIMITS.model_copy(update={"lock": LIMITS.lock.model_copy(update={"limit": None})})
+    assert {stop.best_m for stop in judgements(others, TAKING_PART, unlimited)} == {300.0}
+
+
+def test_without_a_baseline_that_keeps_the_lock_clause_a_case_is_not_compared():
+    locked = [
+        result("b", who, 300.0, longest_lock_fast=(9.0, 0.0)) if who in ("tuned", "second") else result("b", who, 290.0)
+        for who in ("dry", "tuned", "second", "mine")
+    ]
+    stops = judgements([*case("a", mine=315.0), *locked], TAKING_PART, LIMITS)
+    own = next(one for one in summaries(stops, TAKING_PART) if one.controller == "mine")
+    assert (own.cases, own.compared) == (2, 1)
+    assert own.median == pytest.approx(315 / 300)
+    assert own.median_interval == (None, None)  # one case has no interval
+
+
+def test_intervals_of_median_and_quantile_hold_them_and_shrink_with_the_cases():
+    widths = []
+    for count in (100, 900):
+        distances = 300.0 + np.random.default_rng(3).normal(0.0, 15.0, count)
+        stops = [stop for n, far in enumerate(distances) for stop in case(str(n), mine=far)]
+        board = {one.controller: one for one in summaries(judgements(stops, TAKING_PART, LIMITS), TAKING_PART)}
+        own = board["mine"]
+        for value, (low, high) in ((own.median, own.median_interval), (own.p95, own.p95_interval)):
+            assert low < value < high
+        widths.append(own.median_interval[1] - own.median_interval[0])
+        # that of a median of normal numbers is 2 × 1.96 × 1.2533 standard deviations over √n, of many
+        assert widths[-1] == pytest.approx(2 * 1.96 * 1.2533 * 0.05 / count**0.5, rel=0.6)
+    assert widths[1] < widths[0]
+
+
 def test_where_no_tuned_baseline_stops_nobody_is_compared():
     stop = mine(case("a", mine=300.0, tuned=None, second=None))
     assert stop.best_m is None

@@ -16,6 +16,7 @@ from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
+from railgrip.trace.metrics import Metrics
 
 _AMBIENT: Final = 101325.0  # Pa
 
@@ -88,9 +89,9 @@ class Judged:
         outcome: How the stop ended.
         distance_m: None unless the train came to a stand; so are those below that follow from it.
         dry_m, bound_m, best_m: Of others in the same case: full brake on a dry rail, the ideal bound, the best tuned
-            baseline; None where that is not there.
+            baseline that keeps the lock clause; None where that is not there.
         extension: Over the dry distance [1].
-        over_bound, over_best: Distance over that of the ideal bound, and of the best tuned baseline in the same case.
+        over_bound, over_best: Distance over `bound_m` and over `best_m`.
         k_wet: Dry over wet deceleration distance, at most 1 [1]; SUBSET-040 §4.4.1.
         longest_lock_s: Of any group above 15 km/h.
         locked_distance_m: Longest of any group.
@@ -140,8 +141,17 @@ def judgements(results: Iterable[Result], taking_part: Mapping[str, Entrant], li
     rows: list[Judged] = []
     for case, stops in by_case.items():
         distances = {name: stop.record.braking_distance for name, stop in stops.items()}
-        tuned = [d for n, d in distances.items() if d and taking_part[n].tuned and taking_part[n].role == "baseline"]
-        best = min(tuned, default=None)
+        best = min(
+            (
+                distance
+                for name, distance in distances.items()
+                if distance
+                and taking_part[name].tuned
+                and taking_part[name].role == "baseline"
+                and keeps_lock(stops[name].record.metrics, limits)
+            ),
+            default=None,
+        )
         for name, stop in stops.items():
             if taking_part[name].role != "reference":
                 rows.append(
@@ -152,6 +162,11 @@ def judgements(results: Iterable[Result], taking_part: Mapping[str, Entrant], li
                     )
                 )  # fmt: skip
     return rows
+
+
+def keeps_lock(metrics: Metrics, limits: Limits) -> bool:
+    """Return whether no wheelset locks for longer than the clause allows, which is without a limit always so."""
+    return limits.lock.limit is None or max(metrics.longest_lock_fast) <= limits.lock.limit
 
 
 def _judge(
@@ -234,7 +249,10 @@ class Summary:
     Attributes:
         cases: How many it has run.
         stops: Share that came to a stand.
-        median, p95, worst: Of distance over that of the best tuned baseline in the same case.
+        compared: Cases that have a `best_m`, of which median, p95 and worst are.
+        median, p95, worst: Of distance over `best_m` of the same case.
+        median_interval, p95_interval: Limits that hold 95 % in repeated draws of the cases (bootstrap); an endless one
+            is None.
         over_bound: Median of distance over that of the ideal bound.
         k_wet, k_wet_low, k_wet_high: Smallest tenth (10 % quantile) of K_wet where the extension is judged, and the
             interval that holds 95 % of it in repeated draws of the cases; None without such a case.
@@ -252,8 +270,11 @@ class Summary:
     tuned: bool
     cases: int
     stops: float
+    compared: int
     median: float | None
+    median_interval: tuple[float | None, float | None]
     p95: float | None
+    p95_interval: tuple[float | None, float | None]
     worst: float | None
     over_bound: float | None
     k_wet: float | None
@@ -282,7 +303,7 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
             continue
         over_best = [endless(stop.over_best) for stop in own if stop.best_m]
         wet = [stop.k_wet for stop in own if stop.k_wet is not None and stop.verdicts["extension"] is not None]
-        low, high = quantile_interval(wet, 0.1) or (None, None)
+        low, high = _interval(wet, 0.1)
         sure = [stop.nees for stop in own if stop.nees is not None]
         board.append(
             Summary(
@@ -292,8 +313,11 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 tuned=entrant.tuned,
                 cases=len(own),
                 stops=float(np.mean([stop.distance_m is not None for stop in own])),
+                compared=len(over_best),
                 median=_quantile(over_best, 0.5),
+                median_interval=_interval(over_best, 0.5),
                 p95=_quantile(over_best, 0.95),
+                p95_interval=_interval(over_best, 0.95),
                 worst=_quantile(over_best, 1.0),
                 over_bound=_quantile([endless(stop.over_bound) for stop in own if stop.bound_m], 0.5),
                 k_wet=_quantile(wet, 0.1),
@@ -322,6 +346,13 @@ def _kept(stops: Sequence[Judged], clause: str) -> float | None:
 def _quantile(values: Sequence[float], share: float) -> float | None:
     """Return a quantile; None where it is infinite or there is no value."""
     return finite(quantile(values, share))
+
+
+def _interval(values: Sequence[float], share: float) -> tuple[float | None, float | None]:
+    """Return the interval of a quantile; None for an end that is infinite, and for both with too few values."""
+    with np.errstate(invalid="ignore"):  # between two endless values there is no difference
+        low, high = quantile_interval(values, share) or (math.nan, math.nan)
+    return finite(low), finite(high)
 
 
 def _relative(stops: Sequence[Judged], others: Mapping[str, Judged], figure: str) -> float | None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 from typer import Option
 
-from railgrip.assemble import OwnParts, braking_distance, run_stop
+from railgrip.assemble import OwnParts, run_stop
 from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
 from railgrip.errors import ScenarioError
@@ -22,6 +22,7 @@ from railgrip.report.index import write_report as write_panels
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
+from railgrip.scenario.schema import Scenario
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
 from railgrip.studies.type_test.entrants import (
@@ -33,7 +34,17 @@ from railgrip.studies.type_test.entrants import (
     train_of,
     training_cases,
 )
-from railgrip.studies.type_test.judge import JUDGED, Judged, Limits, Summary, judgements, limits_of, summaries
+from railgrip.studies.type_test.judge import (
+    JUDGED,
+    Judged,
+    Limits,
+    Summary,
+    judgements,
+    keeps_lock,
+    limits_of,
+    summaries,
+)
+from railgrip.trace.outcome import Outcome
 
 _WORST: Final = 10
 _SAME: Final = 0.002
@@ -61,7 +72,7 @@ class TypeTest(Study):
         str | None, Option(help="A controller of the test: distances of the others over its own, case by case.")
     ] = None
     quick: Annotated[bool, Option(help="A tenth of the cases: shows where a controller stands.")] = False
-    validation: Annotated[bool, Option(help="Other cases, which nobody may look at while tuning.")] = False
+    validation: Annotated[bool, Option(help="Other cases, for a finished controller: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
     limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
@@ -108,18 +119,32 @@ class TypeTest(Study):
         return "".join(f" --{name} {value}" for name, value in options if value is not None)
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set."""
+        """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set.
+
+        As in the leaderboard, a baseline that does not stop or does not keep the lock clause does not count.
+        """
         taking_part = {name: entrants()[name] for name in ("constant_slip", "extremum_seeking", "slope_seeking")}
         stops = campaign_of(training_cases(6), taking_part, train_of(None)).stops
-        # What does not stop is endlessly long; a baseline that does not is none to compare with.
-        distances = np.array([one or math.inf for one in work.map(braking_distance, [stop.scenario for stop in stops])])
-        *baselines, own = distances.reshape(-1, len(taking_part)).T
-        ratios = own / np.min(baselines, axis=0)
+        results = work.map(_distance_and_lock, [stop.scenario for stop in stops])
+        distances, keeps_lock_clause = np.array(results).reshape(-1, len(taking_part), 2).transpose(2, 0, 1)
+        baselines = np.where(keeps_lock_clause, distances, math.inf)[:, :-1].min(axis=1)
+        is_compared = np.isfinite(baselines)
+        ratios, count = distances[is_compared, -1] / baselines[is_compared], int(is_compared.sum())
         who = "slope seeking, distance over that of the better tuned baseline"
-        return [mean(f"{who}: median of 6", float(np.median(ratios))), mean(f"{who}: worst of 6", float(max(ratios)))]
+        return [
+            mean(f"{who}: median of {count}", float(np.median(ratios))),
+            mean(f"{who}: worst of {count}", float(max(ratios))),
+        ]
 
 
 STUDY = TypeTest
+
+
+def _distance_and_lock(scenario: Scenario) -> tuple[float, bool]:
+    """Return the braking distance [m], infinite without a standstill, and whether the stop keeps the lock clause."""
+    stop = run_stop(scenario)
+    distance = stop.metrics.distance if stop.outcome is Outcome.STANDSTILL else math.inf
+    return distance, keeps_lock(stop.metrics, limits_of())
 
 
 def page_of(
@@ -139,7 +164,11 @@ def page_of(
     plain = [{name: one[name] for name in _JSON} | one for one in (stop.to_plain() for stop in stops)]
     present = {result.variants["controller"] for result in results.stops}
     drawings = (
-        ("ratios", "Distance over that of the best tuned baseline in the same case", _ratios),
+        (
+            "ratios",
+            "Distance over that of the best tuned baseline in the same case that keeps the lock clause",
+            _ratios,
+        ),
         ("utilisation", "Use of the adhesion there was, by creep curve", _by_curve),
         ("friction", "Distance over the ideal bound against friction", _over_friction),
     )
@@ -151,6 +180,7 @@ def page_of(
             "board": leaders,
             "clauses": clauses(board, limits),
             "count": len(variants_of),
+            "is_validation": any(case.endswith(f"-{VALIDATION_SEED}") for case in variants_of),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
             "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
             "worst": [(one, worst(stops, one.controller, again)) for one in board],
@@ -223,8 +253,9 @@ def leaderboard(board: Sequence[Summary]) -> Table:
             "tuned": "yes" if one.tuned else "",
             "cases": one.cases,
             "stops": one.stops,
-            "median": one.median,
-            "95 %": _or_endless(one.p95, one.median),
+            "compared": one.compared,
+            "median": _with_interval(one.median, one.median_interval),
+            "95 %": _with_interval(_or_endless(one.p95, one.median), one.p95_interval),
             "worst": _or_endless(one.worst, one.median),
             "over bound": one.over_bound,
             "utilisation": one.utilisation,
@@ -241,12 +272,21 @@ def leaderboard(board: Sequence[Summary]) -> Table:
         }
         for one in board
     ]
-    forms = dict.fromkeys(("median", "95 %", "worst", "over bound", "air", "strokes"), "{:.3f}")
+    forms = dict.fromkeys(("worst", "over bound", "air", "strokes"), "{:.3f}")
     return Table(rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",))
 
 
 def _or_endless(value: float | None, median: float | None) -> float | str | None:
     return "no stop" if value is None and median is not None else value
+
+
+def _with_interval(value: float | str | None, interval: tuple[float | None, float | None]) -> str:
+    """Return a value with its interval in brackets, of which an endless end is no stop."""
+    text = "" if value is None else value if isinstance(value, str) else f"{value:.3f}"
+    low, high = interval
+    if low is None:
+        return text
+    return f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
 
 
 def clauses(board: Sequence[Summary], limits: Limits) -> Table:
