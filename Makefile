@@ -8,7 +8,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
-        test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains clean
+        mutants test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -64,6 +64,9 @@ readme: $(READY)  ## write the accepted braking distances into README's table
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) regress
+
+mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (an hour; STOPS='sine_sweep-*')
+	$(RUN) tests/mutants.py $(if $(STOPS),--stops '$(STOPS)')
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
 	$(PROGRAM) accept --reason '$(REASON)'

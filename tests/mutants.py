@@ -1,0 +1,230 @@
+"""Count the small defects that the accepted numbers of table 1 notice: one change at a time, then its regression.
+
+    python tests/mutants.py --stops 'sine_sweep-*'
+
+Each mutant is a row of data: a file, its old text, the new text, and the meaning. It changes a copy of the sources in
+build/mutants, never the sources. A constant of the plant is moved as a parameter in the files of equipment: the same
+FMU with another value, which saves its compilation. The formation follows, and with it what control laws and
+predictions read of it; the declaration in Modelica stays. All other mutants change the text that a defect would change.
+
+Copies stay in build/mutants, and stops of the same sources are not run again.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from fnmatch import fnmatch
+from pathlib import Path
+
+import railgrip
+from railgrip.assemble import run_stop
+from railgrip.campaign.one_stop import run
+from railgrip.campaign.run import kept_result, write_description
+from railgrip.report.baseline import compare, findings_of, load_baseline
+from railgrip.report.results import read_results
+from railgrip.scenario.campaign import load_campaign
+
+ROOT = Path(__file__).parents[1]
+PLACE = ROOT / "build/mutants"
+PACKAGES = ("estimators", "controllers", "fmus", "modelica")
+BASELINE = Path("tests/baselines/table1.toml")
+
+UNIFORM = "modelica/RailBraking/Vehicles/PartialUniformTrain.mo"
+TRAIN = "modelica/RailBraking/Vehicles/PartialTrain.mo"
+TWO_PART = "modelica/RailBraking/Vehicles/PartialTwoPartTrain.mo"
+VALVES = "modelica/RailBraking/Plants/TwoPartTrainPneumatic.mo"
+IDEAL = "harness/scenario/equipment/ideal.toml"
+SERVICE = "harness/scenario/equipment/service.toml"
+CURVE = "harness/scenario/creep_curves/dry.toml"
+NOISES = "estimators/noises.toml"
+LAWS = "controllers/laws"
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace text that occurs in a file, everywhere or the first time."""
+
+    file: str
+    old: str
+    new: str
+    everywhere: bool = False
+
+    def apply(self, root: Path) -> None:
+        """Apply it to a copy of the sources; a text that is not there is a defect of the row."""
+        path = root / self.file
+        before = path.read_text(encoding="utf-8")
+        after = before.replace(self.old, self.new, -1 if self.everywhere else 1)
+        assert after != before, f"{self.file}: '{self.old}' is not there, or is no change"
+        path.write_text(after, encoding="utf-8")
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """A single change: its meaning, and the edits that make it."""
+
+    meaning: str
+    edits: tuple[Edit, ...]
+
+
+def constant(name: str, declared_in: str, factor: float = 1.01, *, only_valves: bool = False) -> Mutant:
+    """Return a mutant that moves a parameter of the plant, read from its declaration, in both kinds of equipment."""
+    text = (ROOT / declared_in).read_text(encoding="utf-8")
+    found = re.search(rf"\b{name}(?:\([^)]*\))?\s*=\s*(\{{[\d., ]+\}}|[\d.e-]+)", text)
+    assert found, f"{declared_in}: {name} has no number"
+    values = [float(value) * factor for value in found[1].strip("{}").split(",")]
+    value = repr(values) if found[1].startswith("{") else repr(values[0])
+    files = (SERVICE,) if only_valves else (IDEAL, SERVICE)
+    edits = tuple(Edit(file, '\nplant = "', f'\nparameters.{name} = {value}\nplant = "') for file in files)
+    return Mutant(f"plant: {name} {factor - 1:+.0%}", edits)
+
+
+def one(meaning: str, file: str, old: str, new: str, *, everywhere: bool = False) -> Mutant:
+    """Return a mutant of a single edit."""
+    return Mutant(meaning, (Edit(file, old, new, everywhere),))
+
+
+MUTANTS: tuple[Mutant, ...] = (
+    constant("c_drag", TRAIN),
+    constant("J", TWO_PART),
+    constant("k_primary", UNIFORM),
+    constant("c_primary", UNIFORM),
+    constant("m_wheelset", TWO_PART),
+    constant("m_unsprung", TWO_PART),
+    constant("m_frame", TWO_PART),
+    constant("h_rod", UNIFORM),
+    constant("r_rail", TRAIN),
+    constant("mu_bearing", TRAIN),
+    constant("e_rolling", TRAIN),
+    constant("A_piston", UNIFORM),
+    constant("F_spring", UNIFORM),
+    constant("speed_effect", UNIFORM),
+    constant("force_effect", UNIFORM),
+    constant("T_fill", VALVES, only_valves=True),
+    constant("T_vent", VALVES, only_valves=True),
+    constant("dead_vent", VALVES, 1.1, only_valves=True),
+    one("creep curve: k_A -1%", CURVE, "k_A = 1.0", "k_A = 0.99"),
+    one("creep curve: k_S +1%", CURVE, "k_S = 0.4", "k_S = 0.404"),
+    one("creep curve: A +1%", CURVE, "A = 0.4\n", "A = 0.404\n"),
+    one("creep curve: B +1%", CURVE, "B = 0.6", "B = 0.606"),
+    one("sensor: tooth pitch +10%", SERVICE, 'pitch_error = "0.3 %"', 'pitch_error = "0.33 %"'),
+    one("sensor: noise of speed +10%", SERVICE, 'noise = "0.1 m/s"', 'noise = "0.11 m/s"'),
+    one("sensor: noise of acceleration +10%", SERVICE, 'noise = "0.03 m/s**2"', 'noise = "0.033 m/s**2"'),
+    one("sensor: noise of deflection +10%", SERVICE, 'noise = "0.2 mm"', 'noise = "0.22 mm"'),
+    one("sensor: lag of pressure 1 ms longer", SERVICE, 'lag = "10 ms"', 'lag = "11 ms"'),
+    one("sensor: speed one sample later", SERVICE, 'latency = "50 ms"', 'latency = "60 ms"'),
+    one("filter: process noise of adhesion, service, +10%", NOISES, "alpha = 0.05 ", "alpha = 0.055 "),
+    one("filter: process noise of adhesion, ideal, +10%", NOISES, "alpha = 0.1 ", "alpha = 0.11 "),
+    one("filter: process noise of pad friction +10%", NOISES, "mu_b = 0.005", "mu_b = 0.0055", everywhere=True),
+    one("filter: noise of speed, service, +10%", NOISES, "speed = 0.1 ", "speed = 0.11 "),
+    one("filter: noise of wheel speed, service, +10%", NOISES, "wheelset_speed = 0.2 ", "wheelset_speed = 0.22 "),
+    one("adhesion_based, ideal: margin +10%", f"{LAWS}/adhesion_based.toml", "margin = 0.0097", "margin = 0.01067"),
+    one("adhesion_based, valves: margin +10%", f"{LAWS}/adhesion_based.toml", "margin = 0.011", "margin = 0.0121"),
+    one("adhesion_based, valves: rise +10%", f"{LAWS}/adhesion_based.toml", "rise = 0.033", "rise = 0.0363"),
+    one(
+        "adhesion_based: sign of margin",
+        f"{LAWS}/adhesion_based.py",
+        'a_rate - tuning["margin"]',
+        'a_rate + tuning["margin"]',
+    ),
+    one("slope_seeking: pull +10%", f"{LAWS}/slope_seeking.toml", "pull = 0.06", "pull = 0.066", everywhere=True),
+    one(
+        "two levels, valves, estimated: low +10%",
+        f"{LAWS}/slip_two_state.toml",
+        "[pneumatic.estimated]\nlow = 0.027",
+        "[pneumatic.estimated]\nlow = 0.0297",
+    ),
+    one("valves: band in which they hold +10%", "controllers/valves.py", "BAND = 6e3", "BAND = 6.6e3"),
+)
+
+
+def copied(place: Path) -> None:
+    """Copy the sources as they are imported, railgrip beside what a baseline file names."""
+    shutil.rmtree(place / "sources", ignore_errors=True)
+    sources = place / "sources"
+    skip = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "harness", sources / "harness", ignore=skip)
+    (sources / "railgrip").symlink_to("harness")
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, sources / package, ignore=skip)
+        (sources / "harness" / package).symlink_to(Path("..") / package)
+    (sources / BASELINE).parent.mkdir(parents=True)
+    shutil.copy(ROOT / BASELINE, sources / BASELINE)
+
+
+def noticed(mutant: Mutant | None, stops: str) -> dict[str, str]:
+    """Return which rows of the baselines did not keep, with their states; of the unchanged sources for None."""
+    name = re.sub(r"\W+", "_", mutant.meaning) if mutant else "unchanged"
+    place = PLACE / name
+    copied(place)
+    for edit in mutant.edits if mutant else ():
+        edit.apply(place / "sources")
+    environment = os.environ | {"PYTHONPATH": str(place / "sources")}
+    command = [sys.executable, __file__, "--stops", stops, "--child", str(place)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=place / "sources", check=False)
+    if done.returncode:
+        # A copy that does not run says nothing of the baselines: the row is wrong.
+        raise SystemExit(f"{name}: {done.stderr[-2000:]}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def regression(place: Path, stops: str) -> dict[str, str]:
+    """Run stops with the imported copy of the sources; return name → state of the rows that did not keep."""
+    sources = place / "sources"
+    assert Path(str(railgrip.__file__)).is_relative_to(sources), f"{railgrip.__file__} is not the copy"
+    baseline = load_baseline(sources / BASELINE)
+    whole = load_campaign((sources / BASELINE).parent / str(baseline.campaign))
+    patterns = stops.split(",")
+    some = whole.only(lambda stop: any(fnmatch(stop.name, pattern) for pattern in patterns))
+    assert some.stops, f"no stop is named like {stops}"
+    some = replace(some, stops=tuple(replace(stop, keep_trace=False) for stop in some.stops))
+    folder = place / "stops"
+    folder.mkdir(exist_ok=True)
+    write_description(some, folder)
+    for stop in some.stops:
+        if kept_result(stop, folder / stop.name) is None:
+            run(stop.scenario, folder / stop.name, run_stop, keep_trace=stop.keep_trace)
+    names = {stop.name for stop in some.stops}
+    comparisons = compare(baseline, findings_of(read_results(folder)))
+    return {each.name: each.state for each in comparisons if each.name in names and each.state != "kept"}
+
+
+def table(found: Iterable[tuple[str, dict[str, str]]]) -> str:
+    """Return a line for each mutant."""
+    return "\n".join(
+        f"{meaning:55}  {len(states):2}  {', '.join(f'{name} ({state})' for name, state in states.items()) or '—'}"
+        for meaning, states in found
+    )
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run all mutants, or those whose meaning matches, and print which rows noticed each."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--stops", default="*", help="patterns of names of stops, separated by commas")
+    parser.add_argument("--only", default="", help="run only mutants whose meaning contains this")
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--child", type=Path, help=argparse.SUPPRESS)
+    options = parser.parse_args(arguments)
+    if options.child:
+        print(json.dumps(regression(options.child, options.stops)))
+        return
+    baseline_states = noticed(None, options.stops)
+    if baseline_states:
+        raise SystemExit(f"without any mutant the regression says {baseline_states}: accept or correct that first")
+    chosen = [mutant for mutant in MUTANTS if options.only in mutant.meaning]
+    found: list[tuple[str, dict[str, str]]] = []
+    with ThreadPoolExecutor(options.workers) as pool:
+        for mutant, states in zip(chosen, pool.map(lambda each: noticed(each, options.stops), chosen), strict=True):
+            found.append((mutant.meaning, states))
+            print(table(found[-1:]), flush=True)
+    print(f"{sum(bool(states) for _, states in found)} of {len(found)} mutants were noticed")
+
+
+if __name__ == "__main__":
+    main()
