@@ -54,11 +54,18 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
     stops: dict[str, Repeated] = {}
     for stop in campaign.stops:
         nudged, compiled = repeats[stop.name]
-        distances = [_distance(read_stop(directory / one.name)) for one in nudged]
+        records = [read_stop(directory / one.name) for one in nudged]
+        distances = [_distance(record) for record in records]
+        figures = [record.metrics.beside_distance() for record in records]
         stops[stop.name] = Repeated(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
             compilers={compiler: _distance(read_stop(directory / one.name)) for compiler, one in compiled.items()},
+            figures={
+                name: tuple(each[name] for each in figures)
+                for name in figures[0]
+                if all(name in each for each in figures)
+            },
         )
     return Conditioning(relative=relative, stops=stops)
 

@@ -18,13 +18,19 @@ If the plant of another compiler, equal but for rounding, gives another distance
 
     compilers = { openmodelica = 318.27 }
 
-The longest lock of any group [s] and the strokes of all valves at the last `make accept` are shown, not compared.
+Figures beside a distance notice what a distance does not, such as another noise of the filter:
+
+    figures.adhesion_rmse = { value = 0.00074, tolerance = 7.4e-8 }
+
+They are those of `Metrics.beside_distance` that repeats move by less than `railgrip.scenario.conditioning.LOOSEST`.
+The longest lock of any group [s] and the strokes of all valves at the last `make accept` are shown; they are compared
+where they are among the figures.
 """
 
 import json
 import math
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -35,7 +41,7 @@ from railgrip.files import write_json, write_text
 from railgrip.report import table
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Results, from_elsewhere
-from railgrip.scenario.conditioning import Repeated
+from railgrip.scenario.conditioning import SMOOTH, Repeated
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table, broken
@@ -49,6 +55,13 @@ arithmetic of another machine passes and a changed law does not."""
 ACROSS_COMPILERS = 5e-3
 """Relative tolerance of a distance with FMUs of another compiler: its solver takes other steps, which shifts strokes of
 the valves. A wrong model changes the distance by more."""
+
+
+class Beside(Table):
+    """Accepted value of a figure beside a distance, in the unit that `railgrip.trace.metrics` gives."""
+
+    value: FiniteFloat
+    tolerance: Annotated[FiniteFloat, Field(gt=0.0)]
 
 
 class Accepted(Table):
@@ -65,6 +78,7 @@ class Accepted(Table):
     compilers: dict[str, FiniteFloat] = Field(
         default={}, description="compiler → value with its plant, where it differs"
     )
+    figures: dict[str, Beside] = Field(default={}, description="figure beside the distance → accepted value")
 
     @model_validator(mode="after")
     def _whole_range(self) -> Self:
@@ -105,12 +119,15 @@ class Baseline(Table):
         """Return the baseline for FMUs of another compiler.
 
         A stop whose distance is known to differ with another compiler may lie anywhere between the known distances.
+        Figures are not compared: their tolerances are those of the own plant.
         """
         wide: dict[str, Accepted] = {}
         for name, one in self.accepted.items():
             low, high = (choose((*one.ends, *one.compilers.values())) for choose in (min, max))
             middle, half = (low + high) / 2, (high - low) / 2
-            wide[name] = one.model_copy(update={"value": middle, "tolerance": half + ACROSS_COMPILERS * high})
+            wide[name] = one.model_copy(
+                update={"value": middle, "tolerance": half + ACROSS_COMPILERS * high, "figures": {}}
+            )
         return self.model_copy(update={"accepted": wide})
 
 
@@ -127,6 +144,7 @@ class Finding:
         repeated: Repeats of the stop, where rounding decides its distance.
         longest_lock: Of any group [s]; None for a figure.
         valve_strokes: Of all groups; None without valves.
+        figures: Figure beside the distance → value.
     """
 
     name: str
@@ -136,6 +154,7 @@ class Finding:
     repeated: Repeated | None = None
     longest_lock: float | None = None
     valve_strokes: int | None = None
+    figures: Mapping[str, float] = field(default_factory=dict[str, float])
 
 
 def mean(name: str, value: float, unit: str = "1") -> Finding:
@@ -165,8 +184,8 @@ class Comparison:
 
     Attributes:
         name: Of the stop or figure.
-        state: `kept` within the tolerance; `moved` outside; `new` without a baseline; `gone` without a result; `no
-            value` for a stop without standstill or a figure that does not exist.
+        state: `kept` within the tolerance, and so are figures beside it; `moved` outside; `new` without a baseline;
+            `gone` without a result; `no value` for a stop without standstill or a figure that does not exist.
         accepted: Baseline; None for a new number.
         current: Number found; None if it is gone.
     """
@@ -185,6 +204,11 @@ class Comparison:
     def change(self) -> float | None:
         """Found minus accepted."""
         return None if self.accepted is None or self.value is None else self.value - self.accepted.value
+
+    @property
+    def moved_figures(self) -> tuple[str, ...]:
+        """Figures beside the number that are gone or outside their tolerance, with accepted and found value."""
+        return _moved_figures(self.accepted, self.current)
 
     @property
     def unit(self) -> str:
@@ -212,6 +236,7 @@ def findings_of(results: Results) -> Findings:
                 repeated=result.repeats_of_this_stop,
                 longest_lock=row.longest_lock_s,
                 valve_strokes=row.valve_strokes,
+                figures=result.record.metrics.beside_distance(),
             )
             for result, row in zip(results.stops, rows_of(results), strict=True)
         ),
@@ -276,7 +301,8 @@ def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
 def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     """Return the baseline with new, moved and removed numbers brought up to date, for a reason.
 
-    Numbers within their tolerance keep value and reason.
+    Numbers within their tolerance keep value and reason. A distance that repeats do not move gets their tolerance, and
+    figures beside distances are those found.
 
     Raises:
         ScenarioError: No reason is given, or a stop or figure has no value that could be accepted.
@@ -297,8 +323,23 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         if before is None or comparison.state != "kept" or not is_same_kind:
             before = _accepted_anew(finding, finding.value, before, reason.strip())
         lock = None if finding.longest_lock is None else round(finding.longest_lock, 3)
-        after[name] = before.model_copy(update={"longest_lock": lock, "valve_strokes": finding.valve_strokes})
+        update: dict[str, object] = {"longest_lock": lock, "valve_strokes": finding.valve_strokes}
+        # Without repeats there is no tolerance to accept figures with: those accepted before stay.
+        if finding.repeated is not None and finding.repeated.figures:
+            update["figures"] = _figures_beside(finding, finding.repeated)
+        if finding.repeated is not None and finding.repeated.is_smooth and abs(finding.value - before.value) <= SMOOTH:
+            update["tolerance"] = min(before.tolerance, SMOOTH)
+        after[name] = before.model_copy(update=update)
     return baseline.model_copy(update={"accepted": after})
+
+
+def _figures_beside(finding: Finding, repeated: Repeated) -> dict[str, Beside]:
+    tolerances = {name: repeated.tolerance_of(name, value) for name, value in finding.figures.items()}
+    return {
+        name: Beside(value=value, tolerance=float(f"{tolerance:.2g}"))
+        for name, value in finding.figures.items()
+        if (tolerance := tolerances[name]) is not None
+    }
 
 
 def _accepted_anew(finding: Finding, value: float, before: Accepted | None, reason: str) -> Accepted:
@@ -327,7 +368,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
     """Write a baseline file, its numbers in the order of their names."""
     lines = [f"{key} = {json.dumps(value)}" for key in ("campaign", "study") if (value := getattr(baseline, key))]
     for name, one in sorted(baseline.accepted.items()):
-        numbers = one.model_dump(exclude={"unit", "reason", "compilers"}, exclude_none=True)
+        numbers = one.model_dump(exclude={"unit", "reason", "compilers", "figures"}, exclude_none=True)
         lines += [
             "",
             f"[accepted.{json.dumps(name, ensure_ascii=False)}]",
@@ -337,6 +378,10 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
         if one.compilers:
             values = ", ".join(f"{json.dumps(compiler)} = {value!r}" for compiler, value in one.compilers.items())
             lines.append(f"compilers = {{ {values} }}")
+        lines += [
+            f"figures.{figure} = {{ value = {each.value!r}, tolerance = {each.tolerance!r} }}"
+            for figure, each in sorted(one.figures.items())
+        ]
     write_text(path, "\n".join(lines) + "\n")
 
 
@@ -353,7 +398,7 @@ def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> tabl
             f"change{behind}": one.change,
             f"tolerance{behind}": one.accepted.tolerance if one.accepted else None,
         }
-        | ({} if are_metres else {"unit": one.unit})
+        | ({"figures": "; ".join(one.moved_figures)} if are_metres else {"unit": one.unit})
         for one in comparisons
     ]
     forms = {f"found{behind}": form, f"tolerance{behind}": form, f"change{behind}": change}
@@ -375,7 +420,18 @@ def _state(before: Accepted | None, finding: Finding | None) -> State:
     if before is None:
         return "new"
     lowest, highest = before.ends
-    return "kept" if lowest - before.tolerance <= finding.value <= highest + before.tolerance else "moved"
+    is_within = lowest - before.tolerance <= finding.value <= highest + before.tolerance
+    return "kept" if is_within and not _moved_figures(before, finding) else "moved"
+
+
+def _moved_figures(before: Accepted | None, finding: Finding | None) -> tuple[str, ...]:
+    if before is None or finding is None:
+        return ()
+    return tuple(
+        f"{name} {accepted.value:.6g} → {finding.figures.get(name, math.nan):.6g}"
+        for name, accepted in before.figures.items()
+        if not abs(finding.figures.get(name, math.nan) - accepted.value) <= accepted.tolerance
+    )
 
 
 def _magnitude(number: float) -> int:

@@ -8,7 +8,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from pydantic import Field, NonNegativeFloat
+from pydantic import Field, FiniteFloat, NonNegativeFloat
+from scipy.special import stdtrit
 
 from railgrip.errors import ScenarioError
 from railgrip.scenario.load import validated
@@ -16,6 +17,21 @@ from railgrip.scenario.table import Table
 
 SPREAD = 1e-3
 """Relative range from which on a distance is a range: the tolerance that a baseline has for other arithmetic."""
+
+SMOOTH = 0.02
+"""Range of the repeats [m] up to which a distance is smooth: the accepted one is then kept to as much."""
+
+CERTAINTY = 0.99
+"""Of the interval in which a figure of one more repeat lies."""
+
+ROUNDING = 1e-4
+"""Relative tolerance of a figure whose repeats agree: `SMOOTH` is that of some 200 m."""
+
+NOTHING = 1e-9
+"""Tolerance of a figure that is zero in every repeat."""
+
+LOOSEST = 5e-3
+"""Relative tolerance above which a figure is not compared: a change of one per cent would hide in it."""
 
 
 class Repeated(Table):
@@ -28,6 +44,9 @@ class Repeated(Table):
     distances: tuple[NonNegativeFloat | None, ...] = Field(min_length=1, description="[m], from the shortest on")
     compilers: dict[str, NonNegativeFloat | None] = Field(
         default={}, description="compiler → distance [m] with its plant, parameters as they are"
+    )
+    figures: dict[str, tuple[FiniteFloat, ...]] = Field(
+        default={}, description="figure of `Metrics.beside_distance` → its value in each of the first repeats"
     )
 
     @property
@@ -49,6 +68,26 @@ class Repeated(Table):
     def spreads(self) -> bool:
         """Whether rounding decides the distance, so that it is a range and no number."""
         return self.highest - self.lowest > SPREAD * self.lowest
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the distance moves by no more than `SMOOTH`."""
+        return self.highest - self.lowest <= SMOOTH
+
+    def tolerance_of(self, figure: str, value: float) -> float | None:
+        """Return how far another run may be from the accepted value of a figure.
+
+        From the repeats follows the prediction interval of one more, t s √(1 + 1/n) about their mean; the value itself
+        may lie off the mean. None where there are no repeats, or where the interval is wider than `LOOSEST`.
+        """
+        repeats = np.asarray(self.figures.get(figure, ()))
+        count = len(repeats)
+        if count < 2:
+            return None
+        quantile = float(stdtrit(count - 1, (1.0 + CERTAINTY) / 2.0))
+        reach = quantile * float(np.std(repeats, ddof=1)) * math.sqrt(1.0 + 1.0 / count)
+        tolerance = max(abs(float(np.mean(repeats)) - value) + reach, ROUNDING * abs(value), NOTHING)
+        return tolerance if tolerance <= max(LOOSEST * abs(value), NOTHING) else None
 
     @property
     def margin(self) -> float:

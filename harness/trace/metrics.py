@@ -118,6 +118,22 @@ class Metrics:
                 )
         return tuple(sentences)
 
+    def beside_distance(self) -> dict[str, float]:
+        """Return the figures that a regression compares beside the distance; without an estimator, none of one.
+
+        Errors of the estimator are means over the groups, locks the longest of any, strokes the sum.
+        """
+        figures = {
+            "energy_residual": self.energy_residual,
+            "longest_lock": max(self.longest_lock),
+            "actuations": float(sum(self.actuations)),
+            "air_used": self.air_used,
+            "adhesion_rmse": _mean(self.adhesion_rmse),
+            "adhesion_nees": _mean(self.adhesion_nees),
+            "nis_ratio": self.nis_ratio,
+        }
+        return {name: value for name, value in figures.items() if value is not None and np.isfinite(value)}
+
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
         return {name: _listed(value) for name, value in asdict(self).items()}
@@ -193,6 +209,10 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         estimator_lost=divergence,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
     )
+
+
+def _mean(values: Each | None) -> float | None:
+    return None if values is None else float(np.mean(values))
 
 
 def _listed(value: Any) -> Any:

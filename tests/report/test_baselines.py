@@ -2,12 +2,14 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from railgrip.errors import ScenarioError
 from railgrip.report.baseline import (
     Accepted,
     Baseline,
+    Beside,
     Finding,
     Findings,
     accept,
@@ -21,6 +23,7 @@ from railgrip.report.baseline import (
     write_findings,
 )
 from railgrip.report.results import by_compiler, read_results
+from railgrip.scenario.conditioning import Repeated
 from railgrip.trace.outcome import Outcome
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
@@ -221,3 +224,46 @@ def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, t
     assert beyond_accepted(made_by("railgrip (rumoca 0.10)"), file) == []
     assert beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
     assert by_compiler(made_by("OpenModelica v1.27.0").stops) == ["FMUs by OpenModelica v1.27.0: TwoPartTrain.fmu."]
+
+
+def repeats(distances=(300.0, 300.0, 300.01, 300.0), **figures):
+    return Repeated(digest="d", distances=distances, figures=figures)
+
+
+def stop_with(repeated=None, value=300.0, **figures):
+    return Findings(values=(Finding(name=SBC, value=value, unit="m", repeated=repeated, figures=figures),))
+
+
+def test_a_stop_moves_with_a_figure_beside_its_distance_and_the_table_names_it():
+    accepted = Accepted(
+        unit="m", value=300.0, tolerance=0.3, reason="r", figures={"nis_ratio": Beside(value=1.0, tolerance=1e-3)}
+    )
+    before = Baseline(campaign="c", accepted={SBC: accepted})
+    assert states(compare(before, stop_with(nis_ratio=1.0009))) == {SBC: "kept"}
+    for figures in ({"nis_ratio": 1.0011}, {}):  # a figure that is gone is not kept either
+        (moved,) = compare(before, stop_with(**figures))
+        assert (moved.state, moved.change) == ("moved", 0.0)
+        assert "nis_ratio 1 →" in comparison_table([moved]).rows[0]["figures"]
+    assert states(compare(before.across_compilers(), stop_with(nis_ratio=2.0))) == {SBC: "kept"}
+
+
+def test_repeats_decide_which_figures_are_accepted_and_how_closely(tmp_path):
+    repeated = repeats(nis_ratio=(1.0, 1.0005, 0.9995, 1.0), air_used=(1.0, 1.1, 0.9, 1.0), longest_lock=(0.0,) * 4)
+    found = stop_with(repeated, nis_ratio=1.0, air_used=1.0, longest_lock=0.0, adhesion_rmse=0.1)
+    after = accept(Baseline(campaign="c"), found, "New figures.")
+    figures = after.accepted[SBC].figures
+    # Air spreads by more than 0.5 %, and of the error there is no repeat.
+    assert set(figures) == {"nis_ratio", "longest_lock"}
+    # 99 % of Student's t with three degrees of freedom is 5.841.
+    spread = np.std((1.0, 1.0005, 0.9995, 1.0), ddof=1)
+    assert figures["nis_ratio"].tolerance == pytest.approx(5.841 * spread * np.sqrt(1.25), rel=0.05)
+    assert states(compare(after, stop_with(nis_ratio=1.0, longest_lock=0.01))) == {SBC: "moved"}
+    write_baseline(after, tmp_path / "b.toml")
+    assert load_baseline(tmp_path / "b.toml") == after
+
+
+def test_a_smooth_distance_is_kept_to_two_centimetres_and_does_not_move():
+    before = Baseline(campaign="c", accepted={SBC: Accepted(unit="m", value=300.005, tolerance=0.3, reason="First.")})
+    smooth, rough = accept(before, stop_with(repeats()), "Smooth."), repeats((300.0, 300.03))
+    assert smooth.accepted[SBC] == before.accepted[SBC].model_copy(update={"tolerance": 0.02})
+    assert accept(before, stop_with(rough), "Rough.").accepted == before.accepted
