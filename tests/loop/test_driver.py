@@ -1,4 +1,4 @@
-"""What the driver asks for at a place, a time and a speed."""
+"""The demand of the driver at a place, a time and a speed."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def driver(*phases):
     return Driver(LAYOUT, PERIOD, full=FULL, touching=np.full(4, TOUCHING), phases=phases)
 
 
-def ask(one, sample, speed=20.0, distance=0.0):
+def pressure_at(one, sample, speed=20.0, distance=0.0):
     truth = np.zeros(LAYOUT.outputs)
     truth[LAYOUT.output["speed"]], truth[LAYOUT.output["distance"]] = speed, distance
     pressure = drive(one, sample, truth)
@@ -31,10 +31,9 @@ def ask(one, sample, speed=20.0, distance=0.0):
 
 def test_times_are_meant_to_the_nearest_sample():
     """0.57 s is sample 57, though 57 times 0.01 s is less in floating point."""
-    assert 57 * PERIOD < 0.57 or pytest.approx(0.57) == 57 * PERIOD
     one = driver(phase(1.0, "time", 0.57), phase(2.0, "duration", 0.29), phase(3.0))
-    asked = [ask(one, k) for k in range(100)]
-    assert asked == [1.0] * 57 + [2.0] * 29 + [3.0] * 14
+    pressures = [pressure_at(one, k) for k in range(100)]
+    assert pressures == [1.0] * 57 + [2.0] * 29 + [3.0] * 14
 
 
 def test_places_and_speeds_end_phases():
@@ -42,18 +41,18 @@ def test_places_and_speeds_end_phases():
         phase(1.0, "distance", 100.0), phase(2.0, "speed_below", 15.0), phase(3.0, "speed_above", 16.0), phase()
     )
     courses = [(20, 99.9), (20, 100), (15.1, 101), (15, 102), (15.9, 103), (16, 104), (10, 105)]
-    assert [ask(one, k, *course) for k, course in enumerate(courses)] == [1, 2, 2, 3, 3, 0, 0]
+    assert [pressure_at(one, k, *course) for k, course in enumerate(courses)] == [1, 2, 2, 3, 3, 0, 0]
 
 
 def test_phases_whose_end_is_past_are_passed_at_once():
     one = driver(phase(1.0, "distance", 10.0), phase(2.0, "speed_below", 30.0), phase(3.0, "time", 0.0), phase(4.0))
-    assert ask(one, 0, speed=20.0, distance=11.0) == 4.0
+    assert pressure_at(one, 0, speed=20.0, distance=11.0) == 4.0
 
 
 def test_a_profile_is_a_straight_line():
     line = DemandedPhase(until="time", limit=2.0, begin=1.0, pressures=(1e5,) * 4, slopes=(5e4,) * 4)
     one = driver(phase(1e5, "time", 1.0), line, phase(1.5e5))
-    assert [ask(one, k) for k in (0, 100, 150, 199, 200, 300)] == pytest.approx(
+    assert [pressure_at(one, k) for k in (0, 100, 150, 199, 200, 300)] == pytest.approx(
         [1e5, 1e5, 1.25e5, 1.495e5, 1.5e5, 1.5e5]
     )
 
@@ -64,7 +63,7 @@ def test_traction_is_limited_by_force_power_and_rate():
     one = driver(phase(until="time", limit=1.0, power=5e5, **traction), phase(rate=1e5))
 
     def force(sample, speed):
-        ask(one, sample, speed)
+        pressure_at(one, sample, speed)
         return one.struct.pointer.force
 
     assert [force(k, 5.0) for k in range(3)] == pytest.approx([1e3, 2e3, 3e3])
@@ -76,11 +75,11 @@ def test_traction_is_limited_by_force_power_and_rate():
 @pytest.mark.parametrize("braking", [0.7, 1.0, 1.2])
 def test_a_block_stops_at_the_target(braking):
     """A block that brakes at once, by a share more or less than the driver expects, stands within a centimetre of the
-    target all the same. Nothing is asked for before the curve of 0.6 m/s², v²/(2 a) before the target."""
+    target all the same. No brake is demanded before the curve of 0.6 m/s², v²/(2 a) before the target."""
     one = driver(phase(target=500.0, deceleration=0.6, full_deceleration=1.2))
     speed, distance, begun = 20.0, 0.0, None
     for k in range(20_000):
-        share = max(ask(one, k, speed, distance) - TOUCHING, 0.0) / (FULL[0] - TOUCHING)
+        share = max(pressure_at(one, k, speed, distance) - TOUCHING, 0.0) / (FULL[0] - TOUCHING)
         begun = distance if begun is None and share > 0 else begun
         slowing = 1.2 * braking * share
         distance += speed * PERIOD - slowing * PERIOD**2 / 2
@@ -93,4 +92,4 @@ def test_a_block_stops_at_the_target(braking):
 
 def test_beyond_the_target_it_is_full_brake():
     one = driver(phase(target=500.0, deceleration=0.6, full_deceleration=1.2))
-    assert ask(one, 0, 5.0, 500.0) == FULL[0]
+    assert pressure_at(one, 0, 5.0, 500.0) == FULL[0]

@@ -26,13 +26,13 @@ class Block:
     """A block that brakes with 1 m/s² for every 100 kPa of mean command, over exact parabolas."""
 
     def __init__(self, speed: float):
-        self.speed, self.distance, self.seen = speed, 0.0, []
+        self.speed, self.distance, self.inputs = speed, 0.0, []
 
     def start(self, inputs):
         return self._outputs(0.0)
 
     def step(self, inputs):
-        self.seen.append(inputs.copy())
+        self.inputs.append(inputs.copy())
         a = -inputs[LAYOUT.input["command"]].mean() / 1e5
         self.distance += self.speed * PERIOD + 0.5 * a * PERIOD**2
         self.speed += a * PERIOD
@@ -100,62 +100,45 @@ def brake(
 
 def test_a_block_stops_after_the_textbook_distance():
     """v²/(2a) = 50 m at 1 m/s² from 10 m/s, to one sample of travel at the stop speed and the first command's delay."""
-    ended, _ = brake(Block(10.0))
-    assert ended.outcome is Outcome.STANDSTILL
     plant = Block(10.0)
-    brake(plant)
+    ended, _ = brake(plant)
+    assert ended.outcome is Outcome.STANDSTILL
     assert plant.distance == pytest.approx(50.0, abs=10.0 * PERIOD + 0.05)
-
-
-def test_the_horizon_ends_a_stop_that_does_not():
-    ended, recorder = brake(Block(10.0), Constant(0.0), samples=100)
-    assert ended.outcome is Outcome.HORIZON
-    assert "10.00 m/s after 1 s" in ended.reason
-    assert ended.samples == 101
-    assert not np.isnan(recorder.rows[:101, recorder.at["speed"]]).any()
 
 
 def test_a_command_acts_in_the_period_after_the_decision():
     plant = Block(10.0)
     _, recorder = brake(plant, samples=3)
     assert recorder.rows[0, recorder.columns["command"]].tolist() == [0.0] * 4
-    assert plant.seen[0][LAYOUT.input["command"]].tolist() == [1e5] * 4
-    assert plant.seen[1][LAYOUT.input["mu0"]][0] == 0.1
+    assert plant.inputs[0][LAYOUT.input["command"]].tolist() == [1e5] * 4
+    assert plant.inputs[1][LAYOUT.input["mu0"]][0] == 0.1
 
 
-def test_a_demand_that_is_none_is_not_hidden_by_the_valves():
-    """Valve logic would take it for a wish to hold."""
+def test_valves_do_not_hide_a_demand_that_is_no_number():
+    """Valve logic would hold the pressure."""
     model = ValveModel(period=PERIOD, dead_time=0.0, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
     ended, _ = brake(Block(10.0), Constant(float("nan")), valves=ValveLogic([3.4e5] * 4, model))
     assert ended.outcome is Outcome.CONTROLLER_FAILED
 
 
-def test_the_controller_is_asked_at_its_own_period():
+def test_the_controller_decides_at_its_own_period():
     controller = Constant()
     brake(Block(10.0), controller, samples=100, every=(1, 10))
     times = [observation.time for observation in controller.observations]
     assert times == [k * PERIOD for k in range(0, 101, 10)]
 
 
-def test_a_controller_without_a_number_is_an_outcome():
-    ended, _ = brake(Block(10.0), Constant(float("nan")))
-    assert ended.outcome is Outcome.CONTROLLER_FAILED
-    assert "not 4 numbers" in ended.reason
-
-
 class Spy:
     """An estimator that keeps what it is given and believes in the first state growing by one a step."""
 
-    def __init__(self, fail_at=None):
-        self.given, self.fail_at = [], fail_at
+    def __init__(self):
+        self.given = []
         self.mean, self.covariance = np.zeros(13), np.eye(13)
         self.inputs, self.readings, self.selection = np.zeros(5), np.full(6, np.nan), np.zeros(6)
         self.squared_innovation = 0.0
 
     def advance(self):
         self.given.append((self.inputs.copy(), self.readings.copy()))
-        if len(self.given) == self.fail_at:
-            raise ArithmeticError("Filter: the predicted v is not a finite number.")
         self.mean[0] += 1.0
         self.mean[1:5] = 2.0 * self.mean[0]
         self.covariance[9, 9] = 4.0
@@ -189,7 +172,7 @@ def test_a_reading_is_used_once_and_never_lost():
     next one; a step without a new reading sees NaN."""
     spy = Spy()
     brake(Block(10.0), estimator=state_estimator(spy), sensors=Sparse(), samples=24, every=(2, 1))
-    speeds = [seen[0] for _, seen in spy.given]
+    speeds = [readings[0] for _, readings in spy.given]
     assert [s for s in speeds if not np.isnan(s)] == [3, 6, 9, 12, 15, 18, 21, 24]
     assert np.isnan(speeds[0])
 
@@ -201,12 +184,7 @@ def test_the_filter_predicts_under_the_pressures_read_a_step_before():
     assert all(held[4] == 0.0 for held, _ in spy.given)
 
 
-def test_the_estimate_in_a_row_is_that_of_its_sample():
-    _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), samples=10)
-    assert recorder.rows[:11, recorder.at["estimate_speed"]].tolist() == [float(k) for k in range(11)]
-
-
-def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
+def test_a_row_has_the_squared_innovation_of_the_last_step():
     """Steps every two samples; the train speed, one of six readings, comes every three and waits for the next step."""
     _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), sensors=Sparse(), samples=6, every=(2, 1))
     rows = recorder.rows[:7]
@@ -214,15 +192,16 @@ def test_a_row_says_how_surprising_the_readings_of_the_last_step_were():
     assert rows[:, recorder.at["estimate_readings"]].tolist() == [0.0, 0.0, 5.0, 5.0, 6.0, 6.0, 6.0]
 
 
-def test_slip_and_deviations_follow_from_the_belief():
+def test_a_row_has_the_estimate_of_its_sample():
     """Its wheels turn twice as many rad/s as the train does m/s, on radii of 0.4 m: slip 0.2, but none at rest."""
     _, recorder = brake(Block(10.0), estimator=state_estimator(Spy()), samples=3)
+    assert recorder.rows[:4, recorder.at["estimate_speed"]].tolist() == [0.0, 1.0, 2.0, 3.0]
     slips = recorder.rows[:4, recorder.columns["estimate_slip"]]
     assert slips == pytest.approx(np.array([[0.0] * 4] + [[0.2] * 4] * 3))
     assert recorder.rows[:4, recorder.at["estimate_adhesion_sd"]].tolist() == [1.0, 2.0, 2.0, 2.0]
 
 
-def test_a_load_that_nobody_weighed_counts_in_the_deviation_of_adhesion():
+def test_an_unknown_load_counts_in_the_deviation_of_adhesion():
     """The filter says 0.04 ± 1 of the first group, and 2 from the first step on; a load off by a half adds 0.02."""
     spy = Spy()
     spy.mean[9:13] = [0.04, 3.0, 0.0, -3.0]
@@ -232,21 +211,3 @@ def test_a_load_that_nobody_weighed_counts_in_the_deviation_of_adhesion():
     others = [np.hypot(1.0, 1.5), 1.0, np.hypot(1.0, 1.5)]
     assert deviations[:, 0] == pytest.approx(np.hypot([1.0, 2.0, 2.0, 2.0], 0.02), rel=1e-12)
     assert deviations[:, 1:] == pytest.approx(np.array([others] * 4), rel=1e-12)
-
-
-def test_a_variance_below_zero_is_an_outcome():
-    class Broken(Spy):
-        def advance(self):
-            super().advance()
-            self.covariance[5, 5] = -1e-9
-
-    ended, _ = brake(Block(10.0), estimator=state_estimator(Broken()))
-    assert ended.outcome is Outcome.DIVERGED
-    assert "a variance is negative" in ended.reason
-
-
-def test_a_filter_that_diverges_is_an_outcome():
-    ended, _ = brake(Block(10.0), estimator=state_estimator(Spy(fail_at=7)))
-    assert ended.outcome is Outcome.DIVERGED
-    assert ended.reason == "Filter: the predicted v is not a finite number. At 0.070 s."
-    assert ended.samples == 7

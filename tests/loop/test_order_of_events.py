@@ -154,7 +154,7 @@ def state_estimator(filter_):
     )
 
 
-def speechless(calls):
+def law_that_ends(calls):
     """Return a law that gives numbers for so many calls, and then none."""
 
     def demand_with(draft):
@@ -162,7 +162,7 @@ def speechless(calls):
         draft.keep(left, left - 1.0)
         return lambda draft, seen: choose(left > 0.0, 1e5, float("nan"))
 
-    return Law(law("Speechless", "Gives up", 4, demand_with), GROUPS, {})
+    return Law(law("Ending", "Gives up", 4, demand_with), GROUPS, {})
 
 
 STEPS = TrackForce(begins=(-np.inf, 0.5, 3.0, 3.0001), forces=(0.0, 1e3, -2e3, 5e2), rates=(0.0, 0.0, 7e3, -3e2))
@@ -187,7 +187,7 @@ SENSORS = {
 
 
 def parts_of(
-    plant, controller, filter_, *, samples, sensors, valves, every, over_time, asked=None, phases=(),
+    plant, controller, filter_, *, samples, sensors, valves, every, over_time, start_speed=None, phases=(),
     field=lambda: None, broken=((), ()), sensing=1, bounds=ANY_TRAIN,
 ):  # fmt: skip
     recorder = Recorder(
@@ -213,7 +213,7 @@ def parts_of(
         wheel_radius=RADIUS,
         clock=Clock(period=1e-3, estimator=every[0], controller=every[1], samples=samples, sensors=sensing),
         slowing=bounds,
-        start_speed=asked or plant.speed,
+        start_speed=start_speed or plant.speed,
         stop_speed=0.1,
         recorder=recorder,
     )
@@ -283,7 +283,7 @@ def test_a_train_that_stands(sample):
 
 @pytest.mark.parametrize("calls", [0, 300, BLOCK, BLOCK + 1])
 def test_a_law_that_gives_no_number(calls):
-    outcome, reason, written = same(controller=lambda: speechless(calls))
+    outcome, reason, written = same(controller=lambda: law_that_ends(calls))
     assert (outcome, written) == (Outcome.CONTROLLER_FAILED, calls + 1)
     assert "is (nan, nan, nan, nan), not 4 numbers" in reason
 
@@ -399,10 +399,8 @@ def test_what_is_sent_is_never_more_than_the_driver_demands(phases, every):
         columns.update(recorder.columns)
 
     same(lambda: Plant(speed=12.0, slowing=10.6), every=every, phases=phases, keep=keep)
-    for name in ("command", "demand", "driver_demand"):
-        assert np.isfinite(rows[0][:, columns[name]]).all()
-    sent, asked, wanted = (rows[0][:, columns[name]] for name in ("command", "driver_demand", "demand"))
-    assert np.array_equal(sent, np.minimum(asked, wanted))
+    command, limit, demand = (rows[0][:, columns[name]] for name in ("command", "driver_demand", "demand"))
+    assert np.array_equal(command, np.minimum(limit, demand))
 
 
 def showing(signal, change, element=0):
@@ -427,7 +425,7 @@ def showing(signal, change, element=0):
         ("adhesion", 5, 0.5, "adhesion[6] = 0.5, but the rail gives -"),
     ],
 )
-def test_a_plant_that_shows_what_cannot_be(sample, signal, element, value, words):
+def test_a_plant_with_impossible_outputs_is_implausible(sample, signal, element, value, words):
     """The sample is not kept, and the sentence names signal, time, value and what was expected."""
     shown = showing(signal, lambda k, true: value if k == sample else true, element)
     outcome, reason, written = same(lambda: Plant(wrong=shown), filter_=Filter)
@@ -457,8 +455,8 @@ def test_a_plant_in_other_units_or_signs(signal, change, latest):
     assert f"shows {signal}" in reason
 
 
-def test_a_plant_that_starts_with_another_speed_than_it_was_asked():
-    outcome, reason, written = same(asked=72.0)
+def test_a_plant_that_starts_with_another_speed_than_the_scenario():
+    outcome, reason, written = same(start_speed=72.0)
     assert (outcome, written) == (Outcome.IMPLAUSIBLE, 0)
     assert "At 0.000 s the plant shows speed = 20 m/s, but [start] speed asks for 71.927 to 72.073 m/s" in reason
 
@@ -558,7 +556,7 @@ def test_a_speed_that_jumps_a_little_at_every_sample_is_implausible(jump):
 
 
 @pytest.mark.parametrize(("share", "fits"), [(0.9992, True), (1.0008, True), (0.998, False), (1.002, False)])
-def test_a_start_speed_is_what_was_asked_to_0_1_percent(share, fits):
+def test_a_start_speed_is_that_of_the_scenario_to_0_1_percent(share, fits):
     plausibility = Plausibility(LAYOUT, 1e-3, 20.0, TRAIN)
     assert holds(plausibility, 0, outputs_of(20.0 * share, 0.0, 0.0), np.zeros(LAYOUT.inputs)) is fits
 

@@ -11,15 +11,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from rails import constant_rail, outputs
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.assemble import assembled, run_stop
 from railgrip.errors import ScenarioError
-from railgrip.loop.rail import Field, TabulatedRail
-from railgrip.scenario.adhesion import Profile, position_of
+from railgrip.loop.rail import Field
+from railgrip.scenario.adhesion import position_of
 from railgrip.scenario.load import load
 from railgrip.scenario.profile import Recovery
-from railgrip.scenario.track import TrackForce
 from railgrip.trace.outcome import Outcome
 
 Falling = namedtuple("Falling", "A B")
@@ -34,17 +34,11 @@ LOW = ("adhesion.mu0=0.05", "adhesion.polach=low", "estimator.kind=none", "contr
 
 
 def rail(mu0=0.05, reach=200.0, clean=CLEAN):
-    profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
-    straight = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
-    return TabulatedRail(LAYOUT, profile, straight, Field(LAYOUT, clean, LAID, reach))
+    return constant_rail(mu0, field=Field(LAYOUT, clean, LAID, reach))
 
 
 def truth(distance, speed=20.0, slip=0.1, adhesion=0.05):
-    found = np.full(LAYOUT.outputs, np.nan)
-    named = {"distance": distance, "speed": speed, "slip": slip, "adhesion": adhesion, "wheelset_load": LOAD}
-    for name, value in named.items():
-        found[LAYOUT.output[name]] = value
-    return found
+    return outputs(distance=distance, speed=speed, slip=slip, adhesion=adhesion, wheelset_load=LOAD)
 
 
 def rolled(track, to, step=0.05, slip=lambda place: 0.1, **shown):
@@ -164,25 +158,20 @@ def test_slip_that_cleans_stops_earlier_and_half_the_period_changes_little(contr
     assert stops[0].metrics.utilisation <= 1.0
 
 
-def test_without_recovery_a_scenario_is_what_it_was():
-    plain = load(LIBRARY / "plain.toml", [])
-    assert "recovery" not in plain.resolved()["adhesion"]
-    assert load(LIBRARY / "plain.toml", [WRITTEN]).digest() != plain.digest()
-
-
-def refusal(*changes, scenario="plain", run=run_stop):
-    with pytest.raises(ScenarioError) as found:
-        run(load(LIBRARY / f"{scenario}.toml", changes))
-    return str(found.value)
-
-
-def test_what_cannot_be_is_refused_in_a_sentence():
-    assert "has conditioning" in refusal(WRITTEN, scenario="trapezoid")
-    assert "conditioning.fraction = 0" in refusal(WRITTEN, scenario="trapezoid")
-    assert "how those ahead have run over it" in refusal(WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none")
-    assert "recovery] rate" in refusal("adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}")
-    assert "recovery" in refusal("adhesion.recovery={mu0=0.3, A=0.4, B=0.6}")
-    assert "shorten" in refusal(WRITTEN, "limits.horizon=950 s")
+@pytest.mark.parametrize(
+    ("scenario", "changes", "words"),
+    [
+        ("trapezoid", [WRITTEN], "conditioning.fraction = 0"),
+        ("plain", [WRITTEN, "controller.kind=ideal_bound", "estimator.kind=none"], "how those ahead have run over it"),
+        ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='2 m'}"], "recovery] rate"),
+        ("plain", ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6}"], "recovery"),
+        ("plain", [WRITTEN, "limits.horizon=950 s"], "shorten"),
+    ],
+)
+def test_recovery_that_contradicts_the_scenario_is_refused(scenario, changes, words):
+    with pytest.raises(ScenarioError) as refusal:
+        run_stop(load(LIBRARY / f"{scenario}.toml", changes))
+    assert words in str(refusal.value)
 
 
 def test_a_plant_without_loads_or_places_is_refused():
@@ -190,10 +179,7 @@ def test_a_plant_without_loads_or_places_is_refused():
     shown[LAYOUT.output["wheelset_load"]] = np.nan
     with pytest.raises(ScenarioError, match="does not show adhesion and wheelset_load"):
         rail().check_plant(shown)
-    TabulatedRail(
-        LAYOUT, Profile(over_time=True, step=1.0, mu0_at=np.full((1, 6), 0.1)),
-        TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,)),
-    ).check_plant(shown)  # fmt: skip
+    constant_rail(0.1).check_plant(shown)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())
     with pytest.raises(ScenarioError, match=r"has recovery, and the plant does not say where"):
         position_of(load(LIBRARY / "plain.toml", [WRITTEN]), nowhere)

@@ -1,0 +1,24 @@
+"""Rails of constant friction, and what a plant shows of its place on them, for a vehicle of `synthetic.LAYOUT`."""
+
+import numpy as np
+from synthetic import LAYOUT
+
+from railgrip.loop.rail import TabulatedRail
+from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.track import TrackForce
+
+STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
+
+
+def constant_rail(mu0, **surface):
+    """Return a level rail of this friction; `surface` is its field of recovery or its sand."""
+    profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
+    return TabulatedRail(LAYOUT, profile, STRAIGHT, **surface)
+
+
+def outputs(**values):
+    """Return the outputs of a plant that shows these signals alone."""
+    truth = np.full(LAYOUT.outputs, np.nan)
+    for name, value in values.items():
+        truth[LAYOUT.output[name]] = value
+    return truth
