@@ -27,9 +27,9 @@ LEVELS = SlipLevels(low=0.05, high=0.1, speed_min=1.0)
 
 
 def observed(slip: tuple[float, float, float], demand: float) -> Observation:
-    asked = np.array([demand * group.pressure_max for group in GROUPS])
+    limit = np.array([demand * group.pressure_max for group in GROUPS])
     wheels = 20.0 / 0.46 * (1.0 - np.array(slip))
-    return Observation(0.0, 20.0, -0.5, wheels, np.array(slip), False, None, None, np.zeros(3), asked)
+    return Observation(0.0, 20.0, -0.5, wheels, np.array(slip), False, None, None, np.zeros(3), limit)
 
 
 def slip_based() -> Law:
@@ -37,19 +37,16 @@ def slip_based() -> Law:
 
 
 def force(pressures: np.ndarray) -> float:
-    """Of all brakes at the rim, with pads as taken for where nobody estimates them."""
+    """Of all brakes at the rim, with pads as taken for where they are not estimated."""
     per_pascal = GROUP.units * PAD_FRICTION * GROUP.friction_radius * GROUP.rigging * GROUP.piston_area
     return float(np.sum(pressures)) * per_pascal / GROUP.wheel_radius
 
 
-def test_groups_of_a_valve_do_what_the_most_slipping_one_needs():
+def test_groups_of_a_valve_take_the_lowest_or_the_mean_demand():
     law = with_shared_valves(slip_based(), GROUPS, (1, 2), "lowest")
     assert law.decide(observed((0.01, 0.01, 0.01), 1.0)) == (3e5, 3e5, 2e5)
     assert law.decide(observed((0.01, 0.2, 0.01), 1.0)) == (3e5, 0.0, 0.0)
     assert law.decide(observed((0.2, 0.01, 0.01), 1.0)) == (0.0, 3e5, 2e5)
-
-
-def test_or_the_mean_of_what_they_need():
     law = with_shared_valves(slip_based(), GROUPS, (1, 2), "mean")
     assert law.decide(observed((0.01, 0.2, 0.01), 1.0)) == pytest.approx((3e5, 1.5e5, 1e5))
 
@@ -60,46 +57,46 @@ def test_a_valve_for_each_group_changes_nothing():
         assert plain.decide(observed(slip, 0.5)) == shared.decide(observed(slip, 0.5))
 
 
-def settled(law: Law, seen: Observation) -> np.ndarray:
+def settled(law: Law, now: Observation) -> np.ndarray:
     """Its demands after five seconds of the same."""
     for _ in range(5000):
-        demands = law.decide(seen)
+        demands = law.decide(now)
     return np.array(demands)
 
 
 def test_what_a_sliding_group_cannot_give_others_give():
     """The force of all is what the driver asks for, each by the same share of what it has left."""
-    seen = observed((0.2, 0.01, 0.01), 0.5)
+    now = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3)
-    demands = settled(law, seen)
+    demands = settled(law, now)
     assert demands[0] == 0.0
-    assert force(demands) == pytest.approx(force(seen.driver_demand), rel=1e-6)
-    left = (demands[1:] - seen.driver_demand[1:]) / (np.array([3e5, 2e5]) - seen.driver_demand[1:])
+    assert force(demands) == pytest.approx(force(now.driver_demand), rel=1e-6)
+    left = (demands[1:] - now.driver_demand[1:]) / (np.array([3e5, 2e5]) - now.driver_demand[1:])
     assert left[0] == pytest.approx(left[1])
 
 
-def test_nobody_is_asked_for_more_than_the_limit_of_adhesion():
-    seen = observed((0.2, 0.01, 0.01), 0.3)
+def test_no_group_gives_more_than_the_limit_of_adhesion():
+    now = observed((0.2, 0.01, 0.01), 0.3)
     law = with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.03)
-    demands = settled(law, seen)
+    demands = settled(law, now)
     pad = (demands[1] * GROUP.piston_area - GROUP.spring_force) * GROUP.rigging
     adhesion = GROUP.units * PAD_FRICTION * GROUP.friction_radius * pad / GROUP.wheel_radius / GROUP.load
-    assert demands[1] > seen.driver_demand[1]
+    assert demands[1] > now.driver_demand[1]
     assert adhesion == pytest.approx(0.03, rel=1e-6)
 
 
 def test_with_full_brake_or_without_slip_there_is_nothing_to_redistribute():
     for slip, demand in (((0.2, 0.01, 0.01), 1.0), ((0.01, 0.01, 0.01), 0.5)):
-        seen = observed(slip, demand)
-        demands = settled(with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3), seen)
-        lower = np.minimum(slip_based().decide(seen), seen.driver_demand)
+        now = observed(slip, demand)
+        demands = settled(with_redistribution(slip_based(), GROUPS, period=1e-3, adhesion_max=0.3), now)
+        lower = np.minimum(slip_based().decide(now), now.driver_demand)
         assert demands == pytest.approx(lower)
 
 
 def test_it_holds_for_a_law_without_memory():
-    seen = observed((0.2, 0.01, 0.01), 0.5)
+    now = observed((0.2, 0.01, 0.01), 0.5)
     law = with_redistribution(FullBrake(GROUPS), GROUPS, period=1e-3, adhesion_max=0.3)
-    assert settled(law, seen) == pytest.approx(seen.driver_demand)
+    assert settled(law, now) == pytest.approx(now.driver_demand)
 
 
 @pytest.mark.parametrize(
@@ -112,9 +109,9 @@ def test_it_holds_for_a_law_without_memory():
     ids=["lowest", "mean", "redistribution"],
 )
 def test_over_any_controller_it_is_what_it_is_inside_a_law(over):
-    """To the last bit: what is only asked for its demands may be a law, a class or an FMU."""
+    """To the last bit: the controller below may be a law, a class or an FMU."""
     inside, outside = over(slip_based()), OverTheTrain(slip_based(), over(pass_through(GROUPS)))
     random = np.random.default_rng(3)
     for _ in range(200):
-        seen = observed(tuple(random.uniform(0.0, 0.2, 3)), random.uniform(0.1, 1.0))
-        assert outside.decide(seen) == inside.decide(seen)
+        now = observed(tuple(random.uniform(0.0, 0.2, 3)), random.uniform(0.1, 1.0))
+        assert outside.decide(now) == inside.decide(now)

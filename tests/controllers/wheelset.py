@@ -19,7 +19,7 @@ GROUP = Brake(
 SPEED = 15.0  # m/s, held: the train is heavy
 
 
-def shown(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
+def observed(time, speed, acceleration, slip, adhesion, pad_friction, pressure):
     """An observation of a train whose wheels turn as the slip says."""
     wheels = (1 - np.array(slip)) * speed / 0.38
     full = np.full(len(slip), 3.4e5)
@@ -45,7 +45,7 @@ def simulate(
 
         slip = [1 - 0.38 * omega[g] / SPEED for g in each]
         adhesion = [adhesion_at(slip[g], g) for g in each]
-        observation = shown(k * 1e-3, SPEED, 0.0, slip, tuple(adhesion), (pad_friction,) * groups, tuple(pressure))
+        observation = observed(k * 1e-3, SPEED, 0.0, slip, tuple(adhesion), (pad_friction,) * groups, tuple(pressure))
         for g, demand in enumerate(controller.decide(observation)):
             for _ in range(10):
                 force = adhesion_at(1 - 0.38 * omega[g] / SPEED, g) * GROUP.load
@@ -55,3 +55,8 @@ def simulate(
         slips.append(slip)
         adhesions.append(adhesion)
     return np.squeeze(slips), np.squeeze(adhesions)
+
+
+def state_of(law, name):
+    """Return a state of a law by its name."""
+    return law.state[[quantity.name for quantity in law.formula.states].index(name)]

@@ -16,43 +16,43 @@ def test_time_is_counted_from_the_start():
     assert period_of(late) == 0.1
 
 
-def test_columns_come_in_the_order_asked_for():
+def test_columns_have_the_order_of_the_names():
     columns = samples(recorded(), ["pad_force", "speed"], ["N", "m/s"])
     assert columns.shape == (5, 2)
     assert columns[:, 1].tolist() == np.linspace(20.0, 19.0, 5).tolist()
 
 
-def test_a_missing_signal_is_named_with_those_that_are_there():
-    with pytest.raises(EstimationError, match=r"'short' has no signal wheelset_speed; it has speed, pad_force\."):
-        samples(recorded(), ["wheelset_speed"], ["rad/s"])
-
-
-def test_a_signal_that_measures_something_else_is_refused():
-    with pytest.raises(EstimationError, match=r"speed is in 'bar', the prediction wants 'm/s'"):
-        samples(recorded(speed=(np.zeros(5), "bar")), ["speed"], ["m/s"])
-
-
-def test_samples_come_in_the_unit_asked_for():
+def test_samples_are_converted_to_the_requested_unit():
     assert samples(recorded(speed=(np.full(5, 36.0), "km/h")), ["speed"], ["m/s"])[:, 0] == pytest.approx(10.0)
 
 
-def test_a_gap_in_time_is_told_where_it_is():
-    gap = recorded().isel(time=[0, 1, 3, 4])
-    with pytest.raises(EstimationError, match=r"uneven, 0\.2 s after 0\.1 s where 0\.1 s is the rule"):
-        period_of(gap)
+@pytest.mark.parametrize(
+    ("read", "sentence"),
+    [
+        (
+            lambda: samples(recorded(), ["wheelset_speed"], ["rad/s"]),
+            r"'short' has no signal wheelset_speed; it has speed, pad_force\.",
+        ),
+        (
+            lambda: samples(recorded(speed=(np.zeros(5), "bar")), ["speed"], ["m/s"]),
+            r"speed is in 'bar', the prediction wants 'm/s'",
+        ),
+        (
+            lambda: period_of(recorded().isel(time=[0, 1, 3, 4])),
+            r"uneven, 0\.2 s after 0\.1 s where 0\.1 s is the rule",
+        ),
+        (lambda: period_of(recorded().isel(time=[0, 1, 2, 1, 2])), r"uneven, -0\.1 s after 0\.2 s"),
+        (
+            lambda: recording_of({"a": (np.zeros(3), "1"), "b": (np.zeros(4), "1")}, period=0.1),
+            r"one sample at every instant each, got a \(3,\), b \(4,\)",
+        ),
+        (lambda: truth_of(recorded(), "mu_b"), "does not know the true mu_b"),
+    ],
+)
+def test_signals_that_are_missing_or_do_not_fit_are_refused(read, sentence):
+    with pytest.raises(EstimationError, match=sentence):
+        read()
 
 
-def test_time_that_goes_backwards_is_refused():
-    with pytest.raises(EstimationError, match=r"uneven, -0\.1 s after 0\.2 s"):
-        period_of(recorded().isel(time=[0, 1, 2, 1, 2]))
-
-
-def test_signals_of_different_lengths_are_refused():
-    with pytest.raises(EstimationError, match=r"one sample at every instant each, got a \(3,\), b \(4,\)"):
-        recording_of({"a": (np.zeros(3), "1"), "b": (np.zeros(4), "1")}, period=0.1)
-
-
-def test_only_what_a_simulation_tells_is_known():
+def test_a_simulation_knows_the_truth():
     assert truth_of(recorded(), "v")[0] == 20.0
-    with pytest.raises(EstimationError, match="does not know the true mu_b"):
-        truth_of(recorded(), "mu_b")
