@@ -17,13 +17,13 @@ from railgrip.scenario.merge import merged
 FULL = (3.4e5, 3.0e5)
 
 
-def asked(demand, directory=LIBRARY):
+def scenario_with(demand, directory=LIBRARY):
     table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
     return scenario_of(merged(table, {"demand": demand}), directory=directory, origin="mine.toml")
 
 
 def phases(demand, directory=LIBRARY):
-    return phases_of(asked(demand, directory).demand, FULL, "mine")
+    return phases_of(scenario_with(demand, directory).demand, FULL, "mine")
 
 
 def test_one_pressure_is_for_all_groups_and_full_is_that_of_each():
@@ -69,7 +69,7 @@ def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
 
         sys.setprofile(note)
         try:
-            drawn = phases_of(asked({"file": f"{rows}.csv"}, tmp_path).demand, synthetic.FULL.tolist(), "mine")
+            drawn = phases_of(scenario_with({"file": f"{rows}.csv"}, tmp_path).demand, synthetic.FULL.tolist(), "mine")
             Driver(LAYOUT, 1e-3, full=synthetic.FULL, touching=np.zeros(4), phases=drawn)
         finally:
             sys.setprofile(None)
@@ -81,22 +81,17 @@ def test_a_long_profile_takes_a_few_calls_a_row(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["service_steps", "stop_at_target"])
-def test_what_is_resolved_loads_to_the_same(name):
+def test_a_resolved_demand_loads_to_the_same(name):
     scenario = load(LIBRARY / f"{name}.toml")
     again = scenario_of(scenario.resolved(), directory=LIBRARY, origin=name)
     assert again == scenario
     assert again.digest() == scenario.digest()
 
 
-def test_a_scenario_without_a_demand_says_nothing_of_one():
-    """Its digest is that of results which were written before there were demands."""
-    assert "demand" not in load(LIBRARY / "plain.toml").resolved()
-
-
 def test_the_content_of_a_profile_is_part_of_the_digest(tmp_path):
     def digest(last):
         (tmp_path / "brake.csv").write_text(f"time,pressure\n0,0\n1,{last}\n")
-        return asked({"file": "brake.csv"}, tmp_path).digest()
+        return scenario_with({"file": "brake.csv"}, tmp_path).digest()
 
     assert digest(1e5) == digest(1e5) != digest(2e5)
 
@@ -112,11 +107,9 @@ END = {"pressure": 0}
         ({"phases": [END, END]}, r"phases\[1\] has no 'until'"),
         ({"phases": [END | {"until": {"time": 1}}]}, r"phases\[1\] is the last one and lasts to the end, leave out"),
         ({"phases": [END | {"until": {"time": 1, "distance": 2}}, END]}, "wants one of time, duration, .* got 2"),
-        ({"phases": [END | {"until": {}}, END]}, "wants one of .* got 0"),
         ({"phases": [{}]}, "has neither pressure and stop_at"),
         ({"phases": [{"pressure": "-1 bar"}]}, "pressure must be at least 0 Pa, got '-1 bar'"),
         ({"phases": [{"pressure": "2 m"}]}, "pressure .*'2 m'"),
-        ({"phases": [{"pressure": "half"}]}, "pressure .*'half'"),
         ({"phases": [{"pressure": []}]}, "pressure is an empty list"),
         ({"phases": [END | {"traction": {"force": "2 MN"}}]}, r"traction\] force must be at most 1e\+06 N"),
         ({"phases": [END | {"tracton": {"force": "2 MN"}}]}, "did you mean 'traction'"),
@@ -129,7 +122,7 @@ END = {"pressure": 0}
 )
 def test_bad_tables_are_refused_in_a_sentence(demand, words):
     with pytest.raises(ScenarioError, match=words) as refusal:
-        asked(demand)
+        scenario_with(demand)
     assert str(refusal.value).startswith("mine.toml: [demand")
 
 
@@ -138,23 +131,26 @@ def test_bad_tables_are_refused_in_a_sentence(demand, words):
     [
         ("time,pressure\n0,0\n0,1\n", "line 3: time does not rise"),
         ("time,pressure\n0,0\n1,-1\n", "line 3: pressure must be at least 0 and at most 1e"),
-        ("distance,pressure\n0,0\n1,1\n", r"first line wants to name time \[s\], and pressure for all or pressure_1"),
+        ("distance,pressure\n0,0\n1,1\n", r"first line wants to name time \[s\], and pressure"),
         ("time,pressure\n0,0\n", "has 1 rows of numbers"),
     ],
 )
-def test_bad_profiles_are_refused_in_a_sentence(content, words, tmp_path):
+def test_a_bad_profile_is_refused(content, words, tmp_path):
     (tmp_path / "brake.csv").write_text(content)
     with pytest.raises(ScenarioError, match=words):
-        asked({"file": "brake.csv"}, tmp_path)
+        scenario_with({"file": "brake.csv"}, tmp_path)
 
 
-def test_more_than_full_brake_and_other_formations_are_refused():
-    with pytest.raises(
-        ScenarioError, match=r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, full brake is 340000 Pa"
-    ):
-        phases({"phases": [{"pressure": "3.5 bar"}]})
-    with pytest.raises(ScenarioError, match="is for 3 groups, the vehicle has 2"):
-        phases({"phases": [{"pressure": [0, 0, 0]}]})
+@pytest.mark.parametrize(
+    ("pressure", "words"),
+    [
+        ("3.5 bar", r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, full brake is 340000 Pa"),
+        ([0, 0, 0], "is for 3 groups, the vehicle has 2"),
+    ],
+)
+def test_more_than_full_brake_and_other_formations_are_refused(pressure, words):
+    with pytest.raises(ScenarioError, match=words):
+        phases({"phases": [{"pressure": pressure}]})
 
 
 def test_the_ideal_bound_takes_no_demand():

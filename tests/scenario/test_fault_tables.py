@@ -1,7 +1,6 @@
 """The tables [[faults]] and [truth]: what they mean, and what is refused."""
 
 import tomllib
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -11,12 +10,11 @@ from hypothesis import strategies as st
 from kernel_calls import show
 from synthetic import LIBRARY
 
-import railgrip as rg
 from railgrip.assemble.vehicle import VehicleData
 from railgrip.errors import ScenarioError
 from railgrip.faults.site import faults_of
-from railgrip.scenario.faults import READ_BY, Truth, kinds_of_faults
-from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.faults import kinds_of_faults
+from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
 
 EQUIPMENT = LIBRARY.parent / "equipment"
@@ -25,10 +23,10 @@ PAIRS = [(part, kind) for kind, table in TABLES.items() for part in get_args(tab
 PARTS = {part for part, _ in PAIRS}
 
 
-def asked(*faults, equipment="service", **tables):
+def scenario_with(*faults, equipment="service", **tables):
     table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
     table = merged(table, tomllib.loads((EQUIPMENT / f"{equipment}.toml").read_text(encoding="utf-8")))
-    return scenario_of(merged(table, {"faults": list(faults), **tables}), directory=LIBRARY, origin="mine.toml")
+    return scenario_of(merged(table, {"faults": list(faults)} | tables), directory=LIBRARY, origin="mine.toml")
 
 
 def parts(scenario):
@@ -63,9 +61,9 @@ def plant_of(scenario):
         ({"part": "speed_sensor", "kind": "missing_teeth", "value": 100}, "[faults[1]] takes 100 teeth of 100"),
     ],
 )  # fmt: skip
-def test_wrong_faults_end_in_a_sentence(fault, sentence):
+def test_a_wrong_fault_is_refused(fault, sentence):
     with pytest.raises(ScenarioError) as refusal:
-        parts(asked(fault))
+        parts(scenario_with(fault))
     assert sentence in str(refusal.value)
 
 
@@ -81,16 +79,14 @@ def test_wrong_faults_end_in_a_sentence(fault, sentence):
         ("service", {"truth": {"laod": 1.0}}, "[truth] has no key 'laod'; did you mean 'load'?"),
     ],
 )  # fmt: skip
-def test_what_the_vehicle_does_not_have_ends_in_a_sentence(equipment, tables, sentence):
-    def question():
-        scenario = asked(
-            *tables.get("faults", ()), equipment=equipment, **{k: v for k, v in tables.items() if k != "faults"}
-        )
+def test_a_fault_that_does_not_fit_the_vehicle_is_refused(equipment, tables, sentence):
+    def assemble():
+        scenario = scenario_with(equipment=equipment, **tables)
         parts(scenario)
         plant_of(scenario)
 
     with pytest.raises(ScenarioError) as refusal:
-        question()
+        assemble()
     assert sentence in str(refusal.value)
 
 
@@ -109,9 +105,9 @@ tables = st.fixed_dictionaries(
 
 @settings(max_examples=300)
 @given(faults=st.lists(tables, min_size=1, max_size=2), equipment=st.sampled_from(["ideal", "service"]))
-def test_any_table_of_faults_is_taken_or_refused_in_a_sentence(faults, equipment):
+def test_any_table_of_faults_is_accepted_or_refused(faults, equipment):
     try:
-        scenario = asked(*faults, equipment=equipment)
+        scenario = scenario_with(*faults, equipment=equipment)
         parts(scenario)
         plant_of(scenario)
     except ScenarioError as error:
@@ -123,87 +119,67 @@ def test_any_table_of_faults_is_taken_or_refused_in_a_sentence(faults, equipment
     assert len(refusal) < 2000
 
 
-def test_every_kind_can_be_asked_for():
-    """With the value that it wants, in the unit of what is read."""
+def test_every_kind_has_a_valid_table():
+    """With a value in the unit of the reading."""
     units = {"speed_sensor": "rad/s", "radar": "m/s", "accelerometer": "m/s**2", "transducer": "bar"}
     for part, kind in PAIRS:
         more = {"scaled": {"value": 1.1}, "missing_teeth": {"value": 2}, "slow": {"value": "50 ms"},
                 "sagging": {"value": "60 l", "pressure": "5 bar"}}.get(kind, {})  # fmt: skip
         if kind in ("biased", "noisy"):
             more = {"value": f"0.1 {units.get(part, 'mm')}"}
-        scenario = asked({"part": part, "kind": kind, **more})
+        scenario = scenario_with({"part": part, "kind": kind, **more})
         assert (parts(scenario) is None) == (kind == "missing_teeth")
 
 
-def test_without_place_a_fault_is_everywhere_and_time_is_meant_to_the_nearest_sample():
-    scenario = asked({"part": "transducer", "kind": "dead", "begin": 0.57, "end": "0.5701 s"})
+def test_without_place_a_fault_is_everywhere_and_time_is_rounded_to_the_nearest_sample():
+    scenario = scenario_with({"part": "transducer", "kind": "dead", "begin": 0.57, "end": "0.5701 s"})
     layout, faults = VehicleData(scenario).layout, parts(scenario)
     assert faults.struct.pointer.reading_count == 4
-    assert set(READ_BY) < PARTS
     reading = np.ones(200)
-    shown = {k: np.isnan(show(faults, k, reading, layout)).sum() for k in (0, 569, 570, 571)}
-    assert shown == {0: 0, 569: 0, 570: 4, 571: 0}
-
-
-def test_a_scenario_without_faults_says_nothing_of_them():
-    """Its digest is that of results which were written before there were faults."""
-    resolved = load(LIBRARY / "plain.toml").resolved()
-    assert not resolved.keys() & {"faults", "truth"}
-    assert asked(truth={"load": 1}) == asked()
+    missing = {k: np.isnan(show(faults, k, reading, layout)).sum() for k in (0, 569, 570, 571)}
+    assert missing == {0: 0, 569: 0, 570: 4, 571: 0}
 
 
 def test_truth_is_what_the_vehicle_s_parameters_would_say():
     """Factors on the data of the two-part train; the gradient acts on the mass that the train has."""
-    truth = asked(truth={"load": 0.85, "wheel_radius": [1.03, 1, 1, 0.97], "gradient": 0.02, "efficiency": 0.9})
+    truth = scenario_with(truth={"load": 0.85, "wheel_radius": [1.03, 1, 1, 0.97], "gradient": 0.02, "efficiency": 0.9})
     parameters = {"m_wheelset": [f"{m * 0.85} kg" for m in (13400, 14100, 14500, 14500, 14100, 13400)],
                   "r_wheel": ["0.3914 m", "0.38 m", "0.38 m", "0.3686 m"], "eta_rigging": 0.95 * 0.9}  # fmt: skip
     track = {"train_mass": f"{0.85 * 84} t", "gradient": [{"begin": "0 m", "slope": 0.02}]}
-    written = asked(vehicle={"parameters": parameters}, track=track)
+    written = scenario_with(vehicle={"parameters": parameters}, track=track)
     (one, force), (other, same_force) = plant_of(truth), plant_of(written)
     assert one == other
     assert force == pytest.approx(same_force, rel=1e-12)
 
 
-def test_nobody_is_told_the_truth():
-    """Controller, driver and filter keep the nominal data, and so does whatever a formation is shown to."""
-    truth = {
-        "load": 0.7,
-        "wheel_radius": 1.05,
-        "inertia": 1.2,
-        "pad_friction": 0.8,
-        "efficiency": 0.9,
-        "gradient": 0.01,
+def test_the_truth_changes_no_nominal_data():
+    """Controller, driver and filter keep the nominal formation."""
+    truth = {"load": 0.7, "wheel_radius": 1.05, "inertia": 1.2, "pad_friction": 0.8, "efficiency": 0.9}
+    truth |= {"gradient": 0.01}
+    assert VehicleData(scenario_with(truth=truth)).nominal.formation == VehicleData(scenario_with()).nominal.formation
+    assert plant_of(scenario_with(truth=truth))[0].keys() >= {
+        "J[1]",
+        "mu_b_nominal[4]",
+        "mu_b_start[1]",
+        "m_wheelset[6]",
     }
-    assert VehicleData(asked(truth=truth)).nominal.formation == VehicleData(asked()).nominal.formation
-    assert plant_of(asked(truth=truth))[0].keys() >= {"J[1]", "mu_b_nominal[4]", "mu_b_start[1]", "m_wheelset[6]"}
 
 
 def test_factors_multiply_what_the_scenario_already_says():
-    scenario = asked(
+    scenario = scenario_with(
         vehicle={"parameters": {"eta_rigging": 0.9}},
         truth={"efficiency": 0.5, "creep": {"k_A": 0.5}, "pad_friction": 2},
     )  # fmt: skip
     parameters, _ = plant_of(scenario)
+    assert scenario_with(truth={"load": 1}) == scenario_with()
     assert parameters["eta_rigging"] == 0.45
     assert parameters["k_A"] == 0.5 * scenario.adhesion.polach.plant_parameters()["k_A"]
     assert parameters["mu_b_start[2]"] == 0.7
 
 
 def test_isolated_units_are_parameters_of_the_plant_and_bound_the_ideal():
-    some = asked({"part": "brake", "kind": "isolated", "group": 1, "value": 2})
+    some = scenario_with({"part": "brake", "kind": "isolated", "group": 1, "value": 2})
     assert plant_of(some)[0] == {"n_units[1]": 1.0}
-    whole = asked({"part": "brake", "kind": "isolated", "group": 2})
+    whole = scenario_with({"part": "brake", "kind": "isolated", "group": 2})
     assert plant_of(whole)[0] == {}
     assert [brake and brake.units for brake in VehicleData(whole).true.brakes] == [3.0, None, 2.0, 3.0]
-
-
-def test_the_page_names_every_kind_and_key():
-    page = (Path(__file__).parents[2] / "docs" / "faults.md").read_text(encoding="utf-8")
-    keys = {key for table in TABLES.values() for key in table.model_fields}
-    names = {*PARTS, *TABLES, *keys, *Truth.model_fields}
-    assert not [name for name in names if f"`{name}`" not in page]
-
-
-def test_the_api_takes_faults_and_truth():
-    scenario = rg.Scenario.load("plain", {"truth.load": 0.9, "faults": [{"part": "radar", "kind": "zero"}]})
-    assert scenario.faults == (TABLES["zero"](part="radar", kind="zero"),)

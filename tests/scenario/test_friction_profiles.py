@@ -13,6 +13,7 @@ import railgrip.scenario
 from railgrip.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.seed import generator
 from railgrip.vehicle.formation import Formation
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
@@ -40,17 +41,7 @@ def test_calibration_scales_the_shape_it_is_for_and_no_other():
 def test_a_trapezoid_is_high_falls_stays_low_and_rises():
     found = profile("trapezoid", *PLAIN)
     # first fall 4 s, ramp 1 s, low 4 s, period 8 s; 0.13 to 0.055
-    expected = {
-        0: 0.13,
-        3.999: 0.13,
-        4.5: 0.0925,
-        5: 0.055,
-        9: 0.055,
-        9.5: 0.0925,
-        10: 0.13,
-        12: 0.13,
-        13: 0.055,
-    }
+    expected = {0: 0.13, 3.999: 0.13, 4.5: 0.0925, 5: 0.055, 9: 0.055, 9.5: 0.0925, 10: 0.13, 12: 0.13, 13: 0.055}
     for time, mu0 in expected.items():
         assert friction_at(found, time, 0.0) == pytest.approx(np.full(6, mu0), abs=1e-12)
 
@@ -172,13 +163,6 @@ def tabled(tmp_path, content, *overrides):
     return load(path, overrides)
 
 
-def test_a_users_curve_is_straight_between_its_points(tmp_path):
-    found = profile_of(tabled(tmp_path, "time,mu0\n1,0.10\n3,0.20\n"), TWO_PART_TRAIN)
-    assert friction_at(found, 0.0, 0.0) == pytest.approx(np.full(6, 0.10))
-    assert friction_at(found, 2.0, 0.0) == pytest.approx(np.full(6, 0.15))
-    assert friction_at(found, 50.0, 0.0) == pytest.approx(np.full(6, 0.20))
-
-
 def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path):
     header = ",".join(f"mu0_{j}" for j in range(1, 7))
     rows = "distance," + header + "\n0,.1,.1,.1,.1,.1,.1\n100,.2,.3,.4,.5,.6,.7\n"
@@ -202,13 +186,13 @@ def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path
         ("time,mu0\n0,0.1\n\n1,0\n", "line 4: mu0 must be above 0"),
     ],
 )
-def test_a_curve_that_is_none_is_refused_with_its_line(tmp_path, content, sentence):
+def test_a_table_that_is_wrong_is_refused_with_its_line(tmp_path, content, sentence):
     with pytest.raises(ScenarioError) as refusal:
         tabled(tmp_path, content)
     assert f"mine.toml: [adhesion] file rail.csv: {sentence}" in str(refusal.value)
 
 
-def test_what_is_given_for_another_number_of_wheelsets_is_refused_by_its_key(tmp_path):
+def test_friction_for_another_number_of_wheelsets_is_refused(tmp_path):
     constant = ["adhesion.kind=constant", "adhesion.polach=wet"]
     two = load(LIBRARY / "plain.toml", [*constant, "adhesion.mu0=[0.1, 0.2]"])
     with pytest.raises(ScenarioError, match=r"\[adhesion\] mu0 is for 2 wheelsets, the vehicle has 6"):
@@ -228,10 +212,14 @@ def pointed(tmp_path, *lines):
     return scenario_of(written, directory=tmp_path, origin="own.toml")
 
 
-def test_points_are_joined_by_straight_lines(tmp_path):
-    made = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
+@pytest.mark.parametrize("written", ["points", "table"])
+def test_points_of_a_scenario_or_a_table_are_joined_by_straight_lines(tmp_path, written):
+    if written == "points":
+        made = pointed(tmp_path, 'kind = "points"', 'over = "time"', "points = [['1 s', 0.2], ['3 s', 0.1]]")
+    else:
+        made = tabled(tmp_path, "time,mu0\n1,0.20\n3,0.10\n")
     friction = profile_of(made, TWO_PART_TRAIN).table(np.array([0.0, 1.0, 2.0, 3.0, 9.0]), np.zeros(5))
-    assert friction[:, 0] == pytest.approx([0.2, 0.2, 0.15, 0.1, 0.1])
+    assert friction == pytest.approx(np.array([0.2, 0.2, 0.15, 0.1, 0.1])[:, None].repeat(6, axis=1))
 
 
 def test_points_scatter_as_stated_and_are_cut_off_at_three_deviations(tmp_path):
@@ -279,3 +267,10 @@ def test_a_patch_has_no_place_in_a_profile_over_time(tmp_path):
     made = pointed(tmp_path, "kind = 'points'", "over = 'time'", "points = [['0 s', 0.1]]", patch)
     with pytest.raises(ScenarioError, match=r"\[adhesion\.patch\] lies on the rail, and the profile .* runs over time"):
         profile_of(made, TWO_PART_TRAIN)
+
+
+def test_a_purpose_has_its_own_random_numbers_and_always_the_same():
+    draws = {purpose: generator(7, purpose).standard_normal(4) for purpose in ("adhesion", "sensors.wheel")}
+    assert np.array_equal(draws["adhesion"], generator(7, "adhesion").standard_normal(4))
+    assert not np.array_equal(draws["adhesion"], draws["sensors.wheel"])
+    assert not np.array_equal(draws["adhesion"], generator(8, "adhesion").standard_normal(4))

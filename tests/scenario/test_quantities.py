@@ -106,13 +106,33 @@ def test_overrides_do_not_depend_on_their_order():
     assert one == read_overrides(["adhesion.mean=0.1", "adhesion.kind=random"])
 
 
-def test_another_kind_starts_its_table_anew():
-    base = {"adhesion": {"kind": "trapezoid", "ramp": 1}, "seed": 3}
-    assert merged(base, {"adhesion": {"kind": "constant", "mu0": 0.1}}) == {
-        "adhesion": {"kind": "constant", "mu0": 0.1},
-        "seed": 3,
-    }
-    assert merged(base, {"adhesion": {"kind": "trapezoid", "low": 2}})["adhesion"]["ramp"] == 1
+FILTER = {"estimator": {"kind": "fmu", "model": "TrainPrediction", "noise": "ideal"}}
+
+
+@pytest.mark.parametrize(
+    ("base", "change", "expected"),
+    [
+        (
+            {"adhesion": {"kind": "trapezoid", "ramp": 1}, "seed": 3},
+            {"adhesion": {"kind": "constant", "mu0": 0.1}},
+            {"adhesion": {"kind": "constant", "mu0": 0.1}, "seed": 3},
+        ),
+        *((FILTER, {"estimator": {"kind": kind}}, {"estimator": {"kind": kind}}) for kind in ("none", "module:Class")),
+        (
+            {"adhesion": {"kind": "sine", "ramp": 1}},
+            {"adhesion": {"low": 2}},
+            {"adhesion": {"kind": "sine", "ramp": 1, "low": 2}},
+        ),
+        # Another way to compute the same filter.
+        *(
+            (FILTER, {"estimator": {"kind": kind}}, {"estimator": FILTER["estimator"] | {"kind": kind}})
+            for kind in ("compiled", "python", "fmu")
+        ),
+        ({"model": {"class": "W"}}, {"model": {"kind": "compiled"}}, {"model": {"class": "W", "kind": "compiled"}}),
+    ],
+)
+def test_another_kind_starts_its_table_anew_and_the_same_kind_keeps_its_keys(base, change, expected):
+    assert merged(base, change) == expected
 
 
 tree_keys = st.text(min_size=1, max_size=8).filter(lambda key: not ('"' in key and "'" in key))
@@ -134,7 +154,7 @@ def test_a_value_by_key_stays_what_it_is(key, value):
 @pytest.mark.parametrize(
     "key", ["", ".", "a.", ".a", "a..b", "a b", "r_wheel[2]", '"a', "a=1", "a\nb", 3, None, b"a", "a." * 900 + "a"]
 )
-def test_what_is_no_key_is_refused(key):
+def test_a_key_of_no_table_is_refused(key):
     with pytest.raises(ScenarioError, match=r"is not a key such as|parts; tables are nested"):
         nested({key: 1})
 

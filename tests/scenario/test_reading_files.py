@@ -13,8 +13,8 @@ from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 
-ROOM = Path(railgrip.scenario.__file__).parent
-TRAPEZOID = ROOM / "library" / "trapezoid.toml"
+SCENARIOS = Path(railgrip.scenario.__file__).parent
+TRAPEZOID = SCENARIOS / "library" / "trapezoid.toml"
 TEXT = TRAPEZOID.read_text(encoding="utf-8")
 
 
@@ -32,7 +32,7 @@ def test_a_byte_order_mark_is_no_part_of_a_file(tmp_path):
     assert load(path) == load(TRAPEZOID)
 
 
-def test_a_file_that_is_no_table_is_not_shown(tmp_path):
+def test_the_content_of_a_file_that_is_no_table_is_not_printed(tmp_path):
     (tmp_path / "secret.txt").write_text("password hunter2\nsecret,2\n", encoding="utf-8")
     path = tmp_path / "mine.toml"
     path.write_text(TEXT, encoding="utf-8")
@@ -46,14 +46,14 @@ def test_a_file_that_is_no_table_is_not_shown(tmp_path):
     assert "hunter2" not in refusal(load, path, [change])
 
 
-def test_a_file_of_another_kind_is_told_its_command_in_one_sentence(tmp_path):
-    campaign = ROOM / "campaigns" / "table1.toml"
+def test_a_file_of_another_kind_is_refused_with_its_command(tmp_path):
+    campaign = SCENARIOS / "campaigns" / "table1.toml"
     assert refusal(load, campaign) == (
         "table1.toml: is a file of the kind campaign; use `railgrip campaign table1.toml`"
     )
     assert refusal(load_campaign, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
     assert refusal(load_specification, TRAPEZOID).endswith("use `railgrip run trapezoid.toml`")
-    wagon = ROOM.parent / "estimation" / "library" / "wagon.toml"
+    wagon = SCENARIOS.parent / "estimation" / "library" / "wagon.toml"
     assert refusal(load, wagon).endswith("use `railgrip estimate wagon.toml`")
 
 
@@ -87,7 +87,7 @@ def test_names_of_variants_stay_inside_the_folder(tmp_path):
         ("# " + "x" * 5_000_000, "is larger than 4 MB"),
     ],
 )
-def test_a_file_that_nobody_wrote_is_refused(tmp_path, content, sentence):
+def test_a_hostile_file_is_refused(tmp_path, content, sentence):
     path = tmp_path / "odd.toml"
     path.write_text(content, encoding="utf-8")
     assert sentence in refusal(load, path)
@@ -101,11 +101,9 @@ def test_a_path_that_no_system_takes_names_no_file(path):
 
 
 WRONG = [
-    ("start.speed=1e8", "[start] speed must be at most 160 m/s, got 100000000.0; no train on wheels has been faster"),
-    ("start.speed=80000 kmph", "[start] speed must be at most 160 m/s"),
+    ("start.speed=1e8", "[start] speed must be at most 160 m/s, got 100000000.0"),
     ("start.speed=" + "9" * 400, "a finite number is wanted"),
     ("seed=" + "9" * 30, "seed is 999999"),
-    ("limits.horizon=1e9", "[limits] horizon must be at most 10800 s, got 1000000000.0; no braking lasts three hours"),
     ("periods.communication=1e-9", "[periods] communication must be at least 1e-06 s"),
     ("periods.communication=10 us", "9e+06 samples; a stop holds 1e+06 at most"),
     ("periods.trace=50 s", "is shorter than 10 periods of [periods] trace, 50 s each"),
@@ -114,7 +112,7 @@ WRONG = [
 
 
 @pytest.mark.parametrize(("override", "sentence"), WRONG, ids=[case[0][:40] for case in WRONG])
-def test_what_no_train_does_is_refused_with_the_reason(override, sentence):
+def test_a_value_beyond_all_trains_is_refused(override, sentence):
     overrides = [override, *(["limits.horizon=20"] if "trace" in override else [])]
     assert sentence in refusal(load, TRAPEZOID, overrides)
 
@@ -127,10 +125,12 @@ def test_what_no_train_does_is_refused_with_the_reason(override, sentence):
     ],
 )
 def test_a_rail_finer_than_the_samples_is_refused(name, overrides, sentence):
-    scenario = load(ROOM / "library" / f"{name}.toml", overrides)
+    scenario = load(SCENARIOS / "library" / f"{name}.toml", overrides)
     assert sentence in refusal(profile_of, scenario, TWO_PART_TRAIN)
 
 
 def test_frequencies_are_in_hertz_or_per_second():
-    sweeps = [load(ROOM / "library" / "sine_sweep.toml", [f"adhesion.end_frequency='0.4 {u}'"]) for u in ("Hz", "1/s")]
+    sweeps = [
+        load(SCENARIOS / "library" / "sine_sweep.toml", [f"adhesion.end_frequency='0.4 {u}'"]) for u in ("Hz", "1/s")
+    ]
     assert sweeps[0].adhesion.frequencies == sweeps[1].adhesion.frequencies == (0.05, 0.4)

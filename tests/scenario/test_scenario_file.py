@@ -51,6 +51,13 @@ def test_a_foreign_plant_is_mapped_by_name_list_or_table():
     assert again.digest() == scenario.digest()
 
 
+def test_tables_that_a_file_leaves_out_are_not_resolved():
+    """The digest is that of results which were written before there were such tables."""
+    resolved = load(LIBRARY / "plain.toml").resolved()
+    assert not {"demand", "faults", "truth", "sanders"} & set(resolved)
+    assert not {"recovery", "sand"} & set(resolved["adhesion"])
+
+
 def test_the_digest_follows_values_and_not_spelling():
     base = load(TRAPEZOID).digest()
     assert load(TRAPEZOID, ["start.speed=80000 m/h"]).start.speed == pytest.approx(load(TRAPEZOID).start.speed)
@@ -82,7 +89,6 @@ def test_a_named_polach_set_becomes_the_plants_parameters():
 
 
 SERVICE = "sensors.kind=service"
-CONSTANT = ["adhesion.kind=constant", "adhesion.polach=wet"]
 
 REFUSALS = [
     (["adhesion.levl=3"], "[adhesion] has no key 'levl'; did you mean 'level'?"),
@@ -94,17 +100,13 @@ REFUSALS = [
     ),
     (["adhesion.kind=constant"], "[adhesion] has no 'mu0'; it is wanted and has no default"),
     (["start.speed=80 km"], "[start] speed is '80 km', but 'km' cannot be converted to 'm/s'."),
-    (["start.speed='80'"], "[start] speed is '80', which names no unit"),
     (
         ["start.speed=80 kmm/h"],
         "[start] speed is '80 kmm/h', whose unit 'kmm/h' is not a unit known here; did you mean 'km/h'?",
     ),
     (["start.speed=fast"], "[start] speed is 'fast', which is not a number with a unit such as '80 km/h'."),
     (["start.speed=true"], "[start] speed is true, but a number in 'm/s' is wanted."),
-    (["start.speed=nan"], "[start] speed is nan, but a finite number is wanted."),
-    (["start.speed=-3 km/h"], "[start] speed must be at least 0 m/s, got '-3 km/h'."),
     (["start=3"], "[start] must be a table, got 3"),
-    (["adhesion.minimum=2"], "[adhesion] minimum must be at most 1, got 2."),
     (["adhesion.minimum=0.5"], "[adhesion] minimum 0.5 is above maximum 0.13."),
     (["adhesion.period=3 m"], "[adhesion] period is '3 m', but 'm' cannot be converted to 's'"),
     (
@@ -117,24 +119,13 @@ REFUSALS = [
         ["adhesion.polach=wett"],
         "[adhesion] polach is 'wett', which is not a Polach set; there are dry, dry_wheelset_study,",
     ),
-    (["adhesion.polach={k_A=2}"], "[adhesion.polach] k_A must be at most 1, got 2."),
     (
         ["adhesion.conditioning.by=axle"],
         "[adhesion.conditioning] by is 'axle'; there is 'group' or 'wheelset'",
     ),
-    ([*CONSTANT, "adhesion.mu0=0.1 m"], "[adhesion] mu0 is '0.1 m', but 'm' cannot be converted to '1'."),
     (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
-    (["seed=1.5"], "seed is 1.5; input should be a valid integer"),
     (["name='a/b'"], "name is 'a/b'; string should match pattern"),
     (["controller.kind=abc"], "[controller] kind is 'abc'; there is adhesion_based, adhesion_literal"),
-    (
-        ["controller.kind=slope_seeking", "controller.tuning=type_test"],
-        "[controller] tuning is 'type_test'; slope_seeking has searched",
-    ),
-    (
-        ["controller.kind=adhesion_based", "controller.tuning=paper"],
-        "[controller] tuning is 'paper'; adhesion_based has searched, type_test",
-    ),
     (
         ["controller.kind=slip_two_state", "controller.tuning=best"],
         "[controller] tuning is 'best'; slip_two_state has paper, searched, type_test",
@@ -163,14 +154,9 @@ REFUSALS = [
         ["vehicle.formation.wheelset_load=['12 t']"],
         "[vehicle.formation.wheelset_load] 0 is '12 t', but 't' cannot be converted to 'N'",
     ),
-    (
-        ["vehicle.formation.wheelsets_per_group=[2, 0]"],
-        "[vehicle.formation.wheelsets_per_group] 1 is 0; input should be",
-    ),
     ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
     (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient, curve or plan but no train_mass"),
     (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
-    (["track.force=-1e12"], "[track] force must be at least -1e+06 N, got -1000000000000.0."),
     (["track.force=2 MN"], "[track] force must be at most 1e+06 N, got '2 MN'."),
     (
         ["track.curve=[{begin=0, radius=1e-9}]", "track.train_mass=84 t"],
@@ -183,8 +169,6 @@ REFUSALS = [
         ],
         "[periods] communication must be at most 60 s, got '100 s'; nothing in a train is sampled in less than 1 us",
     ),
-    (["periods.trace=20 s"], "[limits] horizon 90 s is shorter than 10 periods of [periods] trace, 20 s each"),
-    (["limits.alpha_max=0"], "[limits] alpha_max must be above 0, got 0."),
     (
         ["limits.stop_speed=100 km/h"],
         "[limits] stop_speed 27.7778 m/s is not below [start] speed 22.2222 m/s; a train that starts so "
@@ -218,18 +202,15 @@ def test_a_file_that_is_no_scenario_is_refused(tmp_path, content, sentence):
     assert sentence in str(refusal.value)
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_a_missing_file_and_a_folder_are_named(tmp_path):
     with pytest.raises(ScenarioError, match=r"gone\.toml: there is no such file"):
         load(tmp_path / "gone.toml")
-
-
-def test_a_folder_is_not_a_scenario(tmp_path):
     with pytest.raises(ScenarioError, match="cannot be read: Is a directory"):
         load(tmp_path)
 
 
 @pytest.mark.parametrize("override", ["start.speed", "=3", "start.speed=", "vehicle.parameters.r[2]=3"])
-def test_an_override_that_is_none_is_refused(override):
+def test_an_override_without_key_or_value_is_refused(override):
     with pytest.raises(ScenarioError, match="--set "):
         load(TRAPEZOID, [override])
 

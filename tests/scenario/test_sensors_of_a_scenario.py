@@ -14,7 +14,7 @@ from railgrip.signals import EXTRA, PLANT, READINGS, layout_of
 from railgrip.track.geodesy import local
 from railgrip.track.irregularity import RIDE, spectrum
 
-SHOWN = [signal.name for signal in PLANT]
+OUTPUTS = [signal.name for signal in PLANT]
 PLAN = {
     "latitude": 50.6, "longitude": 12.7, "height": "340 m", "middle": "0 m", "heading": "0 deg",
     "course": [["500 m", 0]], "slope": "10 permille", "start": "400 m", "direction": "backward",
@@ -31,11 +31,11 @@ def scenario_with(track=None, **sensors):
 
 
 def reader(scenario):
-    layout = layout_of(TWO_PART_TRAIN, PLANT, readings_of(scenario, SHOWN))
+    layout = layout_of(TWO_PART_TRAIN, PLANT, readings_of(scenario, OUTPUTS))
     return layout, sensors_of(scenario, layout, 0.4)
 
 
-def test_what_is_named_is_read_beside_what_every_train_reads():
+def test_quantities_of_the_noise_table_are_read_beside_those_of_every_train():
     scenario = scenario_with(noise={"pad_force": "100 N", "speed": "0.1 m/s"})
     layout, sensors = reader(scenario)
     assert [s.name for s in layout.reading_signals] == [*(s.name for s in READINGS), "reading_pad_force"]
@@ -56,7 +56,7 @@ def test_what_is_named_is_read_beside_what_every_train_reads():
         ({"gnss": GNSS}, r"\[sensors.gnss\] reads positions on a \[track.plan\]"),
     ],
 )
-def test_what_cannot_be_read_is_refused(sensors, sentence):
+def test_a_quantity_without_a_reading_is_refused(sensors, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         reader(scenario_with(**sensors))
 
@@ -69,16 +69,16 @@ def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track(
     truth = np.zeros(layout.outputs)
     truth[layout.output["acceleration"]] = -0.5
     place = layout.output["distance"]
-    seen = []
+    readings = []
     for k in range(20001):
         truth[place] = 300.0 * k / 20000
-        seen.append(sensors.read(k, truth))
-    seen = np.array(seen)
-    along = seen[:, layout.reading["acceleration_along"]]
+        readings.append(sensors.read(k, truth))
+    readings = np.array(readings)
+    along = readings[:, layout.reading["acceleration_along"]]
     assert np.ptp(along, axis=0) == pytest.approx([0.0] * 4, abs=1e-12)
     assert np.ptp(along[0]) > 0.0
     assert along[0] == pytest.approx([-0.5 - 9.81 * np.sin(np.arctan(0.01))] * 4, abs=4 * 0.03)
-    fixes = seen[:, layout.reading["latitude"].start : layout.reading["height"].stop]
+    fixes = readings[:, layout.reading["latitude"].start : layout.reading["height"].stop]
     assert np.flatnonzero(np.isfinite(fixes[:, 0])).tolist() == list(range(0, 20001, 100))
     north, east, _ = local(*fixes[::100].T, scenario.track.plan.laid().origin).T
     error = np.column_stack([north - (400 - 300 * np.arange(201) / 200), east])
@@ -158,7 +158,7 @@ def test_drop_outs_and_drift_of_a_radar_are_those_of_the_table():
     assert np.nanstd(close) == pytest.approx(0.01 * np.sqrt(2 * (1 - np.exp(-0.05 / 2.0))), rel=0.1)
 
 
-def test_an_accelerometer_feels_the_gradients_of_the_track_and_the_one_nobody_knows():
+def test_an_accelerometer_feels_the_gradients_of_the_track_and_an_unknown_one():
     sheet = {"acceleration": {"noise": 0, "bias": 0, "feels_gradient": True}}
     scenario = service("1 ms", **sheet)
     gradient = [{"begin": "100 m", "slope": 0.02}, {"begin": "300 m", "slope": 0}]
@@ -196,12 +196,12 @@ def test_deflections_show_the_rail_as_a_frame_answers_to_it():
         ({"deflection": {"irregularity": {"track": "uic"}}}, r"track is 'uic'; there is 'erri-low'"),
     ],
 )
-def test_wrong_sheets_end_in_a_sentence(sheet, sentence):
+def test_a_wrong_sheet_is_refused(sheet, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         service("1 ms", **sheet)
 
 
-def test_a_quantity_that_no_plant_shows_gets_a_sentence():
+def test_a_quantity_that_the_plant_lacks_is_refused():
     scenario = scenario_with(noise={"pad_force": "100 N"})
     without = layout_of(TWO_PART_TRAIN, PLANT, READINGS)
     with pytest.raises(

@@ -3,33 +3,36 @@
 import numpy as np
 import pytest
 
-from railgrip.scenario.track import Track, force_along, slope_of, track_force_of
+from railgrip.scenario.track import CurveLaw, Track, curve_coefficient, force_along, slope_of, track_force_of
 
 
 def test_a_level_straight_track_does_nothing():
     assert track_force_of(Track()).at(123.0) == 0.0
 
 
-def test_a_falling_gradient_pushes_forward_with_m_g_sin():
-    track = Track.model_validate({"gradient": [{"begin": "100 m", "slope": "-25 ‰"}], "train_mass": "84 t"})
-    force = track_force_of(track)
-    assert force.at(99.9) == 0.0
-    assert force.at(100.0) == pytest.approx(84e3 * 9.81 * np.sin(np.arctan(0.025)))
-
-
-def test_curves_follow_the_chosen_law():
+@pytest.mark.parametrize(
+    ("law", "per_mille"),
+    # R = 500 m, wheelbase 2.15 m, gauge 1.435 m: (0.3397 + 0.0474)/500, 650/445, (0.2267 + 0.2215)/500.
+    [("bogie", 0.774), ("roeckl", 1.461), ("protopapadakis", 0.896)],
+)
+def test_a_curve_of_500_m_holds_by_the_coefficient_of_its_law(law: CurveLaw, per_mille: float):
+    assert 1e3 * curve_coefficient(1 / 500, law) == pytest.approx(per_mille, abs=6e-4)
+    assert curve_coefficient(-1 / 500, law) == curve_coefficient(1 / 500, law)
     sections = {"curve": [{"begin": 0, "radius": "500 m"}, {"begin": 50, "radius": 0}], "train_mass": 84e3}
-    bogie = track_force_of(Track.model_validate(sections))
-    roeckl = track_force_of(Track.model_validate(sections | {"curve_law": "roeckl"}))
-    # 1.46 ‰ at 500 m (Röckl 650/(R − 55)); 0.77 ‰ from the mean wheelbase 2.15 m and gauge 1.435 m.
-    assert roeckl.at(10.0) == pytest.approx(-84e3 * 9.81 * 1.4607e-3, rel=1e-4)
-    assert bogie.at(10.0) == pytest.approx(-84e3 * 9.81 * (0.158 * 2.15 + 0.033 * 1.435) / 500)
-    assert bogie.at(60.0) == roeckl.at(60.0) == 0.0
+    force = track_force_of(Track.model_validate(sections | {"curve_law": law}))
+    assert force.at(10.0) == pytest.approx(-84e3 * 9.81 * 1e-3 * per_mille, rel=1e-3)
+    assert force.at(60.0) == 0.0
 
 
-def test_a_constant_force_adds_up():
-    track = Track.model_validate({"force": "2 kN", "gradient": [{"begin": 0, "slope": "10 ‰"}], "train_mass": 1000})
-    assert track_force_of(track).at(1.0) == pytest.approx(2000 - 1000 * 9.81 * np.sin(np.arctan(0.01)))
+def test_roeckl_is_constant_beyond_the_end_of_its_range():
+    assert curve_coefficient(1 / 200, "roeckl") == pytest.approx(0.650 / 245)
+
+
+def test_a_falling_gradient_pushes_by_m_g_sin_beside_a_constant_force():
+    gradient = [{"begin": "100 m", "slope": "-25 ‰"}]
+    force = track_force_of(Track.model_validate({"force": "2 kN", "gradient": gradient, "train_mass": "84 t"}))
+    assert force.at(99.9) == 2000.0
+    assert force.at(100.0) == pytest.approx(2000.0 + 84e3 * 9.81 * np.sin(np.arctan(0.025)))
 
 
 PLAN = {
@@ -61,6 +64,6 @@ def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(directi
         ({"course": [["300 m", "5 m"]]}, "a radius is 0, for straight track, or at least 10 m"),
     ],
 )
-def test_a_plan_that_cannot_be_laid_is_refused(changes, sentence):
+def test_a_plan_that_contradicts_itself_is_refused(changes, sentence):
     with pytest.raises(ValueError, match=sentence):
         Track.model_validate({"plan": PLAN | changes, "train_mass": 84e3})
