@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import casadi as ca
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,26 @@ def wheelset() -> SmallModel:
         f,
         lambda t, x, u, p: [x[0], x[1], acceleration(x, u, p)],
     )
+
+
+PERIOD = 1e-3
+DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])
+READING = np.array([1e-4, 1e-4, 1e-3])
+FIRST_MEAN = np.array([22.0, 22.0 / 0.38, 0.36, 0.06])
+FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
+"""Of filters on the wheelset: noises of its states and readings, and its belief at the start."""
+
+
+def runge_kutta(slope: ca.Function, x: ca.SX, u: ca.SX, period: float, steps: int = 2) -> ca.SX:
+    """Return the state after a period under held inputs, by classical Runge-Kutta steps."""
+    h = period / steps
+    for _ in range(steps):
+        k1 = slope(x, u)
+        k2 = slope(x + 0.5 * h * k1, u)
+        k3 = slope(x + 0.5 * h * k2, u)
+        k4 = slope(x + h * k3, u)
+        x = x + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return x
 
 
 OSCILLATOR = {"k": 2.4e6, "c": 2.4e4, "m_1": 1750.0, "m_2": 1500.0}

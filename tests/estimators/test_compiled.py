@@ -2,9 +2,19 @@ import ctypes
 
 import numpy as np
 import pytest
-from small_models import OSCILLATOR, WHEELSET, oscillator, wheelset
+from small_models import (
+    DENSITY,
+    FIRST_MEAN,
+    FIRST_VARIANCE,
+    OSCILLATOR,
+    PERIOD,
+    READING,
+    WHEELSET,
+    oscillator,
+    wheelset,
+)
 
-from railgrip.errors import EstimatorError, FilterDiverged
+from railgrip.errors import FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -12,17 +22,7 @@ from railgrip.estimators.generated import generate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native.toolchain import shared_library
 
-PERIOD = 1e-3
-DENSITY = np.array([1e-4, 1e-3, 1e-5, 1e-2])
-READING = np.array([1e-4, 1e-4, 1e-3])
-FIRST_MEAN = np.array([22.0, 22.0 / 0.38, 0.36, 0.06])
-FIRST_VARIANCE = np.array([1e-2, 1e-1, 2.5e-3, 1e-3])
 GATE = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
-
-
-@pytest.fixture(scope="module")
-def rolling():
-    return CasadiPrediction(wheelset(), WHEELSET)
 
 
 def assert_same(one, other, tolerance):
@@ -137,17 +137,6 @@ def test_divergence_is_said_in_the_same_way_and_leaves_the_belief(rolling):
         fast.step(first, np.zeros(2), np.array([np.inf, 0.0, 0.0]))
     assert np.array_equal(fast.mean, FIRST_MEAN)
     assert np.array_equal(fast.covariance, np.diag(FIRST_VARIANCE))
-
-
-def test_wrong_shapes_get_the_sentences_of_the_reference(rolling):
-    fast = CompiledFilter(rolling, DENSITY, READING, PERIOD)
-    first = fast.start(FIRST_MEAN, FIRST_VARIANCE)
-    with pytest.raises(EstimatorError, match="inputs wants 2 inputs"):
-        fast.step(first, np.zeros(3), np.zeros(3))
-    with pytest.raises(EstimatorError, match="readings wants 3 readings"):
-        fast.step(first, np.zeros(2), np.zeros(2))
-    with pytest.raises(EstimatorError, match="process_noise wants shape"):
-        CompiledFilter(rolling, np.ones(3), READING, PERIOD)
 
 
 def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):

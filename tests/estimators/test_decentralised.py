@@ -10,6 +10,7 @@ from functools import cache
 import casadi as ca
 import numpy as np
 import pytest
+from small_models import runge_kutta
 from spread import chi_square_bounds, nees
 
 from railgrip.assemble.prediction import WholeTrain, consist_of, start_of, whole_of
@@ -124,14 +125,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     inputs = np.append(np.full(formation.groups, 1e5), 0.0)
     by_pressure, rest = (np.asarray(value) for value in gain(inputs))
     inputs[:-1] -= rest[:, 0] / np.diag(by_pressure[:, :-1])
-    ahead = x
-    for _ in range(2):
-        half = 0.5 * PERIOD
-        k1 = slope(ahead, of.u)
-        k2 = slope(ahead + 0.5 * half * k1, of.u)
-        k3 = slope(ahead + 0.5 * half * k2, of.u)
-        k4 = slope(ahead + half * k3, of.u)
-        ahead = ahead + half / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    ahead = runge_kutta(slope, x, of.u, PERIOD)
     moved, shown = ca.Function("ahead", [x, of.u], [ahead]).map(RUNS), output.map(RUNS)
 
     # Each group's pressure goes its own way: alike, they would be one direction of what the acceleration tells.

@@ -1,97 +1,11 @@
 import numpy as np
 import pytest
 from scipy.linalg import expm
-from small_models import OSCILLATOR, WHEELSET, oscillator, small_model, wheelset
+from small_models import OSCILLATOR, oscillator, small_model
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.observability import along, gramian, observability, readings_and_rates
 from railgrip.estimators.prediction import CasadiPrediction
-
-WAGON = {"m": 40e3, "J": 130.0, "r_wheel": 0.46, "r_friction": 0.25, "h": 1.0, "a": 12.0, "k_d": -5.0}
-WAGON_SCALE = np.array([50.0, 50.0, 20.0, 0.3, 0.3, 0.1])
-
-
-def wagon():
-    """Equations (12)-(15) of Schwarz and Keck (2020) as printed, with the signs of the paper."""
-
-    def f(t, x, u, p):
-        m, J, r_wheel, r_friction, h, a, k_d = (p[i] for i in range(7))
-        drag = u[2] + k_d * x[2] ** 2
-        front, rear = m * 9.81 / 2 + h * drag / a, m * 9.81 / 2 - h * drag / a
-        return [
-            (r_friction * x[3] * u[0] + r_wheel * x[5] * front) / J,
-            (r_friction * x[4] * u[1] + r_wheel * x[5] * rear) / J,
-            (m * 9.81 / 2 * x[5] + drag) / m,
-            0 * x[3],
-            0 * x[4],
-            0 * x[5],
-        ]
-
-    return small_model(
-        "w_f w_r v mu_f mu_r mu_w",
-        "F_f F_r F_TR",
-        " ".join(WAGON),
-        "w_f w_r v",
-        f,
-        lambda t, x, u, p: [x[0], x[1], x[2]],
-    )
-
-
-def wagon_inverse(z, u):
-    """Equations (17) and (18): the states from readings and their first derivatives."""
-    m, J, r_wheel, r_friction, h, a, k_d = WAGON.values()
-    drag = u[2] + k_d * z[2] ** 2
-    f_sub = m * z[5] - drag
-    shift = 2 * h * drag / (a * m * 9.81)
-    return np.array(
-        [
-            z[0],
-            z[1],
-            z[2],
-            (J * z[3] - r_wheel * f_sub * (1 + shift)) / (r_friction * u[0]),
-            (J * z[4] - r_wheel * f_sub * (1 - shift)) / (r_friction * u[1]),
-            2 / (m * 9.81) * f_sub,
-        ]
-    )
-
-
-@pytest.fixture(scope="module")
-def rolling():
-    return CasadiPrediction(wheelset(), WHEELSET)
-
-
-@pytest.fixture(scope="module")
-def car():
-    return CasadiPrediction(wagon(), WAGON)
-
-
-X = np.array([48.0, 47.0, 21.0, -0.33, -0.36, -0.07])
-
-
-def test_readings_and_rates_are_what_the_closed_form_inverts(car):
-    u = np.array([2e4, 1.5e4, -800.0])
-    z, _ = readings_and_rates(car, 1, X, u)
-    # Terms of 1e4 N cancel to what mu is worth: three digits of sixteen.
-    assert wagon_inverse(z, u) == pytest.approx(X, rel=1e-12)
-
-
-def test_braked_wagon_is_observable_with_first_derivatives(car):
-    found = observability(car, X, np.array([2e4, 1.5e4, -800.0]), WAGON_SCALE)
-    assert (found.complete, found.rank, found.order, found.undetermined) == (True, 6, 1, ())
-
-
-@pytest.mark.parametrize(
-    ("forces", "lost"),
-    [
-        ((0.0, 1.5e4), ("mu_f",)),
-        ((2e4, 0.0), ("mu_r",)),
-        ((0.0, 0.0), ("mu_f", "mu_r")),
-    ],
-)
-def test_released_pads_hide_their_friction_and_nothing_else(car, forces, lost):
-    found = observability(car, X, np.array([*forces, -800.0]), WAGON_SCALE)
-    assert found.rank == 6 - len(lost)
-    assert found.undetermined == lost
 
 
 def test_a_hidden_direction_names_all_that_take_part_in_it():

@@ -37,6 +37,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from scipy.optimize import root
+from small_models import runge_kutta
 from spread import chi_square_bounds, nees
 
 from railgrip.estimators.belief import Estimate, Matrix, Vector
@@ -135,14 +136,7 @@ def truth(model: str, sensors: str, braking: str) -> Truth:
         ca.Function("f", [of.x, of.u], [ca.substitute(expression, of.p, ca.DM(prediction.parameters))])
         for expression in (of.derivative, of.output)
     )
-    ahead, half = of.x, 0.5 * PERIOD
-    for _ in range(2):
-        k1 = slope(ahead, of.u)
-        k2 = slope(ahead + 0.5 * half * k1, of.u)
-        k3 = slope(ahead + 0.5 * half * k2, of.u)
-        k4 = slope(ahead + half * k3, of.u)
-        ahead = ahead + half / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    ahead = ca.Function("ahead", [of.x, of.u], [ahead]).map(RUNS)
+    ahead = ca.Function("ahead", [of.x, of.u], [runge_kutta(slope, of.x, of.u, PERIOD)]).map(RUNS)
     output = output.map(RUNS)
 
     held = np.tile(tuning.pressures, (STEPS, 1))
