@@ -109,7 +109,7 @@ def test_the_best_stop_is_that_of_the_curves_that_lie_there():
     assert min(leaf, dry) < mixed < max(leaf, dry)
 
 
-def test_control_that_is_shown_the_truth_is_shown_the_curves():
+def test_a_controller_that_knows_the_truth_knows_the_curves():
     mixed = (PATCH, "adhesion.polach_of_wheelset=['leaf', 'leaf', 'dry', 'dry', 'dry', 'dry']")
     kinds = ("ideal_tracking", "ideal_bound")
     control, bound = (run_stop(scenario(f"controller.kind={kind}", "estimator.kind=none", *mixed)) for kind in kinds)
@@ -117,7 +117,7 @@ def test_control_that_is_shown_the_truth_is_shown_the_curves():
     assert 1.0 < control.metrics.distance / bound.metrics.distance < 1.05
 
 
-def test_what_the_train_is_that_nobody_was_told_scales_all_curves():
+def test_an_error_of_the_creep_curve_that_is_unknown_onboard_scales_all_curves():
     vehicle = VehicleData(scenario(PATCH, "truth.creep={k_A=0.5}"))
     assert vehicle.curves.tolist() == [[0.5, 0.4, 0.4, 0.6], [0.02, 0.015, 0.5, 0.1]]
     trace = run_stop(scenario(*WITHOUT, PATCH, "truth.creep={k_A=0.5}", "limits.horizon=3 s")).trace
@@ -141,7 +141,7 @@ def test_what_the_train_is_that_nobody_was_told_scales_all_curves():
         ),
     ],
 )
-def test_what_cannot_be_is_said(overrides, sentence):
+def test_curves_that_contradict_the_scenario_are_refused(overrides, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         run_stop(scenario(*overrides))
 

@@ -1,4 +1,4 @@
-"""Stops as a driver asks for them."""
+"""Stops under the demands of a driver."""
 
 import numpy as np
 import pytest
@@ -28,8 +28,8 @@ def at(stop, time):
 
 def phase_begins(stop):
     """Times at which the driver's demand changes [s]."""
-    asked = stop.trace["driver_demand"].values[:, 0]
-    return stop.trace["time"].values[1:][np.diff(asked) != 0] - 1e-3
+    demand = stop.trace["driver_demand"].values[:, 0]
+    return stop.trace["time"].values[1:][np.diff(demand) != 0] - 1e-3
 
 
 def test_steps_brake_as_their_pressures_say(steps):
@@ -92,14 +92,14 @@ def test_a_train_at_rest_stands_once_it_has_moved():
     assert float(stop.trace["traction"].max()) == 80e3
 
 
-def test_a_train_that_never_moves_stands_when_brakes_are_asked_for():
+def test_a_train_that_never_moves_stands_once_the_driver_brakes():
     stop = from_rest("1 N")
     assert stop.outcome is Outcome.STANDSTILL
     assert float(stop.trace["time"][-1]) == pytest.approx(4.0, abs=2e-3)
 
 
 def test_full_brake_from_the_start_is_a_stop_without_a_demand():
-    """To the last bit, but for the variable that says what the driver asked for."""
+    """To the last bit, but for the variable of the driver's demand."""
     plain = {"start.speed": "20 km/h", **GRIPPY}
     without = rg.run(rg.Scenario.load("plain", plain))
     full = rg.run(rg.Scenario.load("plain", plain | {"demand": {"phases": [{"pressure": "full"}]}}))
@@ -140,32 +140,27 @@ def test_valves_send_no_more_than_the_driver_demands():
 
 
 class Eager:
-    """Asks for all there is, and keeps what the driver asked for."""
+    """Demands full pressure always, and records the driver's demand."""
 
     def start(self, formation):
-        self.full, self.asked = formation.pressure_max, []
+        self.full, self.demands = formation.pressure_max, []
 
     def decide(self, observation):
-        self.asked.append(float(observation.driver_demand[0]))
+        self.demands.append(float(observation.driver_demand[0]))
         return self.full
 
 
-SHORT = {"limits.horizon": "1 s", **GRIPPY}
-
-
-def test_a_controller_of_ones_own_sees_the_demand_and_cannot_exceed_it():
-    law = Eager()
+def test_a_controller_of_the_user_observes_the_demand_and_cannot_exceed_it():
+    """Without a demand the driver brakes fully."""
     phases = [{"pressure": "1 bar", "until": {"time": "0.5 s"}}, {"pressure": 0}]
-    stop = rg.run(rg.Scenario.load("plain", SHORT | {"demand": {"phases": phases}}), controller=law)
-    assert law.asked == [1e5] * 500 + [0.0] * 501
+    plain = rg.Scenario.load("plain", {"limits.horizon": "1 s", **GRIPPY})
+    law = Eager()
+    stop = rg.run(plain.changed({"demand": {"phases": phases}}), controller=law)
+    assert law.demands == [1e5] * 500 + [0.0] * 501
     assert float(stop.trace["command"].max()) == 1e5
     assert float(stop.trace["demand"].max()) == law.full[0]
-
-
-def test_without_a_demand_a_controller_is_shown_full_brake():
-    law = Eager()
-    rg.run(rg.Scenario.load("plain", SHORT), controller=law)
-    assert set(law.asked) == {law.full[0]}
+    rg.run(plain, controller=law)
+    assert set(law.demands) == {law.full[0]}
 
 
 def test_a_sweep_over_demands():

@@ -1,10 +1,10 @@
 """Controllers as FMUs, stepped beside the very law over what a train showed it."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from synthetic import LIBRARY
+from table_1 import table_1_scenario
 
 from railgrip.assemble import run_stop
 from railgrip.assemble.export import controller_fmu
@@ -14,24 +14,21 @@ from railgrip.cli.main import main
 from railgrip.errors import ScenarioError
 from railgrip.fmu import CoSimulation, Signal, bind, describe
 from railgrip.fmus.native.package import pack
-from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 
-SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
+PLAIN = LIBRARY / "plain.toml"
 SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")
 
 
-def question(equipment: str, controller: str):
-    kind = controller if controller in ("wheel_reference", "constant_slip", "extremum_seeking") else None
-    changes = () if kind is None else (f"controller.kind={kind}",)
-    controller = controller if kind is None else "adhesion_based"
-    stops = load_campaign(SCENARIOS / "campaigns" / "table1.toml", (*SHORT, *changes)).stops
-    (found,) = (stop.scenario for stop in stops if stop.name == f"sine_sweep-{equipment}-{controller}")
-    return found
+def sine_sweep(equipment: str, controller: str):
+    """Return the first seconds of a stop of Table 1, where laws that the table lacks replace adhesion-based control."""
+    if controller in ("wheel_reference", "constant_slip", "extremum_seeking"):
+        return table_1_scenario(f"sine_sweep-{equipment}-adhesion_based", *SHORT, f"controller.kind={controller}")
+    return table_1_scenario(f"sine_sweep-{equipment}-{controller}", *SHORT)
 
 
-def shown(scenario, trace):
-    """Return what the law saw at each of its instants, in the order of its inputs, and the commands that followed."""
+def observations_and_commands(scenario, trace):
+    """Return the inputs of the law at each of its instants, in its order, and the commands that followed."""
     every = scenario.periods.every("controller")
     # Pressure and acceleration are read anew at every sample, and a belief is always there.
     believed = "estimate_adhesion" in trace
@@ -72,10 +69,10 @@ def shown(scenario, trace):
     ],
 )
 def test_an_exported_controller_commands_what_the_loop_did(equipment, controller, tmp_path):
-    """4 s of a stop, each command of the loop against the FMU's on the same sights. Slip is formed here from the
+    """4 s of a stop, each command of the loop against the FMU's for the same inputs. Slip is formed here from the
     trace, so its last digit may differ: 1e-6 of the full pressure; valve commands are whole numbers."""
-    scenario = question(equipment, controller)
-    observations, commands = shown(scenario, run_stop(scenario).trace)
+    scenario = sine_sweep(equipment, controller)
+    observations, commands = observations_and_commands(scenario, run_stop(scenario).trace)
     with exported(scenario, tmp_path) as fmu:
         fmu.start(observations[0])
         for observation, command in zip(observations, commands, strict=True):
@@ -133,9 +130,9 @@ class Driven:
 def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(kind, tmp_path):
     """1.2 bar, and full brake after 4 s: the loop around the FMU knows no driver, so that the FMU must hold it."""
     changes = [f"controller.kind={kind}", "estimator={kind='none'}", "adhesion.mu0=0.12"]
-    plain = load(SCENARIOS / "library" / "plain.toml", changes)
+    plain = load(PLAIN, changes)
     phases = 'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="full"}]'
-    service = run_stop(load(SCENARIOS / "library" / "plain.toml", [*changes, phases]))
+    service = run_stop(load(PLAIN, [*changes, phases]))
     full = VehicleData(plain).nominal.formation.pressure_max
     with exported(plain, tmp_path) as fmu:
         law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
@@ -148,27 +145,22 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
 
 def test_an_exported_law_brakes_fully_until_a_driver_demands_less(tmp_path):
     """A tool that leaves `driver_demand` alone has the emergency brake, as a stop without [demand]."""
-    described = describe(pack(controller_fmu(load(SCENARIOS / "library" / "plain.toml")), tmp_path / "law.fmu"))
+    described = describe(pack(controller_fmu(load(PLAIN)), tmp_path / "law.fmu"))
     starts = [float(described.variables[f"driver_demand[{g}]"].start) for g in range(1, 5)]
-    assert starts == VehicleData(load(SCENARIOS / "library" / "plain.toml")).nominal.formation.pressure_max.tolist()
+    assert starts == VehicleData(load(PLAIN)).nominal.formation.pressure_max.tolist()
 
 
 @pytest.mark.parametrize(
-    ("changed", "sentence"),
+    ("changes", "sentence"),
     [
-        ("controller.parameters.filter_time=-1 ms", "filter_time must be between 0 and 100000 s, got -0.001"),
-        ("controller.parameters.A_piston=-1 m^2", "piston_area must be positive, got -1"),
+        (["controller.parameters.filter_time=-1 ms"], "filter_time must be between 0 and 100000 s, got -0.001"),
+        (["controller.parameters.A_piston=-1 m^2"], "piston_area must be positive, got -1"),
+        (["controller.kind=ideal_bound", "estimator.kind=none"], r"plain: .controller. kind 'ideal_bound' is no law"),
     ],
 )
-def test_a_law_with_parameters_that_mean_nothing_is_refused(changed, sentence):
+def test_a_controller_that_cannot_be_exported_is_refused(changes, sentence):
     with pytest.raises(ScenarioError, match=sentence):
-        controller_fmu(load(SCENARIOS / "library" / "plain.toml", [changed]))
-
-
-def test_the_ideal_bound_is_no_law():
-    scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=ideal_bound", "estimator.kind=none"])
-    with pytest.raises(ScenarioError, match=r"plain: .controller. kind 'ideal_bound' is no law"):
-        controller_fmu(scenario)
+        controller_fmu(load(PLAIN, changes))
 
 
 def test_the_command_says_where_the_fmu_is(tmp_path, capsys):
@@ -176,7 +168,7 @@ def test_the_command_says_where_the_fmu_is(tmp_path, capsys):
     made = tmp_path / "new" / "law.fmu"
     pneumatic = ("--set", "actuation.kind=pneumatic", "--set", "vehicle.plant=TwoPartTrainPneumatic")
     with pytest.raises(SystemExit) as end:
-        main(["export", str(SCENARIOS / "library" / "plain.toml"), *pneumatic, "--out", str(made)])
+        main(["export", str(PLAIN), *pneumatic, "--out", str(made)])
     assert end.value.code == 0
     assert capsys.readouterr().out.strip() == str(made)
     described = {v.name: v for v in describe(made).variables.values() if v.causality == "parameter"}

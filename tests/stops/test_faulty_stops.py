@@ -1,4 +1,4 @@
-"""Stops of trains that are broken, or not what was said of them."""
+"""Stops of trains with faults, and of trains whose true data differ from the nominal ones."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def test_valves_stuck_do_what_they_are_called(healthy):
     assert pressure[:, 1].max() < 1e3
     lost = pressure[0, 2] - pressure[-1, 2]
     assert lost == pytest.approx(1e3 * (len(late["time"]) - 1) * 1e-3, rel=0.2)
-    assert stop.trace["demand"].values[-1, 1] > 0.0  # nobody told the controller
+    assert stop.trace["demand"].values[-1, 1] > 0.0  # the controller does not know
     before = slice(0, 2000)
     assert np.array_equal(stop.trace["speed"].values[before], healthy.trace["speed"].values[before])
 
@@ -91,8 +91,10 @@ def test_ideal_actuation_has_the_same_faults_of_valves():
 def test_a_lighter_train_downhill_is_one():
     """Nothing slides on a dry rail: from the same pressures, a = (F - m g i)/m, to the drift of pads and drag."""
     grip = {"adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.5}, "controller": {"kind": "full_brake"}}
-    told, lighter = (run_stop(train(truth=truth, **grip)) for truth in ({"load": 1}, {"load": 0.8, "gradient": -0.01}))
-    a, b = (-stop.trace["acceleration"].values[2500] for stop in (told, lighter))
+    nominal, lighter = (
+        run_stop(train(truth=truth, **grip)) for truth in ({"load": 1}, {"load": 0.8, "gradient": -0.01})
+    )
+    a, b = (-stop.trace["acceleration"].values[2500] for stop in (nominal, lighter))
     mass, rotating = 84e3, (2 * 222 + 2 * 209) / 0.38**2
     assert b == pytest.approx((a * (mass + rotating) - 0.8 * mass * 9.81 * 0.01) / (0.8 * mass + rotating), rel=0.01)
 

@@ -1,10 +1,11 @@
 """Controllers that come as FMUs: the laws of this project, exported and put back, and what does not fit."""
 
 from functools import partial
-from pathlib import Path
 
 import casadi as ca
 import pytest
+from synthetic import LIBRARY
+from table_1 import table_1_scenario
 
 from railgrip.assemble import run_stop
 from railgrip.assemble.export import controller_fmu
@@ -13,11 +14,10 @@ from railgrip.fmus.build import fmu
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import pack
-from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.trace.outcome import Outcome
 
-SCENARIOS = Path(__file__).parents[2] / "harness" / "scenario"
+PLAIN = LIBRARY / "plain.toml"
 SHORT = ("limits.horizon=3 s",)
 
 
@@ -30,17 +30,16 @@ def exported(scenario, folder):
     return pack(controller_fmu(scenario), folder / f"{scenario.name}-{scenario.controller.kind}.fmu")
 
 
-def with_fmu(campaign_stop: str, folder, *overrides: str):
-    """Return a stop of the table, and the same with its controller as an FMU."""
-    own = load_campaign(SCENARIOS / "campaigns" / "table1.toml", SHORT)
-    (one,) = (stop.scenario for stop in own.stops if stop.name == campaign_stop)
-    path = exported(one, folder)
-    foreign = load_campaign(
-        SCENARIOS / "campaigns" / "table1.toml",
-        [*SHORT, "controller.kind=fmu", f"controller.file={path}", *overrides],
-    )
-    (other,) = (stop.scenario for stop in foreign.stops if stop.name == campaign_stop)
-    return one, other
+def with_fmu(name: str, folder, *overrides: str):
+    """Return a stop of Table 1, and the same with its controller as an FMU."""
+    law = table_1_scenario(name, *SHORT)
+    own = f"controller.file={exported(law, folder)}"
+    return law, table_1_scenario(name, *SHORT, "controller.kind=fmu", own, *overrides)
+
+
+def plain_with(path, *overrides: str):
+    """Return the plain scenario with a controller FMU."""
+    return load(PLAIN, ["controller.kind=fmu", f"controller.file={path}", *SHORT, *overrides])
 
 
 @pytest.mark.parametrize("trust", ["true", "false"])
@@ -48,7 +47,7 @@ def with_fmu(campaign_stop: str, folder, *overrides: str):
 def test_a_law_that_went_out_as_an_fmu_brakes_as_before(stop, trust, folder):
     """Same operations in the same order: not a digit differs, in this process or in one of its own, whether the FMU
     gives pressures or, with its valve logic inside, commands."""
-    one, other = (run_stop(asked) for asked in with_fmu(stop, folder, f"controller.trust={trust}"))
+    one, other = (run_stop(scenario) for scenario in with_fmu(stop, folder, f"controller.trust={trust}"))
     assert one.trace["distance"].values.tobytes() == other.trace["distance"].values.tobytes()
     assert one.trace["command"].values.tobytes() == other.trace["command"].values.tobytes()
     assert set(other.fmus) - set(one.fmus) == {f"{stop.split('-')[0]}-{stop.split('-')[2]}.fmu"}
@@ -62,50 +61,40 @@ def test_parameters_of_the_fmu_are_set(folder):
     assert run_stop(gentle).trace["slip"].max() > run_stop(other).trace["slip"].max() + 0.1
 
 
+VALVE_LAW = "random-service-slip_two_state"
+
+
 def test_an_fmu_that_brakes_nothing_is_refused():
     """The contact of the physics library takes slip and gives adhesion: no controller."""
-    path = fmu("ContactPoint")
-    scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", f"controller.file={path}"])
     with pytest.raises(FmuError, match=r"plain: .controller.map.: ContactPoint.fmu gives neither demand nor command"):
-        run_stop(scenario)
+        run_stop(plain_with(fmu("ContactPoint")))
 
 
 def test_valve_commands_want_valves(folder):
-    service = load_campaign(SCENARIOS / "campaigns" / "table1.toml", SHORT)
-    (one,) = (stop.scenario for stop in service.stops if stop.name == "random-service-slip_two_state")
-    path = exported(one, folder)
-    scenario = load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", f"controller.file={path}"])
+    path = exported(table_1_scenario(VALVE_LAW, *SHORT), folder)
     with pytest.raises(FmuError, match=r"commands valves, but .actuation. kind is 'ideal'"):
-        run_stop(scenario)
+        run_stop(plain_with(path))
 
 
 def test_valve_commands_take_no_demand_of_a_driver(folder):
-    _, other = with_fmu(
-        "random-service-slip_two_state", folder, "controller.trust=true", "demand.phases=[{pressure=0}]"
-    )
+    _, other = with_fmu(VALVE_LAW, folder, "controller.trust=true", "demand.phases=[{pressure=0}]")
     with pytest.raises(ScenarioError, match=r"\[demand\] limits the pressures .* commands the valves; leave out"):
         run_stop(other)
 
 
-def test_an_unknown_name_in_the_map_is_refused(folder):
-    path = exported(load(SCENARIOS / "library" / "plain.toml"), folder)
-    scenario = load(
-        SCENARIOS / "library" / "plain.toml",
-        ["controller.kind=fmu", f"controller.file={path}", "controller.map.demnd=demand[{i}]"],
-    )
-    with pytest.raises(FmuError, match="has no signal 'demnd'"):
-        run_stop(scenario)
-
-
 @pytest.mark.parametrize(
-    ("name", "sentence"), [("period", "has no parameter 'period'"), ("rise", "is at least 0, got")]
+    ("override", "sentence"),
+    [
+        ("map.demnd=demand[{i}]", "has no signal 'demnd'"),
+        ("parameters.period=5 ms", "has no parameter 'period'"),
+        ("parameters.rise=-0.1", "is at least 0, got"),
+    ],
 )
-def test_what_an_exported_law_cannot_do_is_refused(name, sentence, folder):
+def test_a_table_that_does_not_fit_an_exported_law_is_refused(override, sentence, folder):
     """The period is that of its step, and none of its parameters is negative."""
-    path = exported(load(SCENARIOS / "library" / "plain.toml"), folder)
-    wrong = [f"controller.file={path}", f"controller.parameters.{name}={'5 ms' if name == 'period' else -0.1}"]
-    with pytest.raises(ValueError, match=sentence):
-        run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *wrong, *SHORT]))
+    path = exported(load(PLAIN), folder)
+    with pytest.raises((FmuError, ValueError), match=sentence):
+        run_stop(plain_with(path, f"controller.{override}"))
 
 
 def lasting(calls: int) -> Discrete:
@@ -129,28 +118,27 @@ def lasting(calls: int) -> Discrete:
 def test_a_controller_that_fails_ends_the_stop_with_its_words(trust, folder):
     """What came before is kept: seven calls that decide, from sample 0 on, and the row of the one that does not."""
     path = pack(sources(lasting(7)), folder / "lasting.fmu")
-    asked = [f"controller.file={path}", f"controller.trust={trust}", "estimator.kind=none", "periods.trace=1 ms"]
-    stop = run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *asked, *SHORT]))
+    stop = run_stop(plain_with(path, f"controller.trust={trust}", "estimator.kind=none", "periods.trace=1 ms"))
     assert stop.outcome is Outcome.CONTROLLER_FAILED
     assert stop.reason.startswith("The controller failed: lasting.fmu: at 0.007 s")
     assert "a state is not a number" in stop.reason
     assert stop.trace["command"].values[:, 0].tolist() == [0.0] + [1e5] * 7
 
 
-def test_the_owner_of_an_isolated_controller_is_told_where_to_trust_it(folder):
-    told: list[str] = []
+def notifications(scenario) -> list[str]:
+    sentences: list[str] = []
+    run_stop(scenario, notify=sentences.append)
+    return sentences
+
+
+def test_the_user_of_an_isolated_controller_learns_where_to_trust_it(folder):
     path = pack(sources(lasting(1)), folder / "lasting.fmu")
-    asked = [f"controller.file={path}", "estimator.kind=none"]
-    run_stop(load(SCENARIOS / "library" / "plain.toml", ["controller.kind=fmu", *asked, *SHORT]), notify=told.append)
-    assert ["set trust = true under [controller]" in sentence for sentence in told] == [True]
+    (sentence,) = notifications(plain_with(path, "estimator.kind=none"))
+    assert "set trust = true under [controller]" in sentence
 
 
-def test_inputs_that_nobody_estimates_are_told(folder):
-    _, other = with_fmu("random-service-slip_two_state", folder)
-    told: list[str] = []
-    run_stop(other, notify=told.append)
-    assert told[0].startswith("random-slip_two_state.fmu: nothing drives its adhesion, pad_friction ([estimator] kind")
+def test_inputs_without_an_estimate_are_notified(folder):
+    _, other = with_fmu(VALVE_LAW, folder)
+    assert "random-slip_two_state.fmu: nothing drives its adhesion, pad_friction" in notifications(other)[0]
     _, other = with_fmu("trapezoid-ideal-adhesion_based", folder, "controller.trust=true")
-    told.clear()
-    run_stop(other, notify=told.append)
-    assert told == []
+    assert notifications(other) == []

@@ -1,4 +1,4 @@
-"""A prediction may come as a Model Exchange FMU of anybody's."""
+"""A prediction may come as a Model Exchange FMU of the user."""
 
 import zipfile
 from pathlib import Path
@@ -39,12 +39,12 @@ def scenario_with(file: Path, *changes: str, trust: bool = True):
     return load(path, ["limits.horizon=2 s", *changes])
 
 
-def estimates(scenario, told: list[str] | None = None) -> np.ndarray:
-    trace = run_stop(scenario, notify=([] if told is None else told).append).trace
+def estimates(scenario, notify: list[str] | None = None) -> np.ndarray:
+    trace = run_stop(scenario, notify=([] if notify is None else notify).append).trace
     return np.concatenate([trace[f"estimate_{name}"].values.ravel() for name in ("speed", "adhesion", "pad_friction")])
 
 
-def test_it_estimates_as_the_prediction_that_it_is(tmp_path: Path):
+def test_a_prediction_fmu_of_the_user_estimates_as_the_recipe_does(tmp_path: Path):
     """Gate and start come from the train's nominal data, which are those of the class: rounding, over 2000 steps."""
     ours = load(Path("trapezoid"), ["limits.horizon=2 s"])
     mine = scenario_with(own(tmp_path))
@@ -59,10 +59,10 @@ def test_a_parameter_of_its_own_may_be_changed(tmp_path: Path):
 
 
 def test_without_directional_derivatives_it_takes_differences_and_says_so(tmp_path: Path):
-    told: list[str] = []
+    sentences: list[str] = []
     without = own(tmp_path, ('providesDirectionalDerivative="true"', ""))
-    differences = estimates(scenario_with(without), told)
-    assert told == [
+    differences = estimates(scenario_with(without), sentences)
+    assert sentences == [
         "[estimator]: MineTrainPrediction.fmu offers no directional derivatives; the filter takes central differences"
     ]
     # Central differences keep two thirds of the digits of a Jacobian; the filter is stable.
@@ -85,6 +85,6 @@ def test_its_code_runs_only_where_the_scenario_says_so(tmp_path: Path):
         ),
     ],
 )
-def test_what_it_lacks_is_told(tmp_path: Path, edits, sentence):
+def test_a_prediction_fmu_with_other_variables_is_refused(tmp_path: Path, edits, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         run_stop(scenario_with(own(tmp_path, *edits)))

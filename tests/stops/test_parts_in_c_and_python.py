@@ -1,24 +1,21 @@
 """Plants, filters and laws that the loop calls in C, against the same that it returns to Python for: the same stop."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from python_parts import hidden, same_stop
+from synthetic import LIBRARY
+from table_1 import table_1_scenario
 
 from railgrip.assemble import assembled, braking_distance, run_stop
 from railgrip.fmus.build import fmu
 from railgrip.loop.loop import Loop
-from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.outcome import Outcome
 
-LIBRARY = Path(__file__).parents[2] / "harness" / "scenario" / "library"
 WITHOUT = ("estimator.kind=none",)
 SHORT = ("limits.horizon=4 s",)
-CAMPAIGNS = LIBRARY.parent / "campaigns"
 
 
 def stop_of(scenario: str, *overrides: str):
@@ -41,18 +38,12 @@ def test_laws_with_ideal_parts(controller, others):
 
 @pytest.mark.parametrize("controller", ["slip_three_state", "adhesion_literal", "slope_seeking"])
 def test_laws_with_valves_and_service_sensors(controller):
-    stops = load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
-    (question,) = (stop.scenario for stop in stops if stop.name == f"random-service-{controller}")
-    same_stop(question)
+    same_stop(table_1_scenario(f"random-service-{controller}", *SHORT))
 
 
 def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
     """The law must know of it: it follows the other wheelsets then."""
-    (question,) = (
-        stop.scenario
-        for stop in load_campaign(CAMPAIGNS / "table1.toml", SHORT).stops
-        if stop.name == "random-service-slope_seeking"
-    )
+    scenario = table_1_scenario("random-service-slope_seeking")
     changes = {
         "estimator": {"model": "TrainPredictionDisturbed", "outlier_limit": {"speed": 4.0}, "load_deviation": "10 %"},
         "faults": [
@@ -61,8 +52,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
         ],
         "limits": {"horizon": "7 s"},
     }
-    question = Scenario.model_validate(merged(question.resolved(), changes))
-    one = same_stop(question)
+    one = same_stop(Scenario.model_validate(merged(scenario.resolved(), changes)))
     # What the radar shows from 4 s on is believed until it cannot be.
     speed = one.trace["speed"].values
     assert np.nanmax(one.trace["reading_speed"].values - speed) > 1.0
@@ -71,11 +61,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
 
 def test_wheels_that_stand_in_for_a_silent_radar():
     """On a falling track, which the filter does not know: what it takes for its speed drifts."""
-    (question,) = (
-        stop.scenario
-        for stop in load_campaign(CAMPAIGNS / "table1.toml").stops
-        if stop.name == "random-service-slope_seeking"
-    )
+    scenario = table_1_scenario("random-service-slope_seeking")
     changes = {
         "estimator": {"model": "TrainPredictionDisturbed"},
         "faults": [
@@ -86,7 +72,7 @@ def test_wheels_that_stand_in_for_a_silent_radar():
         "adhesion": {"kind": "constant", "polach": "low_steep", "mu0": 0.04},
         "limits": {"horizon": "30 s"},
     }
-    alone = Scenario.model_validate(merged(question.resolved(), changes))
+    alone = Scenario.model_validate(merged(scenario.resolved(), changes))
     helped = Scenario.model_validate(merged(alone.resolved(), {"estimator": {"free_wheels": True}}))
     one = same_stop(helped)
 
