@@ -54,12 +54,12 @@ report: simulate  ## the same with the panels of every stop
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) conditioning harness/scenario/campaigns/table1.toml
 
-headlines: conditioning  ## all numbers of the table anew, into baselines and README: make headlines REASON='…'
+headlines: conditioning  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
 	-$(PROGRAM) regress
 	$(PROGRAM) accept --reason '$(REASON)'
 	$(PROGRAM) readme
 
-readme: $(READY)  ## write the accepted braking distances into README's table
+readme: $(READY)  ## write the accepted braking distances into docs/validation.md
 	$(PROGRAM) readme
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines

@@ -312,19 +312,19 @@ def _others(path: Path, optima: "Mapping[tuple[str, SlipSource], Optimum]") -> s
 
 @app.command()
 def readme(
-    path: Annotated[Path, typer.Option("--readme", help="The file with the table.")] = Path("README.md"),
+    page: Annotated[Path, typer.Option(help="The file with the table.")] = Path("docs/validation.md"),
     baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
 ) -> None:
-    """Write the accepted braking distances into README's table."""
+    """Write the accepted braking distances into the table of docs/validation.md."""
     from railgrip.report.baseline import load_baseline
-    from railgrip.report.readme import write_readme
+    from railgrip.report.validation import write_table
     from railgrip.scenario.campaign import load_campaign
 
     accepted = load_baseline(baseline)
     if accepted.campaign is None:
         raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")
-    write_readme(path, load_campaign(baseline.parent / accepted.campaign), accepted)
-    say(str(path))
+    write_table(page, load_campaign(baseline.parent / accepted.campaign), accepted)
+    say(str(page))
 
 
 def _run_campaigns(

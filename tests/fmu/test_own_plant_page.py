@@ -1,4 +1,4 @@
-"""What the README prints about a plant of one's own works as printed."""
+"""The examples of docs/how_to/own_plant.md run as printed."""
 
 import json
 import re
@@ -13,7 +13,7 @@ from railgrip.cli.main import main
 from railgrip.fmu import Signal, bind, describe
 
 ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/how_to/own_plant.md").read_text(encoding="utf-8")
 
 HEAD = """
 name = "mine"
@@ -30,10 +30,10 @@ THEIRS = (
 
 @pytest.fixture
 def printed() -> str:
-    """The README's example of a mapping, as a reader copies it."""
-    block = re.search(r"^    \[vehicle\]\n(?:    .*\n|\n)+", README, re.MULTILINE)
+    """Return the page's example of a mapping."""
+    block = re.search(r"^```toml\n(\[vehicle\]\n.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
     assert block
-    return re.sub(r"^    ", "", block[0], flags=re.MULTILINE)
+    return block[1]
 
 
 def test_the_mapping_says_what_it_seems_to_say(printed: str, foundry: Path):
@@ -72,10 +72,10 @@ def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, 
 
 
 def test_the_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Those that stop a train; at 20 km/h, to be short. What builds is under test with the builder."""
+    """Those that run a stop, from 20 km/h to save time. tests/fmus has the tests of `railgrip build`."""
     monkeypatch.chdir(ROOT)
-    commands = re.findall(r"^    \.venv/bin/railgrip (run .*)$", README, re.MULTILINE)
-    assert len(commands) == 3
+    commands = re.findall(r"^\.venv/bin/railgrip (run .*)$", PAGE, re.MULTILINE)
+    assert len(commands) == 2
     for k, command in enumerate(commands):
         folder = tmp_path / str(k)
         with pytest.raises(SystemExit) as end:

@@ -1,4 +1,4 @@
-"""README's table says what is accepted, and nothing else."""
+"""The table of docs/validation.md has the accepted distances and no others."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import pytest
 
 from railgrip.errors import RecordError
 from railgrip.report.baseline import Accepted, Baseline, load_baseline
-from railgrip.report.readme import BEGIN, END, table, write_readme
+from railgrip.report.validation import BEGIN, END, table, write_table
 from railgrip.scenario.campaign import load_campaign
 
 ROOT = Path(__file__).parents[2]
@@ -31,11 +31,11 @@ source = "a book"
 """
 
 
-def test_the_table_of_readme_is_the_accepted_one():
-    """`make readme` writes it; whoever moves a baseline without it is told here."""
+def test_the_table_of_the_page_is_the_accepted_one():
+    """Fails if a baseline was accepted without `make readme`, which writes the table."""
     baseline = load_baseline(BASELINE)
     campaign = load_campaign(BASELINE.parent / baseline.campaign)
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/validation.md").read_text(encoding="utf-8")
     assert f"{BEGIN}\n{table(campaign, baseline)}\n{END}" in text
 
 
@@ -82,12 +82,12 @@ def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ran
 
 
 def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, baseline):
-    path = tmp_path / "README.md"
+    path = tmp_path / "validation.md"
     path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
-    write_readme(path, campaign, baseline)
+    write_table(path, campaign, baseline)
     assert path.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{table(campaign, baseline)}\n{END}\nafter\n"
     path.write_text("no marks\n", encoding="utf-8")
-    with pytest.raises(RecordError, match=r"README\.md: lacks a line that encloses the table"):
-        write_readme(path, campaign, baseline)
+    with pytest.raises(RecordError, match=r"validation\.md: lacks a line that encloses the table"):
+        write_table(path, campaign, baseline)
     with pytest.raises(RecordError, match="cannot be read: No such file"):
-        write_readme(tmp_path / "gone.md", campaign, baseline)
+        write_table(tmp_path / "gone.md", campaign, baseline)

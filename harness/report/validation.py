@@ -1,4 +1,4 @@
-"""The table of braking distances in README.md, written from the accepted distances so that both agree."""
+"""The table of braking distances in docs/validation.md, written from the accepted distances so that both agree."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -72,7 +72,7 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
 
 
-def write_readme(path: Path, campaign: Campaign, baseline: Baseline) -> None:
+def write_table(path: Path, campaign: Campaign, baseline: Baseline) -> None:
     """Write the table between the two marks.
 
     Raises:
