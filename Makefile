@@ -8,7 +8,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
-        mutants test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains clean
+        mutants test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -148,6 +148,10 @@ learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, tr
 
 k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the controller beside it, build/k_factors (minutes)
 	$(PROGRAM) study k_factors vt642 --loop
+
+# Both notices concern later releases of the tools, whose bounds are in pyproject.toml.
+docs: $(DEV)  ## the documentation as a site, build/site/index.html
+	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(RUN) -m mkdocs build --strict
 
 clean:  ## remove what was built (not .venv)
 	rm -rf build

@@ -71,14 +71,25 @@ def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, 
     assert json.loads((tmp_path / "build/runs/mine/stop.json").read_text())["outcome"] == "standstill"
 
 
-def test_the_commands_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize(
+    ("page", "count", "changes"),
+    [
+        ("README.md", 1, ("--set", "start.speed=20 km/h")),
+        ("docs/how_to/own_plant.md", 2, ("--set", "start.speed=20 km/h")),
+        ("docs/how_to/driver_demand.md", 2, ()),
+    ],
+)
+def test_the_commands_run(
+    page: str, count: int, changes: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     """Those that run a stop, from 20 km/h to save time. tests/fmus has the tests of `railgrip build`."""
     monkeypatch.chdir(ROOT)
-    commands = re.findall(r"^\.venv/bin/railgrip (run .*)$", PAGE, re.MULTILINE)
-    assert len(commands) == 2
+    text = (ROOT / page).read_text(encoding="utf-8")
+    commands = re.findall(r"^\.venv/bin/railgrip (run .*)$", text, re.MULTILINE)
+    assert len(commands) == count
     for k, command in enumerate(commands):
         folder = tmp_path / str(k)
         with pytest.raises(SystemExit) as end:
-            main([*shlex.split(command), "--set", "start.speed=20 km/h", "--out", str(folder)])
+            main([*shlex.split(command), *changes, "--out", str(folder)])
         assert (end.value.code or 0) == 0
         assert json.loads((folder / "stop.json").read_text())["outcome"] == "standstill"

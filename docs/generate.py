@@ -1,0 +1,361 @@
+"""Write the reference pages from the code; mkdocs-gen-files runs this script during `make docs`."""
+
+import inspect
+import io
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+import mkdocs_gen_files
+import numpy as np
+import typer
+from annotated_types import Ge, Gt, Le, Lt
+from matplotlib.figure import Figure
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+import railgrip
+from railgrip import registry, signals
+from railgrip.assemble.contact import compiled_contact
+from railgrip.assemble.files import lowered
+from railgrip.cli.main import app
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.kinds import ByKind
+from railgrip.scenario.polach import Polach
+from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.table import ONE_OR_EACH
+from railgrip.trace.metrics import meanings
+
+TYPES = {float: "number", int: "integer", str: "text", bool: "true or false", NamedFile: "path", Any: "any"}
+
+
+def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    cells = ([cell.replace("|", "\\|").replace("\n", " ") for cell in row] for row in rows)
+    lines = [head, ["---"] * len(head), *cells]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def write(page: str, title: str, *paragraphs: str) -> None:
+    with mkdocs_gen_files.open(f"reference/{page}.md", "w") as file:
+        file.write("\n\n".join([f"# {title}", *paragraphs]) + "\n")
+
+
+def first_line(documented: object) -> str:
+    return (inspect.getdoc(documented) or "").partition("\n")[0]
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Scenario file
+
+
+@dataclass
+class Key:
+    """The type of a key, collected from its annotation.
+
+    Attributes:
+        types: In words.
+        units: SI units.
+        limits: In words.
+        tables: Models with the keys below this one, by the text of the kind that selects each, "" without a kind.
+    """
+
+    types: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    limits: list[str] = field(default_factory=list)
+    tables: dict[str, type[BaseModel]] = field(default_factory=dict)
+
+
+def key_of(annotation: Any, metadata: Sequence[Any]) -> Key:
+    key = Key()
+    collect(key, annotation, metadata)
+    return key
+
+
+def collect(key: Key, annotation: Any, metadata: Sequence[Any], plural: str = "") -> None:
+    """Add what an annotation and its metadata say to a key; `plural` is "list of " inside of a list."""
+    for entry in flat(metadata):
+        if isinstance(entry, ByKind):
+            key.tables |= tables_by_kind(entry)
+            key.types.append(f"{plural}table")
+            return
+        if isinstance(entry, Unit):
+            key.units.append(entry.unit)
+            key.limits.append(range_of(entry))
+    bounds = [bound_of(entry) for entry in flat(metadata)]
+    key.limits.append(", ".join(bound for bound in bounds if bound))
+    origin, arguments = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        collect(key, arguments[0], arguments[1:], plural)
+    elif origin in (Union, UnionType):
+        for argument in arguments:
+            collect(key, argument, (), plural)
+    elif origin is tuple:
+        if ONE_OR_EACH in metadata:
+            collect(key, arguments[0], (), plural)
+        collect(key, arguments[0], (), "list of ")
+    elif origin is Literal:
+        key.types.append(plural + ", ".join(f"`{argument}`" for argument in arguments))
+    elif origin is dict:
+        key.types.append("table of parameters" if arguments[1] is Magnitude else "table")
+    elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        key.types.append(f"{plural}table")
+        kinds = get_args(annotation.model_fields["kind"].annotation) if "kind" in annotation.model_fields else ()
+        key.tables[", ".join(map(str, kinds))] = annotation
+    elif isinstance(annotation, type) and issubclass(annotation, Magnitude):
+        key.types.append(f"{plural}number with its unit")
+    elif annotation is not NoneType:
+        key.types.append(plural + TYPES[annotation])
+
+
+def flat(metadata: Iterable[Any]) -> Iterator[Any]:
+    for entry in metadata:
+        yield from entry.metadata if isinstance(entry, FieldInfo) else (entry,)
+
+
+def tables_by_kind(by_kind: ByKind) -> dict[str, type[BaseModel]]:
+    kinds: dict[type[BaseModel], list[str]] = {}
+    for kind, table in by_kind.ours().items():
+        kinds.setdefault(table, []).append(kind)
+    if by_kind.role:
+        kinds.setdefault(by_kind.own, []).append("module:Class")
+    return {", ".join(names): table for table, names in kinds.items()}
+
+
+def range_of(unit: Unit) -> str:
+    range_ = unit.range
+    limits = {">": range_.above, "≥": range_.at_least, "<": range_.below, "≤": range_.at_most}
+    return ", ".join(f"{sign} {limit:g}" for sign, limit in limits.items() if limit is not None)
+
+
+def bound_of(entry: Any) -> str:
+    match entry:
+        case Gt(gt=limit):
+            return f"> {limit}"
+        case Ge(ge=limit):
+            return f"≥ {limit}"
+        case Lt(lt=limit):
+            return f"< {limit}"
+        case Le(le=limit):
+            return f"≤ {limit}"
+    return ""
+
+
+def default_of(field_: FieldInfo) -> str:
+    if field_.is_required():
+        return "required"
+    match field_.get_default(call_default_factory=True, validated_data={}):
+        case None | "" | () | {}:
+            return "none"
+        case BaseModel():
+            return "as described below"
+        case bool() as flag:
+            return f"`{str(flag).lower()}`"
+        case Magnitude() as magnitude:
+            return f"`{magnitude.entry}`"
+        case value:
+            return f"`{value}`"
+
+
+def joined(texts: Iterable[str], separator: str = " or ") -> str:
+    return separator.join(dict.fromkeys(text for text in texts if text))
+
+
+class ScenarioPage:
+    """The tables of the scenario file, each model described once."""
+
+    def __init__(self) -> None:
+        self.sections: list[str] = []
+        self.anchors: dict[type[BaseModel], tuple[str, str]] = {}
+
+    def add(self, name: str, kind: str, model: type[BaseModel]) -> None:
+        title = f"[{name}]" if name else "Keys outside of tables"
+        title += f", kind {kind}" if kind else ""
+        anchor = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
+        self.anchors[model] = (title, anchor)
+        below: list[tuple[str, str, type[BaseModel]]] = []
+        rows: list[list[str]] = []
+        place = len(self.sections)
+        self.sections.append("")
+        for key, field_ in model.model_fields.items():
+            described = key_of(field_.annotation, field_.metadata)
+            path = f"{name}.{key}" if name else key
+            new = [(path, kind_, table) for kind_, table in described.tables.items() if table not in self.anchors]
+            below += [entry for entry in new if entry[2] not in [table for *_, table in below]]
+            rows.append(self.row(key, field_, described, kind))
+        for entry in below:
+            if entry[2] not in self.anchors:
+                self.add(*entry)
+        for row in rows:
+            row[-1] = self.with_links(row[-1])
+        intro = first_line(model) if name else ""
+        head = ("key", "type", "SI unit", "range", "default", "meaning")
+        self.sections[place] = f"## {title} {{ #{anchor} }}\n\n{intro}\n\n{markdown_table(head, rows)}"
+
+    def row(self, key: str, field_: FieldInfo, described: Key, kind: str) -> list[str]:
+        models = list(dict.fromkeys(described.tables.values()))
+        meaning = field_.description or (first_line(models[0]) if len(models) == 1 else "")
+        links = "".join(f"\0{model.__module__}.{model.__qualname__}\0" for model in models)
+        types = joined(described.types)
+        if key == "kind" and kind:
+            types = ", ".join(f"`{name}`" for name in kind.split(", "))
+        unit = joined(described.units)
+        return [
+            f"`{key}`", types, "" if unit == "1" else unit, joined(described.limits), default_of(field_),
+            f"{meaning} {links}".strip(),
+        ]  # fmt: skip
+
+    def with_links(self, meaning: str) -> str:
+        by_name = {f"{model.__module__}.{model.__qualname__}": place for model, place in self.anchors.items()}
+        text = meaning.partition("\0")[0].strip()
+        links = [by_name[name] for name in meaning.split("\0")[1::2]]
+        shown = ", ".join(f"[{title.replace('[', '').replace(']', '')}](#{anchor})" for title, anchor in links)
+        return text + (f" → {shown}" if shown else "")
+
+
+def scenario_page() -> None:
+    page = ScenarioPage()
+    page.add("", "", Scenario)
+    write(
+        "scenario",
+        "Scenario file",
+        "A scenario is a TOML file that decides everything about a stop, including the seed of its random numbers. "
+        'A quantity is a text with a unit (`"80 km/h"`, `"3.4 bar"`) or a number in the SI unit of its key. Unknown '
+        "keys are refused. No physical value has a default.",
+        *page.sections,
+    )
+
+
+# ---------------------------------------------------------------------------------------------------------------------
+# Signals, metrics, commands, Python, creep curves
+
+SIGNALS = {
+    "Plant outputs": signals.PLANT,
+    "Further plant outputs": signals.EXTRA,
+    "Plant inputs": signals.SENT,
+    "Plant inputs on a rail with several creep curves": signals.CURVE,
+    "Controller": signals.DEMANDED,
+    "Driver": (*signals.DRIVEN, *signals.TRACTION),
+    "Readings": signals.READINGS,
+    "Further readings": signals.EXTRA_READINGS,
+    "Estimates": signals.ESTIMATES,
+    "Reference speed without radar": signals.REFERENCE,
+}
+
+
+def signals_page() -> None:
+    sections = [
+        f"## {title}\n\n"
+        + markdown_table(
+            ("signal", "one value per", "unit", "meaning"),
+            ([f"`{signal.name}`", signal.extent, signal.unit, signal.meaning] for signal in group),
+        )
+        for title, group in SIGNALS.items()
+    ]
+    write(
+        "signals",
+        "Signals",
+        "Variables of a trace: `stop.trace` in Python, `trace.nc` on disk. Plant outputs are the simulated truth, "
+        "readings come from the sensors, and estimates from the estimator.",
+        *sections,
+    )
+
+
+def metrics_page() -> None:
+    rows = ([f"`{name}`", unit, meaning] for name, (unit, meaning) in meanings().items())
+    write(
+        "metrics",
+        "Metrics",
+        "Figures of a stop: `stop.metrics` in Python, `stop.json` on disk. Values of wheelsets or groups are listed "
+        "from the leading one to the trailing one. A figure that does not exist is NaN or `None`, in JSON `null`.",
+        markdown_table(("metric", "unit", "definition"), rows),
+    )
+
+
+def commands_page() -> None:
+    group = typer.main.get_command(app)
+    context = group.make_context("railgrip", ["--help"], resilient_parsing=True)
+    sections: list[str] = []
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        within = command.make_context(f"railgrip {name}", [], resilient_parsing=True, max_content_width=100)
+        sections.append(f"## railgrip {name}\n\n```text\n{command.get_help(within)}\n```")
+    write(
+        "commands",
+        "Command line",
+        "A command ends with exit code 0 if it has a result, 2 if its input is wrong, and 3 if a run failed.",
+        *sections,
+    )
+
+
+def python_page() -> None:
+    sections: list[str] = []
+    for name in railgrip.__all__:
+        offered = getattr(railgrip, name)
+        identifier = offered.__name__ if inspect.ismodule(offered) else f"{offered.__module__}.{offered.__qualname__}"
+        sections.append(f"::: {identifier}\n    options:\n      heading_level: 2\n")
+    write(
+        "python",
+        "Python interface",
+        "Everything below is available as `railgrip.NAME`. [Use railgrip from Python](../api.md) shows how the parts "
+        "work together.",
+        *sections,
+    )
+
+
+SPEED, LOAD = 80 / 3.6, 5e4
+"""Of the plotted curves: train speed [m/s] and load of a wheel [N]."""
+
+
+def creep_curves() -> Iterator[tuple[str, str, Mapping[str, float], np.ndarray]]:
+    """Yield name, source, Polach's numbers and adhesion over mu0 at `SLIPS` of each named creep curve."""
+    for name, path in registry.files(registry.CREEP_CURVES).items():
+        curve = Polach.model_validate(name)
+        shape = curve.plant_parameters()
+        contact = compiled_contact(lowered("RailBraking.FMUs.ContactPoint"), {}, shape)
+        adhesion = contact(SLIPS, np.full_like(SLIPS, SPEED), np.full_like(SLIPS, LOAD), np.full_like(SLIPS, MU0))
+        yield name, tomllib.loads(path.read_text(encoding="utf-8"))["source"], shape, adhesion / MU0
+
+
+SLIPS = np.geomspace(1e-4, 1.0, 400)
+MU0 = 0.1
+
+
+def creep_curves_page() -> None:
+    figure = Figure(figsize=(8, 4.5), layout="constrained")
+    axes = figure.subplots()
+    rows: list[list[str]] = []
+    for number, (name, source, shape, ratio) in enumerate(creep_curves()):
+        axes.semilogx(100 * SLIPS, ratio, label=name, linestyle=("-", "--")[number // 10])
+        peak = int(np.argmax(ratio))
+        numbers = [f"{value:g}" for value in shape.values()]
+        rows.append([f"`{name}`", *numbers, f"{100 * SLIPS[peak]:.2g} %", f"{ratio[peak]:.2f}", source])
+    axes.set(xlabel="slip [%]", ylabel="adhesion / mu0", xlim=(0.01, 100), ylim=(0, 1))
+    axes.grid(alpha=0.3)
+    figure.legend(loc="outside right center", fontsize="small")
+    picture = io.StringIO()
+    figure.savefig(picture, format="svg")
+    with mkdocs_gen_files.open("reference/creep_curves.svg", "w") as file:
+        file.write(picture.getvalue())
+    write(
+        "creep_curves",
+        "Creep curves",
+        'Named sets of the parameters of Polach (Wear 258 (2005) 992): `polach = "leaf"` in `[adhesion]`. `k_A` and '
+        "`k_S` reduce the slope in the areas of adhesion and slip, `A` is friction at infinite slip speed over maximum "
+        "friction, and `B` [s/m] is the decay of friction with slip speed.",
+        "![Adhesion over maximum friction against slip](creep_curves.svg)",
+        f"The figure and the columns on the peak are for {3.6 * SPEED:.0f} km/h, a wheel load of {LOAD / 1e3:.0f} kN "
+        f"and `mu0` = {MU0}.",
+        markdown_table(("name", "k_A", "k_S", "A", "B", "slip at the peak", "peak / mu0", "source"), rows),
+    )
+
+
+scenario_page()
+signals_page()
+metrics_page()
+commands_page()
+python_page()
+creep_curves_page()

@@ -1,0 +1,101 @@
+"""The documentation builds without warnings, loads nothing from the network, and describes what the code has."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+import railgrip
+from railgrip import registry
+from railgrip.cli.main import app
+from railgrip.signals import ESTIMATES, EXTRA, PLANT, READINGS, SENT
+from railgrip.trace.metrics import meanings
+
+ROOT = Path(__file__).parents[2]
+FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
+"""Tables whose keys are names of parameters, variables, creep curves or signals."""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the site with all proxies set to a closed port."""
+    folder = tmp_path_factory.mktemp("site")
+    proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
+    done = subprocess.run(
+        [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)],
+        cwd=ROOT,
+        env=os.environ | proxies | {"DISABLE_MKDOCS_2_WARNING": "true"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+class _Page(HTMLParser):
+    """What a page loads, and its inline code."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.loaded: list[str] = []
+        self.code: set[str] = set()
+        self._in_code = False
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        address = values.get("href") if tag == "link" else values.get("src")
+        if address:
+            self.loaded.append(address)
+        self._in_code = tag == "code"
+
+    def handle_data(self, data: str) -> None:
+        if self._in_code:
+            self.code.add(data)
+            self._in_code = False
+
+
+def test_no_page_loads_anything_from_elsewhere(site: Path):
+    pages = [path for path in site.rglob("*.html") if "examples" not in path.parts]
+    assert len(pages) > 20
+    addresses = {address for page in pages for address in _Page(page).loaded}
+    assert any(address.endswith(".css") for address in addresses)
+    assert not [address for address in addresses if re.match(r"(https?:)?//", address)]
+
+
+def keys_of(table: Mapping[str, Any]) -> Iterator[str]:
+    for key, value in table.items():
+        yield key
+        for entry in value if isinstance(value, list) else [value]:
+            if isinstance(entry, dict) and key not in FREE:
+                yield from keys_of(entry)
+
+
+def test_every_key_of_the_scenarios_of_the_library_is_described(site: Path):
+    described = _Page(site / "reference/scenario.html").code
+    for path in sorted((ROOT / "harness/scenario/library").glob("*.toml")):
+        keys = set(keys_of(tomllib.loads(path.read_text(encoding="utf-8"))))
+        assert keys <= described, path.name
+
+
+def test_every_signal_metric_curve_and_command_is_described(site: Path):
+    signals = {signal.name for signal in (*PLANT, *EXTRA, *SENT, *READINGS, *ESTIMATES)}
+    assert signals <= _Page(site / "reference/signals.html").code
+    assert meanings().keys() <= _Page(site / "reference/metrics.html").code
+    assert registry.files(registry.CREEP_CURVES).keys() <= _Page(site / "reference/creep_curves.html").code
+    commands = (site / "reference/commands.html").read_text(encoding="utf-8")
+    assert not [name for name in typer.main.get_command(app).commands if f'id="railgrip-{name}"' not in commands]
+
+
+def test_every_name_of_the_python_interface_is_described(site: Path):
+    page = (site / "reference/python.html").read_text(encoding="utf-8")
+    assert not [name for name in railgrip.__all__ if not re.search(rf'id="railgrip\.([a-z_.]+\.)?{name}"', page)]
