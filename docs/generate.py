@@ -212,7 +212,9 @@ class ScenarioPage:
         by_name = {f"{model.__module__}.{model.__qualname__}": place for model, place in self.anchors.items()}
         text = meaning.partition("\0")[0].strip()
         links = [by_name[name] for name in meaning.split("\0")[1::2]]
-        shown = ", ".join(f"[{title.replace('[', '').replace(']', '')}](#{anchor})" for title, anchor in links)
+        # A class of one's own has the same keys in several tables: the link says its kind, not its first table.
+        names = [(title.partition(", ")[2] or title.strip("[]"), anchor) for title, anchor in links]
+        shown = "; ".join(f"[{name}](#{anchor})" for name, anchor in names)
         return text + (f" → {shown}" if shown else "")
 
 
@@ -306,8 +308,8 @@ def python_page() -> None:
     )
 
 
-SPEED, LOAD = 80 / 3.6, 5e4
-"""Of the plotted curves: train speed [m/s] and load of a wheel [N]."""
+SPEED, LOAD = 80 / 3.6, 1e5
+"""Of the plotted curves: train speed [m/s] and load of a wheelset [N]."""
 
 
 def creep_curves() -> Iterator[tuple[str, str, Mapping[str, float], np.ndarray]]:
@@ -347,7 +349,7 @@ def creep_curves_page() -> None:
         "`k_S` reduce the slope in the areas of adhesion and slip, `A` is friction at infinite slip speed over maximum "
         "friction, and `B` [s/m] is the decay of friction with slip speed.",
         "![Adhesion over maximum friction against slip](creep_curves.svg)",
-        f"The figure and the columns on the peak are for {3.6 * SPEED:.0f} km/h, a wheel load of {LOAD / 1e3:.0f} kN "
+        f"The figure and the columns on the peak are for {3.6 * SPEED:.0f} km/h, a wheelset load of {LOAD / 1e3:.0f} kN "
         f"and `mu0` = {MU0}.",
         markdown_table(("name", "k_A", "k_S", "A", "B", "slip at the peak", "peak / mu0", "source"), rows),
     )

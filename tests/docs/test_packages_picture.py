@@ -1,0 +1,18 @@
+"""docs/packages.svg has the layers of .importlinter."""
+
+import runpy
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_the_picture_of_the_packages_is_up_to_date():
+    """Fails until `.venv/bin/python docs/packages.py` has written the picture anew."""
+    script = runpy.run_path(str(ROOT / "docs/packages.py"))
+    assert script["PICTURE"].read_text(encoding="utf-8") == script["svg"]()
+
+
+def test_every_package_has_a_box_with_its_purpose():
+    script = runpy.run_path(str(ROOT / "docs/packages.py"))
+    names = [name for layer in script["layers"]() for name in layer]
+    assert sorted(names) == sorted(script["PURPOSE"])
