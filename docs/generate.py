@@ -349,8 +349,8 @@ def creep_curves_page() -> None:
         "`k_S` reduce the slope in the areas of adhesion and slip, `A` is friction at infinite slip speed over maximum "
         "friction, and `B` [s/m] is the decay of friction with slip speed.",
         "![Adhesion over maximum friction against slip](creep_curves.svg)",
-        f"The figure and the columns on the peak are for {3.6 * SPEED:.0f} km/h, a wheelset load of {LOAD / 1e3:.0f} kN "
-        f"and `mu0` = {MU0}.",
+        f"The figure and the columns on the peak are for {3.6 * SPEED:.0f} km/h, a wheelset load of "
+        f"{LOAD / 1e3:.0f} kN and `mu0` = {MU0}.",
         markdown_table(("name", "k_A", "k_S", "A", "B", "slip at the peak", "peak / mu0", "source"), rows),
     )
 
