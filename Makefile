@@ -52,30 +52,30 @@ report: simulate  ## the same with the panels of every stop
 	$(PROGRAM) report build/shapes
 
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
-	$(PROGRAM) conditioning harness/scenario/campaigns/table1.toml
+	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
 
 headlines: conditioning  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
-	-$(PROGRAM) regress
-	$(PROGRAM) accept --reason '$(REASON)'
-	$(PROGRAM) readme
+	-$(PROGRAM) maintain regress
+	$(PROGRAM) maintain accept --reason '$(REASON)'
+	$(PROGRAM) maintain readme
 
 readme: $(READY)  ## write the accepted braking distances into docs/validation.md
-	$(PROGRAM) readme
+	$(PROGRAM) maintain readme
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
-	$(PROGRAM) regress
+	$(PROGRAM) maintain regress
 
 mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (an hour; STOPS='sine_sweep-*')
 	$(RUN) tests/mutants.py $(if $(STOPS),--stops '$(STOPS)')
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
-	$(PROGRAM) accept --reason '$(REASON)'
+	$(PROGRAM) maintain accept --reason '$(REASON)'
 
 calibrate: fmus  ## fit the levels of the scenarios to the published distances of slip-based control (minutes)
-	$(PROGRAM) calibrate
+	$(PROGRAM) maintain calibrate
 
 tune-control: fmus  ## search the parameters of slip- and adhesion-based control on rails kept for that (an hour)
-	$(PROGRAM) tune-control
+	$(PROGRAM) maintain tune-control
 
 type-test: fmus  ## all controllers in hundreds of cases that none was tuned on, build/type_test (an hour; QUICK=--quick)
 	$(PROGRAM) study type_test $(QUICK)
@@ -84,14 +84,14 @@ trains: $(READY)  ## trains of this project against published stops, UIC 540 and
 	$(PROGRAM) study trains $(QUICK)
 
 bench: fmus  ## speed, as medians and ratios in one run
-	$(PROGRAM) bench
+	$(PROGRAM) maintain bench
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones
 	@$(MAKE) --no-print-directory --jobs 2 suite kept
 
 kept: check
-	$(PROGRAM) regress --workers 1
+	$(PROGRAM) maintain regress --workers 1
 
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 suite: $(DEV)
@@ -104,7 +104,7 @@ test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must
 # What else its stops and figures rest on is built when it is asked for.
 regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with tests/baselines, to 0.5 %
 	@command -v omc >/dev/null || { echo "regress-omc needs OpenModelica's omc on the PATH"; exit 2; }
-	$(PROGRAM) regress --across-compilers --out build/regress-omc
+	$(PROGRAM) maintain regress --across-compilers --out build/regress-omc
 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(PROGRAM) study pad_monitor
@@ -137,8 +137,8 @@ estimate: $(READY)  ## adhesion and pad friction from recordings: the papers' fi
 	$(PROGRAM) study field_test
 
 tune: $(READY)  ## find the noises of the field test's filter anew, minutes; harness/studies/field_test/library
-	$(PROGRAM) tune paper --out harness/studies/field_test/library/paper.toml
-	$(PROGRAM) tune consistent --out harness/studies/field_test/library/consistent.toml
+	$(PROGRAM) maintain tune paper --out harness/studies/field_test/library/paper.toml
+	$(PROGRAM) maintain tune consistent --out harness/studies/field_test/library/consistent.toml
 
 lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
 	$(PROGRAM) study lateral

@@ -192,7 +192,7 @@ class GroupLaw(Law):
         description: One line.
         tuning: Type of its parameters.
         sets_of: Kind of the law whose sets it takes; "" for its own.
-        ranges: Where `railgrip tune-control` searches.
+        ranges: Where `railgrip maintain tune-control` searches.
         entries: In the type test, by the name there.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """

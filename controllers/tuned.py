@@ -14,7 +14,7 @@ SlipSource = Literal["read", "estimated"]
 """How a law knows the slip: from readings alone, or from an estimator."""
 
 SEARCHED = "searched"
-"""Name of the set that `railgrip tune-control` writes on the training rails."""
+"""Name of the set that `railgrip maintain tune-control` writes on the training rails."""
 
 TYPE_TEST = "type_test"
 """Name of that from the training cases of the type test, of laws whose other set the tables of the papers hang on."""

@@ -7,9 +7,11 @@ stop.metrics.distance
 """
 
 from importlib import import_module
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    __version__: str
     from railgrip import testing
     from railgrip.api import Scenario, estimate, open, run, sweep
     from railgrip.controllers.observation import Observation
@@ -31,6 +33,7 @@ __all__ = [
     "Scenario",
     "Sensors",
     "Stop",
+    "__version__",
     "estimate",
     "open",
     "run",
@@ -50,7 +53,9 @@ _PLACES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Load what is asked for when it is: a command line that only refuses must not wait for CasADi (PEP 562)."""
+    """Import a name when it is used: a command line that only prints its help must not wait for CasADi (PEP 562)."""
+    if name == "__version__":
+        return version("railgrip")
     if name == "testing":
         return import_module("railgrip.testing")
     for module, names in _PLACES.items():

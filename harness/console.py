@@ -1,8 +1,9 @@
-"""What people are told: results on standard output, everything else on standard error; text is shown as it is.
+"""Output for people: results on standard output, everything else on standard error; text is printed as it is.
 
-rich is used for tables and bars alone: of what users wrote, its markup and emoji would make other text.
+rich is used for tables and bars only: it would read markup and emoji in what users wrote.
 """
 
+import logging
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -18,16 +19,35 @@ if TYPE_CHECKING:
     from railgrip.report.table import Table
 
 REMINDER: Final = 10.0
-"""Time between two lines of progress where nobody watches [s]."""
+"""Time between two lines of progress without a terminal [s]."""
 
 
 def _console(**settings: Any) -> Console:
     return Console(markup=False, emoji=False, highlight=False, **settings)
 
 
-# Where nobody watches, a table is not cut to a screen that is not there.
+# Without a terminal, a table is not cut to the width of one.
 _out = _console(width=None if sys.stdout.isatty() else 180)
 _err = _console(stderr=True)
+
+
+_log = logging.getLogger("railgrip")
+
+
+class _ToScreen(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        _err.print(self.format(record), soft_wrap=True)
+
+
+def show_messages(level: int) -> None:
+    """Print messages of this level and above on standard error: DEBUG, INFO, or WARNING for results and errors only."""
+    _log.setLevel(level)
+    if not any(isinstance(handler, _ToScreen) for handler in _log.handlers):
+        _log.addHandler(_ToScreen())
+
+
+def _is_quiet() -> bool:
+    return _log.level > logging.INFO
 
 
 def say(text: str) -> None:
@@ -36,8 +56,9 @@ def say(text: str) -> None:
 
 
 def remark(text: str) -> None:
-    """Print a line that is no result on standard error."""
-    _err.print(text, soft_wrap=True)
+    """Print a line that is not a result on standard error, unless only results and errors are wanted."""
+    if not _is_quiet():
+        _err.print(text, soft_wrap=True)
 
 
 def complain(text: str) -> None:
@@ -46,7 +67,7 @@ def complain(text: str) -> None:
 
 
 def answer(command: Callable[[], object]) -> None:
-    """Run a command; what a user can mend ends in a sentence and its exit code, never in a traceback."""
+    """Run a command; what a user can correct ends in a sentence and its exit code, never in a traceback."""
     try:
         command()
     except Exception as problem:
@@ -75,7 +96,7 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
 
 
 class Progress(Protocol):
-    """What shows how far something is."""
+    """A display of progress."""
 
     def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
         """Show what is being done, how much is done, and of how much; None leaves it as it is."""
@@ -91,9 +112,12 @@ def progress(name: str, total: float | None = None, *, is_count: bool = False) -
     """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
 
     Args:
-        total: How much there is to do; None where nobody knows.
+        total: How much there is to do; None if unknown.
         is_count: Whether that is a number of things, and not a share.
     """
+    if _is_quiet():
+        yield _Lines(name, total, is_count)
+        return
     with _bar(name, total, is_count) if _err.is_terminal else _lines(name, total, is_count) as bar:
         yield bar
 

@@ -27,6 +27,18 @@ SENSORS, FAULTS = "railgrip.sensors", "railgrip.faults"
 """Packages with a module for each kind of sensors and for the faults of each part of a train."""
 
 
+_SHELVES = {
+    "scenarios": "railgrip.scenario.library",
+    "campaigns": "railgrip.scenario.campaigns",
+    "trains": "railgrip.scenario.trains",
+}
+
+
+def shelf(kind: str) -> Mapping[str, Path]:
+    """Return the files of a kind that come with this package, by name: scenarios, campaigns or trains."""
+    return files(_SHELVES[kind])
+
+
 def modules(package: str) -> tuple[str, ...]:
     """Return the names of the modules in a package, none of which is imported."""
     return _modules(_folders(package))

@@ -248,7 +248,15 @@ def commands(folder, laws):
     return {
         "run": ["run", str(folder / "wagon.toml"), *short],
         "campaign": ["campaign", str(folder / "campaign.toml"), "--workers", "1", *short],
-        "conditioning": ["conditioning", str(folder / "conditioning.toml"), "--workers", "1", "--repeats", "2"],
+        "conditioning": [
+            "maintain",
+            "conditioning",
+            str(folder / "conditioning.toml"),
+            "--workers",
+            "1",
+            "--repeats",
+            "2",
+        ],
         "estimate": ["estimate", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
         "observability": ["observability", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
     }
@@ -274,14 +282,14 @@ def test_every_command_that_runs_scenarios_takes_folders():
     for command in (
         "run",
         "campaign",
-        "conditioning",
-        "regress",
+        "maintain conditioning",
+        "maintain regress",
         "study type_test",
         "estimate",
         "observability",
         "study k_factors",
         "study field_test",
-        "tune",
+        "maintain tune",
     ):
         assert "--import-from" in runner.invoke(app, [*command.split(), "--help"]).output, command
 

@@ -1,4 +1,4 @@
-"""Everything that `railgrip bench` measures: what is being done → the rows of it, in the order of the table."""
+"""Everything that `railgrip maintain bench` measures: activity → its rows, in the order of the table."""
 
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial

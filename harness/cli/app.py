@@ -1,49 +1,198 @@
-"""The program that the commands belong to, and the arguments that several of them take."""
+"""The program, its commands, and the arguments that several of them take.
 
+The module of a command is imported when the command is called: `--help` and shell completion import none of them.
+"""
+
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, Final, NoReturn
+from typing import Annotated, Any, ClassVar, NoReturn
 
 import typer
 from typer.core import TyperGroup
 
-from railgrip.console import complain
+from railgrip import __version__
+from railgrip.console import complain, say, show_messages
 from railgrip.errors import InputError
+from railgrip.registry import shelf
 
 RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""
 
-MOVED: Final = {
-    "field": "field_test",
-    "k-factors": "k_factors",
-    "lateral": "lateral",
-    "learn": "axle_box",
-    "monitor-study": "pad_monitor",
-    "rig": "roller_rig",
-    "trains": "trains",
-    "type-test": "type_test",
-}
-"""What was a command of its own, and which study it is."""
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command that is imported when it is called.
+
+    Attributes:
+        place: module:object below `railgrip.cli`, a function or a group.
+        summary: The first line of its help.
+    """
+
+    place: str
+    summary: str
+
+    def load(self, name: str) -> Any:
+        """Import the command."""
+        module, _, attribute = self.place.partition(":")
+        target = getattr(import_module(f"railgrip.cli.{module}"), attribute)
+        if isinstance(target, typer.Typer):
+            return typer.main.get_command(target)
+        program = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+        program.command(name)(target)
+        return typer.main.get_command(program)
 
 
-class _Commands(TyperGroup):
-    """Commands; one of an earlier release is refused with its new name."""
+@dataclass(frozen=True, slots=True)
+class Completion:
+    """What a shell offers for an incomplete word; in place of click's class, which some releases of typer copy."""
+
+    value: str
+    help: str
+    type: str = "plain"
+
+
+class Commands(TyperGroup):
+    """Commands in sections; one of an earlier release is refused with its new name.
+
+    Attributes:
+        sections: Heading → name → command, in the order of the help.
+        moved: Former spelling → what follows `railgrip` now.
+    """
+
+    sections: ClassVar[Mapping[str, Mapping[str, Command]]] = {}
+    moved: ClassVar[Mapping[str, str]] = {}
+
+    def _table(self) -> dict[str, Command]:
+        return {name: command for section in self.sections.values() for name, command in section.items()}
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of all commands."""
+        return list(self._table())
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Import a command; None if there is none of that name."""
+        command = self._table().get(cmd_name)
+        return None if command is None else command.load(cmd_name)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the names with their summaries, section by section."""
+        for heading, section in self.sections.items():
+            with formatter.section(heading):
+                formatter.write_dl([(name, command.summary) for name, command in section.items()])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        if args[0] in MOVED:
-            raise InputError(f"`railgrip {args[0]}` is now `railgrip study {MOVED[args[0]]}`.")
+        """Find the command that the arguments begin with; refuse a former spelling."""
+        if args[0] in self.moved:
+            raise InputError(f"`railgrip {args[0]}` is now `railgrip {self.moved[args[0]]}`.")
         return super().resolve_command(ctx, args)
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
+        """Complete the name of a command without importing any."""
+        if incomplete.startswith("-"):
+            return super().shell_complete(ctx, incomplete)
+        return [
+            Completion(name, help=command.summary)
+            for name, command in self._table().items()
+            if name.startswith(incomplete)
+        ]
+
+
+class _Main(Commands):
+    sections: ClassVar = {
+        "Stops and campaigns": {
+            "run": Command("runs:run", "Run one scenario and print its figures."),
+            "campaign": Command("campaigns:campaign", "Run the stops of campaigns and write tables and a report."),
+            "report": Command("campaigns:report", "Make one page of the results in a folder."),
+            "study": Command("studies:studies", "Run a study and write its page; without a name, list them."),
+        },
+        "Files and parts": {
+            "train": Command("trains:trains", "Begin, draw and check trains in files."),
+            "build": Command("fmus:build_command", "Bring FMUs up to date, or build the plant of your own class."),
+            "map": Command("exchange:map_", "Print a draft of [vehicle.map] for the FMU of another tool."),
+            "export": Command("exchange:export", "Make an FMU of a scenario's controller for another tool."),
+        },
+        "Estimation and monitoring": {
+            "estimate": Command("estimation:estimate", "Run the filter of an estimation over its recording."),
+            "observability": Command("estimation:observability", "Show what a recording determines of each state."),
+            "ride": Command("rides:ride", "Run the instrumented car with a trained friction estimator."),
+            "monitor": Command("rides:monitor", "Follow the pad friction of each brake group from stop to stop."),
+        },
+        "Development": {
+            "maintain": Command("maintain:maintain", "Commands for those who change railgrip itself."),
+        },
+    }  # fmt: skip
+    moved: ClassVar = {
+        "field": "study field_test",
+        "k-factors": "study k_factors",
+        "lateral": "study lateral",
+        "learn": "study axle_box",
+        "monitor-study": "study pad_monitor",
+        "rig": "study roller_rig",
+        "trains": "study trains",
+        "type-test": "study type_test",
+    } | {
+        name: f"maintain {name}"
+        for name in ("accept", "bench", "calibrate", "conditioning", "readme", "regress", "tune", "tune-control")
+    }
 
 
 app = typer.Typer(
     name="railgrip",
-    cls=_Commands,
+    cls=_Main,
     help="The open bench for railway braking at low adhesion.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-File = Annotated[Path, typer.Argument(metavar="FILE.toml", help="Scenario or campaign file.")]
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        say(f"railgrip {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print results and errors only, no progress.")] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also print debugging messages.")] = False,
+) -> None:
+    """The open bench for railway braking at low adhesion."""
+    show_messages(logging.WARNING if quiet else logging.DEBUG if verbose else logging.INFO)
+
+
+def complete(*kinds: str) -> Any:
+    """Return the completion of an argument: names from the library, else the shell's own files."""
+
+    def candidates(incomplete: str) -> list[str]:
+        names = [name for kind in kinds for name in shelf(kind) if name.startswith(incomplete)]
+        return names or [str(path) for path in sorted(Path().glob(f"{incomplete}*"))]
+
+    return candidates
+
+
+File = Annotated[
+    Path,
+    typer.Argument(
+        metavar="SCENARIO",
+        autocompletion=complete("scenarios"),
+        help="A scenario: a file (*.toml), or the name of one of ours, such as trapezoid.",
+    ),
+]
+Campaigns = Annotated[
+    list[Path],
+    typer.Argument(
+        metavar="CAMPAIGN ...",
+        autocompletion=complete("campaigns"),
+        help="Campaigns: files (*.toml), or names of ours, such as table1.",
+    ),
+]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
@@ -55,16 +204,16 @@ ImportFrom = Annotated[
         metavar="DIR",
         exists=True,
         file_okay=False,
-        resolve_path=True,  # workers may stand in another folder
+        resolve_path=True,  # workers may run in another folder
         help="Folder of modules that a file names as module:Class; their code runs. Repeatable.",
     ),
 ]
-Workers = Annotated[int, typer.Option(min=1, max=64, help="Processes.")]
+Workers = Annotated[int, typer.Option(min=1, max=64, help="Number of processes.")]
 Fresh = Annotated[bool, typer.Option(help="Run also what already has a result.")]
 
 
 def fail(*sentences: str) -> NoReturn:
-    """End with the exit code of a run that failed, and with why."""
+    """Print why a run failed, and end with the exit code for that."""
     for sentence in sentences:
         complain(sentence)
     raise typer.Exit(RUN_FAILED)

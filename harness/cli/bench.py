@@ -1,16 +1,16 @@
-"""How fast everything is."""
+"""Timing of everything that is measured."""
 
-from railgrip.cli.app import app
+from railgrip.bench import Row, machine
+from railgrip.bench.cases import CASES
 from railgrip.console import progress, show_table
+from railgrip.report.table import Table
 
 
-@app.command()
 def bench() -> None:
-    """Measure speed: medians, and ratios of what ran in turn. Times are shown beside their targets, never judged."""
-    from railgrip.bench import Row, machine
-    from railgrip.bench.cases import CASES
-    from railgrip.report.table import Table
+    """Measure speed, as medians and ratios of cases that run in turn.
 
+    Times are printed beside their targets and are not judged.
+    """
     rows: list[Row] = []
     with progress("measuring") as bar:
         for doing, case in CASES.items():

@@ -1,21 +1,31 @@
-"""What recordings tell: observability and estimates."""
+"""Estimates from recordings, and what a recording determines of each state."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
+import xarray
 
-from railgrip.cli.app import ImportFrom, Overrides, app, fail
+from railgrip.cli.app import ImportFrom, Overrides, fail
 from railgrip.console import progress, say, show_table
+from railgrip.estimation.judge import judge
+from railgrip.estimation.observable import observe, with_estimates_as_truth
+from railgrip.estimation.plausible import strange_estimates, strange_signals
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
+from railgrip.files import remove, write_bytes
+from railgrip.report.estimation import estimated, information
 from railgrip.report.table import Form, Table, share
-
-if TYPE_CHECKING:
-    import xarray
+from railgrip.trace.samples import knows
 
 OUT = Path("build/estimate")
 
 File = Annotated[
-    Path, typer.Argument(metavar="FILE.toml", help="An estimation; examples are in harness/estimation/library.")
+    Path,
+    typer.Argument(
+        metavar="ESTIMATION",
+        help="An estimation: a file (*.toml).",
+    ),
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]
 Scenario = Annotated[str | None, typer.Option(help="Another scenario of the same source.")]
@@ -26,7 +36,6 @@ Data = Annotated[
 ]
 
 
-@app.command()
 def observability(
     file: File,
     overrides: Overrides = None,
@@ -36,16 +45,10 @@ def observability(
     data: Data = None,
     import_from: ImportFrom = None,
 ) -> None:
-    """Ask what the recording of an estimation can tell about each state, and plot it along the way.
+    """Show what a recording determines of each state.
 
     Along the true states where they are known, else, from recorded data, along those that the filter estimates.
     """
-    from railgrip.estimation.observable import observe, with_estimates_as_truth
-    from railgrip.estimation.sources import recording_of_estimation
-    from railgrip.estimation.spec import load_specification, prediction_for
-    from railgrip.files import remove
-    from railgrip.report.estimation import information
-
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     remove(folder, "observability.csv", "observability.png")
@@ -76,7 +79,6 @@ def observability(
     say(f"{folder}/observability.csv, {picture}")
 
 
-@app.command()
 def estimate(
     file: File,
     overrides: Overrides = None,
@@ -86,13 +88,7 @@ def estimate(
     data: Data = None,
     import_from: ImportFrom = None,
 ) -> None:
-    """Run the filter of an estimation over its recording; write what it believes and how far off it was."""
-    from railgrip.estimation.plausible import strange_estimates, strange_signals
-    from railgrip.estimation.sources import recording_of_estimation
-    from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
-    from railgrip.files import remove, write_bytes
-    from railgrip.report.estimation import estimated
-
+    """Run the filter of an estimation over its recording."""
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     remove(folder, "estimates.nc", "estimates.png")
@@ -115,16 +111,14 @@ def estimate(
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
 
 
-def _say_flags(recording: "xarray.Dataset") -> None:
+def _say_flags(recording: xarray.Dataset) -> None:
     """Print what was mended in a user's file."""
     for sentence in recording.attrs.get("flags", ()):
         say(f"{recording.attrs['name']}: {sentence}")
 
 
-def _print_errors(recording: "xarray.Dataset", estimates: "xarray.Dataset") -> None:
+def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset) -> None:
     """Print how far off each state was whose truth is known."""
-    from railgrip.estimation.judge import judge
-    from railgrip.trace.samples import knows
 
     say(
         f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
@@ -155,11 +149,8 @@ def _print_errors(recording: "xarray.Dataset", estimates: "xarray.Dataset") -> N
     show_table(Table(rows, forms, title=f"{recording.attrs['name']}: estimate minus truth"))
 
 
-def _write_windows(windows: "xarray.Dataset", path: Path) -> None:
+def _write_windows(windows: xarray.Dataset, path: Path) -> None:
     """Write smallest singular values and deviations as CSV, a row a window."""
-    import xarray
-
-    assert isinstance(windows, xarray.Dataset)
     states = [str(state) for state in windows["state"].values]
     columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))

@@ -2,21 +2,22 @@
 
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import Annotated, cast
 
 import typer
 
-from railgrip.cli.app import app, fail
+from railgrip.cli.app import fail
 from railgrip.console import progress, say, show_table
 from railgrip.errors import InputError
+from railgrip.fmu.comparison import validation_problems
+from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
+from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
+from railgrip.fmus.recipe import read_recipes
+from railgrip.report.table import Table
 
-if TYPE_CHECKING:
-    from railgrip.fmus.build import Compiler
 
-
-@app.command("build")
 def build_command(
-    names: Annotated[list[str] | None, typer.Argument(help="FMUs of recipes.toml; all when none is named.")] = None,
+    names: Annotated[list[str] | None, typer.Argument(help="FMUs by name, see --list; all if none is named.")] = None,
     compiler: Annotated[str, typer.Option(help="auto, openmodelica or native.")] = "auto",
     library: Annotated[
         Path | None,
@@ -29,7 +30,10 @@ def build_command(
     ] = False,
     update: Annotated[bool, typer.Option("--update", help="With --check: write lock.toml.")] = False,
 ) -> None:
-    """Bring FMUs up to date and leave copies in build/fmus, or build the plant of a class of your own."""
+    """Bring FMUs up to date, or build the plant of your own class.
+
+    Copies are left in build/fmus.
+    """
     if update and not check:
         raise InputError("--update is for --check: it writes lock.toml instead of comparing.")
     choice = cast("Compiler", compiler)
@@ -44,16 +48,12 @@ def build_command(
     elif out is not None:
         raise InputError("--out is for a class of a --library of your own; recipes are copied to build/fmus.")
     else:
-        from railgrip.fmus.build import build
-
         with progress("building"):
             for artifact in build(names or (), choice):
                 say(f"{artifact.path}  {artifact.action} ({artifact.compiler})")
 
 
-def _build_class(name: str, library: Path, compiler: "Compiler", out: Path | None) -> None:
-    from railgrip.fmus.build import build_class
-
+def _build_class(name: str, library: Path, compiler: Compiler, out: Path | None) -> None:
     artifact = build_class(name, library, compiler=compiler)
     file = Path(f"{artifact.name}.fmu") if out is None else out
     file.parent.mkdir(parents=True, exist_ok=True)
@@ -62,10 +62,6 @@ def _build_class(name: str, library: Path, compiler: "Compiler", out: Path | Non
 
 
 def _list() -> None:
-    from railgrip.fmus.build import OUTPUT
-    from railgrip.fmus.recipe import read_recipes
-    from railgrip.report.table import Table
-
     rows = [
         {
             "FMU": name,
@@ -80,13 +76,8 @@ def _list() -> None:
     show_table(Table(rows, left=list(rows[0])))
 
 
-def _check(names: list[str], compiler: "Compiler", *, update: bool) -> None:
+def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
     """Validate FMUs and compare them with lock.toml, or write it."""
-    from railgrip.fmu.comparison import validation_problems
-    from railgrip.fmus.build import build, translate
-    from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
-    from railgrip.fmus.recipe import read_recipes
-
     book = read_recipes()
     complaints: list[str] = []
     faces: dict[str, Entry] = {}

@@ -1,28 +1,43 @@
-"""Trains in files: begin one, look at one, check one."""
+"""Trains in files: begin one, draw one, check one."""
 
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from railgrip.cli.app import app
+from railgrip.cli.app import complete
 from railgrip.console import remark, say, show_table
 from railgrip.errors import InputError
+from railgrip.files import write_text
+from railgrip.report.style import save
+from railgrip.rolling_stock.check import findings, stops_by_hand
+from railgrip.rolling_stock.drawing import drawing
+from railgrip.rolling_stock.files import beginning, load_train
+from railgrip.rolling_stock.tables import sentence_of_equipment, sentence_of_stop, table_of_axles, table_of_distributors
+from railgrip.scenario.file import installed
 
-trains = typer.Typer(help="Trains in files, for [vehicle] train of a scenario: begin, look at and check one.")
-app.add_typer(trains, name="train")
+trains = typer.Typer(
+    help="Begin, draw and check trains in files.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+)
 
-TrainFile = Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="A train file, or one of ours, such as emu387.")]
+TrainFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="TRAIN",
+        autocompletion=complete("trains"),
+        help="A train: a file (*.toml), or the name of one of ours, such as emu387.",
+    ),
+]
 
 
 @trains.command()
 def new(
-    file: Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="File to write; it must not be there yet.")],
+    file: Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="File to write; it must not exist yet.")],
 ) -> None:
     """Write a train file to begin with: two cars, every key explained."""
-    from railgrip.files import write_text
-    from railgrip.rolling_stock.files import beginning
-
     if file.suffix != ".toml":
         raise InputError(f"{file}: a train file ends in .toml")
     if file.exists():
@@ -37,11 +52,6 @@ def show(
     out: Annotated[Path | None, typer.Option(help="Figure, .png or .svg; build/trains/NAME.png unless given.")] = None,
 ) -> None:
     """Draw a train to scale and print its axles."""
-    from railgrip.report.style import save
-    from railgrip.rolling_stock.drawing import drawing
-    from railgrip.rolling_stock.files import load_train
-    from railgrip.rolling_stock.tables import table_of_axles, table_of_distributors
-
     train = load_train(file)
     path = out or Path("build/trains") / f"{train.name}.png"
     if path.suffix not in (".png", ".svg"):
@@ -55,11 +65,6 @@ def show(
 @trains.command()
 def check(file: TrainFile) -> None:
     """Say what of a train does not fit together, and how it stops by hand calculation."""
-    from railgrip.rolling_stock.check import findings, stops_by_hand
-    from railgrip.rolling_stock.files import load_train
-    from railgrip.rolling_stock.tables import sentence_of_equipment, sentence_of_stop
-    from railgrip.scenario.file import installed
-
     train = load_train(file)
     results = findings(train)
     name = installed(file, "trains").name

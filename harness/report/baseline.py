@@ -247,7 +247,7 @@ def findings_of(results: Results) -> Findings:
 def beyond_accepted(results: Results, path: Path) -> list[str]:
     """Return a sentence for each distance with FMUs of other compilers that differs by more than `ACROSS_COMPILERS`.
 
-    There are none if all FMUs are from the built-in compiler, whose distances `railgrip regress` compares, or if the
+    There are none if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares, or if the
     baseline file does not exist.
     """
     if not from_elsewhere(results.stops) or not path.is_file():
@@ -278,7 +278,7 @@ def read_findings(directory: Path) -> Findings:
     try:
         return Findings(values=tuple(Finding(**finding) for finding in json.loads(path.read_text(encoding="utf-8"))))
     except FileNotFoundError as problem:
-        raise RecordError(f"{path}: there is no such file; `railgrip regress` makes one") from problem
+        raise RecordError(f"{path}: there is no such file; `railgrip maintain regress` makes one") from problem
     except (OSError, ValueError, TypeError) as problem:
         raise RecordError(f"{path}: does not contain the figures of a study ({problem})") from problem
 

@@ -89,7 +89,7 @@ class CampaignFile(Table):
         default=(), description="outcomes of stops that do not end with a standstill; of several that match, the first"
     )
     conditioning: str | None = Field(
-        default=None, description="file that `railgrip conditioning` writes, from this one's folder"
+        default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
     )
     panels: Panels = Field(default="all", description="of which stops the panels are drawn, about a second each")
 

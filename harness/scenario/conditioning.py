@@ -1,6 +1,7 @@
 """How well distances are conditioned: the stops of a campaign again, the plant's parameters moved in the 7th digit.
 
-A file of this, written by `railgrip conditioning`, belongs to a campaign, whose tables show it beside the distances.
+A file of this, written by `railgrip maintain conditioning`, belongs to a campaign, whose tables show it beside the
+distances.
 """
 
 import json
@@ -126,11 +127,13 @@ def read_conditioning(path: Path) -> Conditioning:
     try:
         table = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as problem:
-        raise ScenarioError(f"{path}: there is no such file; `railgrip conditioning FILE.toml` writes it") from problem
+        raise ScenarioError(
+            f"{path}: there is no such file; `railgrip maintain conditioning FILE.toml` writes it"
+        ) from problem
     except (OSError, ValueError) as problem:
         raise ScenarioError(f"{path}: is not JSON ({problem})") from problem
     if not isinstance(table, dict):
-        raise ScenarioError(f"{path}: is not what `railgrip conditioning` writes")
+        raise ScenarioError(f"{path}: is not what `railgrip maintain conditioning` writes")
     return validated(Conditioning, table, directory=path.parent, origin=path.name)
 
 

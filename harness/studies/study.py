@@ -35,7 +35,7 @@ class Study(ABC):
         """Run what is to be run, and return what was found."""
 
     def headlines(self, work: Work) -> Iterable[Finding]:
-        """Return the few numbers by which a change of the whole study is seen: what `railgrip regress` compares.
+        """Return the few numbers that `railgrip maintain regress` compares to detect a change of the whole study.
 
         Each is found in a reduced form of the study, in seconds, from fixed seeds. A tolerance is what another
         machine's arithmetic may do to the number: little to a mean over thousands of samples, one sample to an

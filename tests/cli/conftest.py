@@ -52,7 +52,7 @@ def project(tmp_path):
 def railgrip(project, monkeypatch, capfd):
     """Run a command in the project, in this process; campaigns start theirs all the same."""
     monkeypatch.chdir(project)
-    monkeypatch.setitem(sys.modules, "railgrip.assemble", synthetic_runner)
+    monkeypatch.setattr("railgrip.assemble.run_stop", synthetic_runner.run_stop)
     monkeypatch.setenv("COLUMNS", "200")
 
     def run(*arguments):

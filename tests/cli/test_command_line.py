@@ -64,15 +64,18 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
         (("run", "wet.toml", "--set", "start.speed"), "--set start.speed: wanted is table.key=value"),
         (("run", "wet.toml", "--set", "description=refuse"), "wet: the plant has no brakes"),
         (("run", "pair.toml"), "pair.toml: is a file of the kind campaign; use `railgrip campaign pair.toml`"),
-        (("run",), "Missing argument 'FILE.toml'"),
+        (("run",), "Missing argument 'SCENARIO'"),
         (("fly",), "No such command 'fly'"),
         (("campaign", "wet.toml"), "wet.toml: is a file of the kind scenario; use `railgrip run wet.toml`"),
         (("campaign", "pair.toml", "pair.toml"), "two campaigns are named 'pair'"),
         (("campaign", "pair.toml", "--set", "seed=x"), "pair.toml, stop wet-sbc (wet.toml): seed is 'x'"),
         (("report", "nowhere"), "nowhere: has neither campaign.json nor stop.json"),
-        (("regress", "--baselines", "nowhere"), "nowhere: there is no baseline file (*.toml) in it"),
-        (("accept", "--reason", "Because.", "--baselines", "nowhere"), "nowhere: there is no baseline file"),
-        (("accept",), "Missing option '--reason'"),
+        (("maintain", "regress", "--baselines", "nowhere"), "nowhere: there is no baseline file (*.toml) in it"),
+        (
+            ("maintain", "accept", "--reason", "Because.", "--baselines", "nowhere"),
+            "nowhere: there is no baseline file",
+        ),
+        (("maintain", "accept"), "Missing option '--reason'"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
@@ -338,15 +341,15 @@ def baselines(project):
 @pytest.mark.usefixtures("in_process")
 def test_a_baseline_is_accepted_with_a_reason_kept_and_missed(railgrip, project, baselines):
     where = ("--baselines", "baselines", "--out", "out")
-    new = railgrip("regress", *where)
+    new = railgrip("maintain", "regress", *where)
     assert new.code == 3
     assert "2 of 2 stops did not keep to their baseline" in new.err
-    assert railgrip("accept", "--reason", " ", *where).code == 2
-    assert railgrip("accept", "--reason", "First figures.", *where).code == 0
-    assert railgrip("regress", *where).code == 0
+    assert railgrip("maintain", "accept", "--reason", " ", *where).code == 2
+    assert railgrip("maintain", "accept", "--reason", "First figures.", *where).code == 0
+    assert railgrip("maintain", "regress", *where).code == 0
     text = baselines.read_text(encoding="utf-8")
     assert text.count('reason = "First figures."') == 2
     baselines.write_text(text.replace("value = 2", "value = 3"), encoding="utf-8")
-    result = railgrip("regress", *where)
+    result = railgrip("maintain", "regress", *where)
     assert result.code == 3
     assert "moved" in result.out

@@ -94,13 +94,3 @@ def test_a_study_that_is_not_there_gets_a_sentence(capsys):
         main(["study", "estimation"])
     assert end.value.code == 2
     assert "there is no study 'estimation'; there is axle_box" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("old", "new"), [("k-factors", "k_factors"), ("rig", "roller_rig"), ("monitor-study", "pad_monitor")]
-)
-def test_a_command_of_an_earlier_release_is_refused_with_its_new_name(old, new, capsys):
-    with pytest.raises(SystemExit) as end:
-        main([old, "--out", "here"])
-    assert end.value.code == 2
-    assert f"`railgrip {old}` is now `railgrip study {new}`." in capsys.readouterr().err

@@ -129,11 +129,11 @@ def test_what_is_found_on_training_cases_leaves_the_set_of_the_papers_alone(tmp_
     monkeypatch.setattr("railgrip.campaign.tune_control.search", found)
     options = ("--cases", "1", "--budget", "5", "--out", str(tmp_path))
     with one_process(), pytest.raises(SystemExit) as end:
-        main(["tune-control", "--law", "slip_three_state", "--law", "wheel_reference", *options])
+        main(["maintain", "tune-control", "--law", "slip_three_state", "--law", "wheel_reference", *options])
     assert end.value.code == 0
     assert {path.name for path in tmp_path.iterdir()} == {"slip_three_state.type_test.toml", "wheel_reference.toml"}
     text = (tmp_path / "slip_three_state.type_test.toml").read_text(encoding="utf-8")
-    assert "`railgrip tune-control --law slip_three_state --cases 1 --budget 5`" in text
+    assert "`railgrip maintain tune-control --law slip_three_state --cases 1 --budget 5`" in text
     assert "#   1of1-2021, " in text
     levels = {"low": 0.05, "high": 0.2}
     assert tomllib.loads(text) == {"pneumatic": {"read": levels, "estimated": levels}}
@@ -153,7 +153,7 @@ def test_the_committed_parameters_are_those_of_a_search(law):
 @pytest.mark.parametrize("law", sorted(TWICE))
 def test_the_sets_of_the_type_test_were_found_on_training_cases(law):
     text, valves = text_with(law, type_test=True), committed(law, type_test=True)["pneumatic"]
-    command = f"railgrip tune-control --law {law} --cases 16 --budget 32"
+    command = f"railgrip maintain tune-control --law {law} --cases 16 --budget 32"
     assert text.startswith(text_of(law, {}, command).rstrip())
     assert text.count("# The best of 32 sets: ") == len(valves)
     for case in training(16):

@@ -205,7 +205,7 @@ def test_noises_are_kept_to_the_digit_that_matters(tmp_path: Path):
 def test_the_committed_noises_say_how_they_were_found(name: str):
     path = LIBRARY / f"{name}.toml"
     assert len(load_noise(path).values) == len(NAMES)
-    assert f'command = "railgrip tune {name} ' in path.read_text()
+    assert f'command = "railgrip maintain tune {name} ' in path.read_text()
 
 
 def test_an_output_that_is_not_there_is_refused():

@@ -1,0 +1,174 @@
+"""Accepted numbers: compared, moved, and written into the docs; how far distances spread."""
+
+from collections.abc import Sequence
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.campaign.run import CampaignRun
+from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Workers
+from railgrip.cli.campaigns import run_campaigns
+from railgrip.console import complain, say, show_table
+from railgrip.errors import ScenarioError
+from railgrip.files import write_text
+from railgrip.report.baseline import accept as accept_numbers
+from railgrip.report.baseline import (
+    Baseline,
+    Findings,
+    compare,
+    comparison_table,
+    findings_of,
+    load_baseline,
+    read_findings,
+    write_baseline,
+    write_findings,
+)
+from railgrip.report.results import read_results
+from railgrip.report.table import Table, yes_no
+from railgrip.report.validation import write_table
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
+from railgrip.studies.study import headlines
+
+BASELINES = Path("tests/baselines")
+REGRESS = Path("build/regress")
+
+
+def regress(
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = REGRESS,
+    workers: Workers = 2,
+    across_compilers: Annotated[
+        bool, typer.Option("--across-compilers", help="Campaigns alone, with FMUs of another compiler: within 0.5 %.")
+    ] = False,
+    import_from: ImportFrom = None,
+) -> None:
+    """Run what has a baseline and compare every number."""
+    problem = 0
+    for path in _baseline_files(baselines):
+        baseline = load_baseline(path)
+        if across_compilers:
+            if baseline.campaign is None:
+                continue
+            baseline = baseline.across_compilers()
+        code, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from or ())
+        problem = code or problem
+        comparisons = compare(baseline, findings)
+        show_table(comparison_table(comparisons, path.name), "nothing changed")
+        deviations = [comparison.name for comparison in comparisons if comparison.state != "kept"]
+        if deviations:
+            problem = RUN_FAILED
+            what = "stops" if baseline.campaign is not None else "figures"
+            complain(
+                f"{path.name}: {len(deviations)} of {len(comparisons)} {what} did not keep to their baseline: "
+                f"{', '.join(deviations)}; if that is right, `railgrip maintain accept --reason '…'`"
+            )
+    if problem:
+        raise typer.Exit(problem)
+
+
+def accept(
+    reason: Annotated[str, typer.Option(help="What changed, and why the new numbers are right.")],
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    out: Annotated[Path, typer.Option(help="Folder of the results of the last regress.")] = REGRESS,
+) -> None:
+    """Move the baselines to the results of the last regress."""
+    for path in _baseline_files(baselines):
+        baseline, folder = load_baseline(path), out / path.stem
+        findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
+        after = accept_numbers(baseline, findings, reason)
+        # What kept to its tolerance may have become a range all the same.
+        changes = tuple(
+            comparison
+            for comparison in compare(baseline, findings)
+            if after.accepted.get(comparison.name) != baseline.accepted.get(comparison.name)
+        )
+        write_baseline(after, path)
+        show_table(comparison_table(changes, f"{path.name}: accepted"), "nothing changed")
+
+
+def readme(
+    page: Annotated[Path, typer.Option(help="The file with the table.")] = Path("docs/validation.md"),
+    baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
+) -> None:
+    """Write the accepted braking distances into the table of docs/validation.md."""
+    accepted = load_baseline(baseline)
+    if accepted.campaign is None:
+        raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")
+    write_table(page, load_campaign(baseline.parent / accepted.campaign), accepted)
+    say(str(page))
+
+
+def conditioning(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
+    relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Most that a parameter moves by.")] = 1e-7,
+    stops: Annotated[
+        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
+    ] = "*",
+    out: Annotated[Path, typer.Option(help="Folder for the results.")] = Path("build/conditioning"),
+    workers: Workers = 2,
+    fresh: Fresh = False,
+    import_from: ImportFrom = None,
+) -> None:
+    """Repeat stops with the plant's parameters perturbed."""
+    whole = load_campaign(file)
+    if whole.conditioning is None:
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
+    selection = whole.only(lambda stop: fnmatch(stop.name, stops))
+    if not selection.stops:
+        raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {whole.stops[0].name} and others")
+    others = {} if stops == "*" else _repeated_before(whole.conditioning, relative)
+    repetitions = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in selection.stops}
+    directory = out / whole.name
+    problem = run_campaigns(
+        [CampaignRun(campaign_of(selection, repetitions), directory)],
+        workers=workers,
+        fresh=fresh,
+        import_from=import_from or (),
+    )
+    # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
+    results = conditioning_of(selection, repetitions, directory, relative)
+    write_text(whole.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
+    rows = [
+        {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
+        for name, stop in results.stops.items()
+    ]
+    metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
+    show_table(Table(rows, {**metres, "spreads": yes_no}))
+    say(str(whole.conditioning))
+    if problem:
+        raise typer.Exit(problem)
+
+
+def _repeated_before(path: Path, relative: float) -> dict[str, Repeated]:
+    before = read_conditioning(path)
+    if before.relative != relative:
+        raise ScenarioError(
+            f"--relative {relative:g}: what stays in {path.name} was moved by {before.relative:g}; leave --stops out"
+        )
+    return before.stops
+
+
+def _numbers_of(
+    baseline: Baseline, path: Path, out: Path, workers: int, import_from: Sequence[Path]
+) -> tuple[int, Findings]:
+    """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
+    if baseline.campaign is not None:
+        runs = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
+        code = run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)
+        return code, findings_of(read_results(out))
+
+    findings = headlines(str(baseline.study), workers=workers)
+    write_findings(findings, out)
+    return 0, findings
+
+
+def _baseline_files(folder: Path) -> list[Path]:
+    files = sorted(folder.glob("*.toml"))
+    if not files:
+        raise ScenarioError(f"{folder}: there is no baseline file (*.toml) in it")
+    return files

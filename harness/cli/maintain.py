@@ -1,0 +1,40 @@
+"""Commands for those who change railgrip itself: baselines, searches and timings."""
+
+from typing import ClassVar
+
+import typer
+
+from railgrip.cli.app import Command, Commands
+
+
+class _Maintain(Commands):
+    sections: ClassVar = {
+        "Baselines": {
+            "regress": Command("baselines:regress", "Run what has a baseline and compare every number."),
+            "accept": Command("baselines:accept", "Move the baselines to the results of the last regress."),
+            "readme": Command("baselines:readme", "Write the accepted braking distances into the README's table."),
+            "conditioning": Command("baselines:conditioning", "Repeat stops with the plant's parameters perturbed."),
+        },
+        "Searches": {
+            "calibrate": Command("searches:calibrate", "Fit the levels of the scenarios to the published distances."),
+            "tune-control": Command("searches:tune_control", "Search the parameters of the control laws."),
+            "tune": Command("searches:tune", "Search the twelve noises of the field test's filter."),
+        },
+        "Timing": {
+            "bench": Command("bench:bench", "Measure speed, as medians and ratios of cases that run in turn."),
+        },
+    }  # fmt: skip
+
+
+maintain = typer.Typer(
+    cls=_Maintain,
+    help="Commands for those who change railgrip itself.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+)
+
+
+@maintain.callback()
+def group() -> None:
+    """Commands for those who change railgrip itself."""

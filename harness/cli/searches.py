@@ -1,0 +1,149 @@
+"""Searches of parameters: levels of scenarios, control laws, and noises of the field test's filter."""
+
+import tomllib
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from railgrip.campaign import tune_control as laws
+from railgrip.campaign.calibrate import TARGETS
+from railgrip.campaign.calibrate import calibrate as fit_levels
+from railgrip.campaign.one_stop import make_folder
+from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, set_of, text_of
+from railgrip.campaign.work import work
+from railgrip.campaign.workers import workers as processes
+from railgrip.cli.app import ImportFrom, Workers
+from railgrip.console import progress, say
+from railgrip.controllers.tuned import SlipSource, file_of
+from railgrip.errors import EstimationError, ScenarioError
+from railgrip.files import write_text
+from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, task_of
+from railgrip.studies.field_test.noise import save_noise
+from railgrip.studies.field_test.objective import DIVERGED
+from railgrip.studies.field_test.runs import TUNING, runs
+from railgrip.studies.field_test.runs import cases as field_cases
+from railgrip.studies.field_test.tune import Search
+from railgrip.studies.field_test.tune import tune as search_for
+from railgrip.studies.type_test.entrants import training
+
+
+def calibrate() -> None:
+    """Fit the levels of the scenarios to the published distances."""
+    with progress("levels, some ten stops each"):
+        fit_levels(
+            lambda one: say(
+                f"{one.scenario}, {one.shape}: level {one.level:.5f}, {one.distance:.1f} m "
+                f"(wanted {TARGETS[one.scenario]} m)"
+            )
+        )
+
+
+def tune_control(
+    law: Annotated[list[str] | None, typer.Option(help="A law to search; all without it.")] = None,
+    out: Annotated[Path, typer.Option(help="Folder of the files of parameters.")] = Path("controllers/laws"),
+    budget: Annotated[
+        int | None,
+        typer.Option(min=5, help="Sets of parameters to try for each law; 24 for each parameter without it."),
+    ] = None,
+    cases: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            max=1000,
+            help="So many short training cases of the type test in place of the rails, for its own set.",
+        ),
+    ] = None,
+    workers: Workers = 2,
+) -> None:
+    """Search the parameters of the control laws.
+
+    What is not searched of a law stays in its file as it is. What --cases finds of a law that the tables of the papers
+    hang on goes into a file of its own, `<law>.type_test.toml`.
+    """
+    unknown = sorted(set(law or ()) - RANGES.keys())
+    if unknown:
+        raise ScenarioError(f"tune-control: --law {unknown[0]} is not searched; there is {', '.join(RANGES)}")
+    make_folder(out)
+
+    def note(name: str, number: int, best: float) -> None:
+        say(f"{name}, generation {number}: {100 * best:+.2f} % against slip-based control")
+
+    stops, kinds = None, frozenset(EQUIPMENT)
+    if cases is not None:
+        stops, kinds = training(cases), frozenset({"pneumatic"})
+    options = {"--cases": cases, "--budget": budget}
+    with processes(workers) as pool:
+        for each in law or RANGES:
+            optima: dict[tuple[str, SlipSource], Optimum] = {}
+            for actuation, slip in (kind for kind in RANGES[each] if kind[0] in kinds):
+                name = f"{each}, {actuation} actuation, {slip} slip"
+                with progress(name):
+                    notify = partial(note, name)
+                    optima[actuation, slip] = laws.search(
+                        each, actuation, slip, notify, pool, rail_stops=stops, budget=budget
+                    )
+                say(text_of(each, {(actuation, slip): optima[actuation, slip]}))
+            command = " ".join(
+                (
+                    f"railgrip maintain tune-control --law {each}",
+                    *(f"{name} {value}" for name, value in options.items() if value),
+                )
+            )
+            path = out / file_of(each, set_of(each, type_test=cases is not None))
+            text = text_of(each, optima, command if any(options.values()) else "make tune-control")
+            write_text(path, text + _others(path, optima))
+
+
+def _others(path: Path, optima: Mapping[tuple[str, SlipSource], Optimum]) -> str:
+    """Return the tables of a file of parameters that were not searched."""
+    sets = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    lines: list[str] = []
+    for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in optima):
+        values = sets[actuation][slip]
+        lines += ["", "# Not searched then.", f"[{actuation}.{slip}]", *(f"{k} = {v!r}" for k, v in values.items())]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def tune(
+    kind: Annotated[str, typer.Argument(metavar="paper|consistent", help="Objective.")],
+    out: Annotated[Path, typer.Option(help="File for the noises.")],
+    campaign: Annotated[
+        Path | None, typer.Option(metavar="FILE.toml", help="Cases of a field test; field_test unless given.")
+    ] = None,
+    population: Annotated[int, typer.Option(min=8, help="Candidates of the differential evolution.")] = 48,
+    generations: Annotated[int, typer.Option(min=1, help="Generations in all.")] = 60,
+    stage: Annotated[int, typer.Option(min=1, help="Generations that are kept together.")] = 10,
+    seed: Annotated[int, typer.Option(min=0, help="Of everything that is drawn.")] = 1,
+    workers: Annotated[int, typer.Option(min=1, max=64, help="Threads, or processes.")] = 2,
+    import_from: ImportFrom = None,
+) -> None:
+    """Search the twelve noises of the field test's filter."""
+    if kind != "paper" and kind != "consistent":
+        raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
+    search = Search(population=population, generations=generations, stage=stage, seed=seed)
+    with work("field_test", workers=workers) as own:
+        field_runs = runs(field_cases(campaign), TUNING, own, import_from or ())
+        model = equations()
+        tasks = [task_of(run.braking, model) for run in field_runs.values()]
+        noise, value, history = search_for(kind, tasks, search, own)
+    command = (
+        f"railgrip maintain tune {kind} --population {population} --generations {generations} --stage {stage} "
+        f"--seed {seed} --out {out}"
+    )
+    save_noise(
+        noise,
+        out,
+        title=f"Noises of the field test's filter, tuned on {', '.join(TUNING)}; objective '{kind}'.",
+        command=command,
+        results={"objective": value, "generations": float(len(history))},
+    )
+    say(f"{kind}: {value:.6f} m/s after {len(history)} generations")
+    filter_ = filter_of(model, tasks[0].period)
+    for case, task in zip(field_runs, tasks, strict=True) if value < DIVERGED else ():
+        instant = lost(task, follow(task, filter_, noise))
+        if instant is not None:
+            say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
+    say(str(out))

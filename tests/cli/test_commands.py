@@ -1,0 +1,127 @@
+"""The commands themselves: imported when they are called, found under one name each, quiet or verbose."""
+
+import logging
+import os
+import subprocess
+import sys
+import threading
+from importlib.metadata import version
+
+import pytest
+from test_console import HEAVY
+from typer.main import get_command
+
+import railgrip as rg
+from railgrip import console
+from railgrip.cli.app import Command, Commands, app
+from railgrip.cli.main import main
+from railgrip.cli.maintain import maintain
+
+
+def commands(group: Commands, *prefix: str) -> dict[tuple[str, ...], Command]:
+    return {(*prefix, name): one for section in group.sections.values() for name, one in section.items()}
+
+
+ALL = commands(get_command(app)) | commands(get_command(maintain), "maintain")
+
+
+@pytest.fixture(autouse=True)
+def _as_before():
+    """A command sets the level of the messages for the whole process."""
+    log = logging.getLogger("railgrip")
+    level = log.level
+    yield
+    log.setLevel(level)
+
+
+@pytest.mark.parametrize("path", ALL, ids=" ".join)
+def test_every_command_is_loaded_and_its_help_begins_with_its_summary(path):
+    loaded = ALL[path].load(path[-1])
+    assert " ".join(loaded.help.split()).startswith(ALL[path].summary)
+
+
+@pytest.mark.parametrize("path", ALL, ids=" ".join)
+def test_help_cites_no_file_of_the_repository(path, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([*path, "--help"])
+    assert not end.value.code
+    text = capsys.readouterr().out
+    assert "Usage:" in text
+    assert "harness/" not in text
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("k-factors", "study k_factors"), ("rig", "study roller_rig"), ("monitor-study", "study pad_monitor")]
+    + [(path[-1], " ".join(path)) for path in ALL if path[0] == "maintain" and len(path) == 2],
+)
+def test_a_former_spelling_is_refused_with_the_new_one(old, new, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([old, "--out", "here"])
+    assert end.value.code == 2
+    assert f"`railgrip {old}` is now `railgrip {new}`." in capsys.readouterr().err
+
+
+def test_commands_of_users_come_before_those_of_maintainers():
+    names = [path[0] for path in ALL if len(path) == 1]
+    assert names[0] == "run"
+    assert names[-1] == "maintain"
+
+
+COMPLETE = """
+import sys
+from railgrip.__main__ import main
+sys.argv = ["railgrip"]
+try: main()
+finally: print(*sys.modules, file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["railgrip", "camp"], "campaign"),
+        (["railgrip", "run", "trap"], "trapezoid"),
+        (["railgrip", "train", "show", "em"], "emu387"),
+        (["railgrip", "maintain", "reg"], "regress"),
+    ],
+    ids=str,
+)
+def test_the_shell_completes_commands_and_names_of_the_library(words, expected):
+    """As bash asks for them."""
+    done = subprocess.run(
+        [sys.executable, "-c", COMPLETE],
+        env=os.environ
+        | {"_RAILGRIP_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.split() == [expected], done.stderr
+    if words == ["railgrip", "camp"]:  # of the program itself: no command is imported
+        assert HEAVY.isdisjoint(done.stderr.split())
+
+
+def test_the_version_is_that_of_the_package(railgrip):
+    assert rg.__version__ == version("railgrip")
+    result = railgrip("--version")
+    assert (result.code, result.out) == (0, f"railgrip {rg.__version__}\n")
+
+
+@pytest.mark.parametrize(("option", "quiet"), [((), False), (("--quiet",), True)])
+def test_quiet_prints_results_and_errors_only(railgrip, capfd, option, quiet):
+    result = railgrip(*option, "run", "wet.toml", "--set", "description=slide", "--out", "here")
+    assert "wet: horizon" in result.out
+    assert "no braking distance" in result.err
+    threads = threading.active_count()
+    with console.progress("a stop"):  # without a terminal, a thread prints it
+        assert threading.active_count() == threads + (not quiet)
+    console.remark("a remark")
+    assert ("a remark" in capfd.readouterr().err) is not quiet
+
+
+@pytest.mark.parametrize(("option", "printed"), [((), False), (("-v",), True), (("--quiet",), False)])
+def test_verbose_prints_debugging_messages(railgrip, capfd, option, printed):
+    railgrip(*option, "report", "nowhere")
+    logging.getLogger("railgrip.fmus").debug("a message")
+    assert ("a message" in capfd.readouterr().err) is printed
