@@ -21,7 +21,8 @@ _QUESTIONS = ("railgrip/scenario/library/", "railgrip/scenario/campaigns/", "rai
 def sources_digest(study: str | None = None) -> str:
     """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library.
 
-    With the name of a study, of every source that its results depend on: its own folder and all questions as well.
+    With the name of a study, of every source that its results depend on: its own module or folder and all questions as
+    well.
     """
     packages = (railgrip, railgrip.controllers, railgrip.estimators, railgrip.fmus)
     roots = {package.__name__: Path(package.__file__ or "").parent for package in packages} | {"modelica": MODELICA}
@@ -34,7 +35,9 @@ def sources_digest(study: str | None = None) -> str:
             ):
                 continue
             place = f"{name}/{path.relative_to(root).as_posix()}"
-            is_own = study is not None and place.startswith(f"railgrip/studies/{study}/")
+            is_own = study is not None and place.startswith(
+                (f"railgrip/studies/{study}/", f"railgrip/studies/{study}.")
+            )
             if is_own or not place.startswith(_UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)):
                 digest.update(place.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

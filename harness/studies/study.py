@@ -1,4 +1,4 @@
-"""What a study is, and how any of them is run."""
+"""The interface of a study, and how every study is run."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
@@ -10,36 +10,36 @@ from railgrip.campaign.work import Work, work
 from railgrip.errors import InputError
 from railgrip.report.baseline import Finding, Findings
 from railgrip.report.page import Page
-from railgrip.studies import names
+from railgrip.studies import module_of, names
 
 
 class Study(ABC):
-    """What is run, and what is shown of it; a frozen dataclass, whose fields are the options of its command.
+    """A study as a frozen dataclass, whose fields are the options of its command.
 
-    A field says in `Annotated` how typer shows it. Those that many commands have, `overrides`, `import_from` and
-    `quick`, say nothing.
+    `Annotated` describes a field for typer. The fields that many commands share, `overrides`, `import_from` and
+    `quick`, need no description.
     """
 
     @property
     def name(self) -> str:
-        """Its folder here, and, unless another is named, that of its results in build/."""
-        return type(self).__module__.split(".")[-2]
+        """Name of the study, and of its folder of results in build/ by default."""
+        return type(self).__module__.removesuffix(".study").rpartition(".")[2]
 
     @property
     def place(self) -> str:
-        """Folder inside that of the results: where a variant of the study does not overwrite the whole."""
+        """Folder inside the folder of results, so that a variant does not overwrite the whole study."""
         return ""
 
     @abstractmethod
     def page(self, work: Work) -> Page:
-        """Run what is to be run, and return what was found."""
+        """Run the cases of the study and return its page."""
 
     def headlines(self, work: Work) -> Iterable[Finding]:
-        """Return the few numbers that `railgrip maintain regress` compares to detect a change of the whole study.
+        """Return the few numbers that reveal a change of the whole study; `railgrip maintain regress` compares them.
 
-        Each is found in a reduced form of the study, in seconds, from fixed seeds. A tolerance is what another
-        machine's arithmetic may do to the number: little to a mean over thousands of samples, one sample to an
-        instant, more to the largest of many errors. A changed law moves it further.
+        They come from a reduced form of the study, in seconds, from fixed seeds. A tolerance covers the arithmetic of
+        another machine: little for a mean over thousands of samples, one sample for an instant, more for the largest
+        of many errors. A changed law moves the number further.
         """
         return ()
 
@@ -48,21 +48,21 @@ def study_named(name: str) -> type[Study]:
     """Return a study.
 
     Raises:
-        InputError: There is none of that name.
+        InputError: There is no study of that name.
     """
     if name not in names():
         raise InputError(f"there is no study '{name}'; there is {', '.join(names())}.")
-    return import_module(f"railgrip.studies.{name}.study").STUDY
+    return import_module(module_of(name)).STUDY
 
 
 def conduct(
     study: Study, out: Path, *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
 ) -> tuple[Page, Path]:
-    """Run a study, write its page and all that lies beside it, and return it and its path.
+    """Run a study, write its page and the files beside it; return the page and its path.
 
     Raises:
         RecordError: Results cannot be written there; nothing was run.
-        RailgripError: A case failed; results before it are kept, and found by the next one who asks.
+        RailgripError: A case failed; earlier results are kept in the cache.
     """
     folder = out / study.place
     make_folder(folder)

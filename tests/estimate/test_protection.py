@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import xarray
 
-from railgrip.studies.roller_rig.study import excursions, outside_events
+from railgrip.studies.roller_rig import excursions, outside_events
 from railgrip.trace.samples import recording_of
 
 PERIOD = 0.01

@@ -8,7 +8,7 @@ import pytest
 from railgrip.estimation.judge import judge
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 from railgrip.scenario.load import load
-from railgrip.studies.roller_rig.study import excursions, recording_of_rig
+from railgrip.studies.roller_rig import excursions, recording_of_rig
 from railgrip.trace.samples import reading_of, truth_of
 
 

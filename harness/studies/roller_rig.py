@@ -188,7 +188,7 @@ class RollerRig(Study):
         figures["rig_sand_over_slip.png"] = over_slip(*tests[-1], between=DEEP_SLIDE, limit=LIMIT)
         scores = table_of(rows, scenario="scenario")
         return Page(
-            template="studies/roller_rig/rig.md.jinja",
+            template="studies/roller_rig.md.jinja",
             values={
                 "scores": scores,
                 "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
