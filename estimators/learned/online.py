@@ -12,10 +12,9 @@ import casadi as ca
 import numpy as np
 
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
 from railgrip.estimators.learned.network import Network
-from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
+from railgrip.estimators.learned.preprocessing import COMBINATIONS, AntiAlias, Chain, Scale
 from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
 from railgrip.fmus.native import Variable
 

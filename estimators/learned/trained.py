@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.channels import COMBINATIONS, forwards, motions
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.online import Online, general, paper
-from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
+from railgrip.estimators.learned.preprocessing import COMBINATIONS, AntiAlias, Chain, Scale, forwards, motions
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import Source

@@ -8,8 +8,8 @@ import numpy as np
 from railgrip.assemble.files import lowered
 from railgrip.assemble.prediction import consist_of, start_of, whole_of
 from railgrip.bench import Row, microseconds
+from railgrip.estimation.braking import braking_of
 from railgrip.estimation.run import by_name, prediction_of
-from railgrip.estimation.sources import with_track_force
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
 from railgrip.estimators.belief import Estimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
@@ -17,10 +17,9 @@ from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
-from railgrip.studies.field_test.filtering import filter_of, follow, prediction, specification, task_of
-from railgrip.studies.field_test.noise import PHYSICAL
-from railgrip.studies.field_test.objective import evaluate
+from railgrip.studies.field_test.filtering import PHYSICAL, filter_of, follow, prediction, specification, task_of
 from railgrip.studies.field_test.runs import TEST, cases, run
+from railgrip.studies.field_test.tune import evaluate
 from railgrip.vehicle.formation import Formation
 
 
@@ -123,11 +122,11 @@ def of_recording() -> Iterator[Row]:
     course = spec.course
     assert course is not None
     task = task_of(field_run.braking, model)
-    filter_ = filter_of(model, task.period)
-    recording, samples = with_track_force(field_run.recording, course), len(task.readings)
+    filter_ = filter_of(model, task.data.period)
+    recording, samples = braking_of(field_run.recording, course).recording, len(task.data.readings)
     step = microseconds(lambda: follow(task, filter_, PHYSICAL)) / samples
     whole = microseconds(lambda: estimate_of(spec, recording)) / 1e3
-    track = microseconds(lambda: with_track_force(field_run.recording, course), rounds=2) / 1e6
+    track = microseconds(lambda: braking_of(field_run.recording, course), rounds=2) / 1e6
     value = microseconds(lambda: evaluate("consistent", [task] * 5, filter_, PHYSICAL)) / 1e6
     yield f"13-state filter over a recording of {samples} samples, a sample", f"{step:.1f} µs", "5 µs"
     yield "  estimate of that recording", f"{whole:.0f} ms", ""

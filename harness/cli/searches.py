@@ -20,12 +20,10 @@ from railgrip.console import progress, say
 from railgrip.controllers.tuned import SlipSource, file_of
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.files import write_text
-from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, task_of
-from railgrip.studies.field_test.noise import save_noise
-from railgrip.studies.field_test.objective import DIVERGED
+from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, save_noise, task_of
 from railgrip.studies.field_test.runs import TUNING, runs
 from railgrip.studies.field_test.runs import cases as field_cases
-from railgrip.studies.field_test.tune import Search
+from railgrip.studies.field_test.tune import DIVERGED, Search
 from railgrip.studies.field_test.tune import tune as search_for
 from railgrip.studies.type_test.entrants import training
 
@@ -141,7 +139,7 @@ def tune(
         results={"objective": value, "generations": float(len(history))},
     )
     say(f"{kind}: {value:.6f} m/s after {len(history)} generations")
-    filter_ = filter_of(model, tasks[0].period)
+    filter_ = filter_of(model, tasks[0].data.period)
     for case, task in zip(field_runs, tasks, strict=True) if value < DIVERGED else ():
         instant = lost(task, follow(task, filter_, noise))
         if instant is not None:

@@ -1,4 +1,4 @@
-"""How good an estimate is, where the truth is known."""
+"""Errors of an estimate against the known truth."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.errors import EstimationError
-from railgrip.estimators.belief import Vector
+from railgrip.estimators.belief import Array, Vector
 from railgrip.trace.samples import truth_of
 
 
@@ -16,14 +16,14 @@ class Judgement:
     """Errors of one state, estimate minus truth, in its unit.
 
     Attributes:
-        samples: How many were judged.
+        samples: Number of samples judged.
         rmse: Root of the mean square.
-        constant: The same of the best constant, the mean of the truth: what a filter must be better than.
+        constant: RMSE of the best constant, the mean of the truth; a useful filter is better.
         bias: Mean.
         largest: Largest magnitude.
-        nees: Mean of (error/sd)²: 1 for a filter that knows its error, above it believes too much.
-        coverage: Share of samples within two standard deviations: 0.954 for a filter that knows its error.
-        sd: Median of the standard deviation that the filter claims.
+        nees: Mean of (error/sd)²: 1 for a consistent filter, more for an overconfident one.
+        coverage: Share of samples within two standard deviations: 0.954 for a consistent filter.
+        sd: Median of the standard deviation claimed by the filter.
     """
 
     samples: int
@@ -36,11 +36,16 @@ class Judgement:
     sd: float
 
 
+def rms(values: Array) -> float:
+    """Return the root mean square of values of any shape."""
+    return float(np.sqrt(np.mean(values**2)))
+
+
 def errors(recording: xarray.Dataset, estimates: xarray.Dataset, state: str) -> Vector:
     """Return estimate minus truth at every sample, shape (k,).
 
     Raises:
-        EstimationError: The recording does not know the truth.
+        EstimationError: The recording has no truth of the state.
     """
     return estimates["mean"].sel(state=state).values - truth_of(recording, state)
 
@@ -48,14 +53,14 @@ def errors(recording: xarray.Dataset, estimates: xarray.Dataset, state: str) -> 
 def judge(
     recording: xarray.Dataset, estimates: xarray.Dataset, state: str, where: NDArray[np.bool_] | None = None
 ) -> Judgement:
-    """Return how far an estimate was from the truth and from its own claim.
+    """Return the errors of an estimate against the truth and against its claimed deviation.
 
     Args:
         estimates: Of `estimate`, from that recording.
         where: Samples to judge; all after the first when None.
 
     Raises:
-        EstimationError: The truth is not known, or nothing is left to judge.
+        EstimationError: The recording has no truth of the state, or no sample is left to judge.
     """
     error = errors(recording, estimates, state)
     sd = estimates["sd"].sel(state=state).values
@@ -66,7 +71,7 @@ def judge(
     e, s = error[mask], sd[mask]
     return Judgement(
         samples=int(mask.sum()),
-        rmse=float(np.sqrt(np.mean(e**2))),
+        rmse=rms(e),
         constant=float(np.std(truth_of(recording, state)[mask])),
         bias=float(np.mean(e)),
         largest=float(np.max(np.abs(e))),

@@ -1,4 +1,4 @@
-"""What a recording can tell about the states of a prediction: rank at points, information along the way."""
+"""Observability of the states of a prediction from a recording: rank at points, information over windows."""
 
 import numpy as np
 import xarray
@@ -12,22 +12,22 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
 
 Point = tuple[str, float, Observability]
-"""A sample at which the rank was found: why it was chosen, its time [s], and rank, order and what is hidden."""
+"""A sample with its rank: the reason for choosing it, its time [s], and rank, order and undetermined states."""
 
 
 def observe(specification: Specification, recording: xarray.Dataset) -> tuple[list[Point], xarray.Dataset]:
-    """Return what a recording can tell about the states, at their true values where known.
+    """Return points and windows of the observability of the states along their true values.
 
-    Points are with the largest input that opens the gate, and with it at zero. Of windows, `smallest` (time) is the
-    smallest singular value of the scaled observability Gramian of the window that begins there, and by state (time,
-    state) `deviation` is to what the window alone tells it, in its unit, and `singular` the smallest singular value
-    that belongs to it: the square of scale over deviation, 0 where the readings say nothing.
+    Points have the largest input that opens the gate, and the same with that input at zero. Windows have `smallest`
+    (time), the smallest singular value of the scaled observability Gramian of the window that begins there,
+    `deviation` (time, state), the standard deviation that the window alone gives a state, in its unit, and `singular`
+    (time, state), the square of scale over deviation, 0 for a state without information.
 
-    Inputs that shut a gate count as zero: that is how the filter takes them, and the noise of a released load cell
-    tells nothing.
+    Inputs below the threshold of a gate count as zero, as in the filter: they are noise of a released load cell.
 
     Raises:
-        EstimationError: The file has no [observability], the states are not known, or a window is longer than all.
+        EstimationError: The file has no [observability], the recording has no true states, or it is shorter than a
+            window.
     """
     table = specification.observability
     if table is None:
@@ -50,14 +50,14 @@ def observe(specification: Specification, recording: xarray.Dataset) -> tuple[li
 
 
 def with_estimates_as_truth(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
-    """Return a recording whose states are what the filter of the estimation believes: the best that is known of them.
+    """Return a recording with the estimates of the filter as its true states, the best available trajectory.
 
     Raises:
-        EstimationError: The filter diverged, and there is no trajectory.
+        EstimationError: The filter diverged.
     """
     estimates = estimate_of(specification, recording)
     if estimates.attrs["ended"]:
-        raise EstimationError(f"{specification.name}: {estimates.attrs['ended']} There is no trajectory to ask along.")
+        raise EstimationError(f"{specification.name}: {estimates.attrs['ended']} There is no trajectory of the states.")
     units = units_of(specification.model.class_)
     states = [str(state) for state in estimates["state"].values]
     return with_signals(recording, truth={s: (estimates["mean"].sel(state=s).values, units[s]) for s in states})
@@ -67,7 +67,7 @@ def _states(recording: xarray.Dataset, prediction: CasadiPrediction) -> Matrix:
     unknown = [state for state in prediction.states if not knows(recording, state)]
     if unknown:
         raise EstimationError(
-            f"observability: the recording does not tell {', '.join(unknown)}; a trajectory of all states is wanted, "
+            f"observability: the recording has no true {', '.join(unknown)}; it needs a trajectory of all states, "
             "from a stop or as true_<state> from an estimate."
         )
     return np.stack([truth_of(recording, state) for state in prediction.states], axis=1)

@@ -1,6 +1,6 @@
-"""What a recording may show and a filter may believe before one asks for the unit, the sign or the column.
+"""Bounds of plausible signals and estimates; values beyond suggest a wrong unit, sign or column.
 
-Bounds are wide on purpose: beyond them is no train. They are by the first part of a signal's name, in its SI unit.
+Bounds are wide on purpose: no train is beyond them. They are keyed by the name of a signal without index, in SI units.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,7 +17,7 @@ from railgrip.trace.samples import reading_of, unit_of
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """Least and greatest value of a quantity, and what they come from."""
+    """Least and greatest value of a quantity, and the reason for them."""
 
     low: float
     high: float
@@ -42,14 +42,14 @@ SIGNALS: Final[Mapping[str, Bounds]] = {
 """Inputs and readings of the prediction models."""
 
 STATES: Final[Mapping[str, Bounds]] = {"v": _SPEED, "w": _ROTATION, "mu_b": _FRICTION, "alpha": _ADHESION}
-"""Of the prediction models."""
+"""States of the prediction models."""
 
-FEW: Final = 0.01
-"""Share of samples beyond the bounds that says no more than that a sensor had its moments."""
+TOLERATED: Final = 0.01
+"""Share of samples beyond the bounds that a few outliers of a sensor may take."""
 
 
 def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str]:
-    """Return a sentence for each signal that is beyond its bounds in more than `FEW` of its samples."""
+    """Return a sentence for each signal that is beyond its bounds in more than `TOLERATED` of its samples."""
     sentences: list[str] = []
     for name in names:
         bounds, values = SIGNALS.get(_family(name)), reading_of(recording, name)
@@ -63,7 +63,7 @@ def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str
 
 
 def strange_estimates(estimates: xarray.Dataset) -> list[str]:
-    """Return a sentence for each state that is beyond its bounds by 2σ in more than `FEW` of its samples."""
+    """Return a sentence for each state that is beyond its bounds by 2σ in more than `TOLERATED` of its samples."""
     sentences: list[str] = []
     for state in map(str, estimates["state"].values):
         bounds = STATES.get(_family(state))
@@ -78,7 +78,7 @@ def strange_estimates(estimates: xarray.Dataset) -> list[str]:
 def _sentences(
     what: str, question: str, values: Vector, beyond: NDArray[np.bool_], of: xarray.Dataset, bounds: Bounds, unit: str
 ) -> Sequence[str]:
-    if np.mean(beyond) <= FEW:
+    if np.mean(beyond) <= TOLERATED:
         return ()
     worst = int(np.argmax(np.where(beyond, np.abs(values), -1.0)))
     unit = f" {unit}" if unit not in ("", "1") else ""

@@ -1,4 +1,4 @@
-"""A filter over a recording: mean and spread of every state at every sample, and what the readings said."""
+"""A filter over a recording: mean and deviation of every state, and innovations, at every sample."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 
 from railgrip.errors import EstimationError, FilterDiverged
-from railgrip.estimators.belief import Estimate, Matrix
+from railgrip.estimators.belief import Estimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import Gate
@@ -24,29 +24,28 @@ from railgrip.fmus.recipe import read_recipes
 from railgrip.trace.samples import period_of, samples
 
 Kind = Literal["fmu", "compiled"]
-"""What a filter evaluates: the prediction FMU through FMI 2.0, or the equations of its class as C in the filter."""
+"""Form of the prediction in a filter: its FMU through FMI 2.0, or the equations of its class as C in the filter."""
 
 READ_STATES = {"v": "speed", "w": "wheelset_speed"}
-"""States that a reading shows as they are; where `start` leaves them out they begin at its first sample."""
+"""States that are read directly; where `start` leaves them out they begin at the first reading."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """What a filter is told besides its model.
+    """Settings of a filter besides its model.
 
-    A name without index stands for all elements of an array, a name with one (`w[2]`) for that element and before
-    the other.
+    A name without index stands for all elements of an array; a name with index (`w[2]`) takes precedence over it.
 
     Attributes:
         process: Density of the noise of each state, (unit of the state)²/s; see `per_step` for tables that
-            give what one step adds.
+            give the covariance added in one step.
         readings: Variance of each reading.
         start: Mean of each state at the first sample; those in `READ_STATES` may be left out.
         start_deviation: Standard deviation of each state at the first sample.
-        gate: States to hold still and when, or None.
-        outlier_limit: Leave out readings further off than so many standard deviations; None uses all.
-        between: What the inputs are between two samples: `held` at the earlier one, as a digital controller holds
-            its commands, or the `mean` of both, for inputs that were measured and move all the time.
+        gate: States to hold constant and when, or None.
+        outlier_limit: Number of standard deviations beyond which readings are rejected; None uses all.
+        between: Inputs between two samples: `held` at the earlier one, as a digital controller holds its commands, or
+            the `mean` of both, for measured inputs that change all the time.
     """
 
     process: Mapping[str, float]
@@ -59,9 +58,9 @@ class Settings:
 
 
 def per_step(variances: Mapping[str, float], period: float) -> dict[str, float]:
-    """Return densities from the covariance that one step of a discrete filter adds, as tables of papers give it.
+    """Return densities from the covariance added in one step of a discrete filter, as tables of papers give it.
 
-    The meaning of such a table hangs on its period: halving it doubles the noise a second.
+    Such a table depends on its period: half the period is twice the noise a second.
     """
     return {name: variance / period for name, variance in variances.items()}
 
@@ -74,13 +73,13 @@ def prediction_of(
 ) -> PredictionInC:
     """Return the prediction of a class of RailBraking.Predictions, its other parameters at their defaults.
 
-    An FMU is built when it is not up to date; it is of one thread at a time.
+    An FMU is built when it is not up to date; only one thread may use it at a time.
 
     Args:
         model: Such as `RollerRigPrediction`, or a full class name.
         parameters: By name, SI.
-        outputs: What readings are compared with, in that order, `wheelset_speed` for all its elements; all when None.
-        kind: What a filter evaluates.
+        outputs: Expected readings, in that order, `wheelset_speed` for all its elements; all when None.
+        kind: Form of the prediction.
 
     Raises:
         EstimationError: There is no such parameter or output.
@@ -125,7 +124,7 @@ def _file_of(model: str) -> Path:
 
 
 def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
-    """Return a model that shows only some of its outputs: for fewer sensors."""
+    """Return a model with only some of its outputs, for fewer sensors."""
     names = [variable.name for variable in source.outputs]
     places = [i for output in outputs for i, name in enumerate(names) if output in (name, name.partition("[")[0])]
     missing = [output for output in outputs if not any(output in (n, n.partition("[")[0]) for n in names)]
@@ -148,6 +147,39 @@ def units_of(model: str) -> dict[str, str]:
     return {v.name: v.unit for v in (*source.states, *source.inputs, *source.outputs)}
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FilterData:
+    """A recording as the arrays of a filter, for k samples after the first.
+
+    Attributes:
+        inputs: Over the period that ends at each sample, shape (k, inputs).
+        readings: At each sample, NaN where missing, shape (k, outputs).
+        mean, variance: Of the states at the first sample, each of shape (states,).
+        period: Between samples [s].
+    """
+
+    inputs: Matrix
+    readings: Matrix
+    mean: Vector
+    variance: Vector
+    period: float
+
+
+def filter_data(
+    recording: xarray.Dataset, prediction: PredictionInC, settings: Settings, units: Mapping[str, str] | None = None
+) -> FilterData:
+    """Return a recording as the arrays of a filter; arguments and errors as for `estimate`."""
+    outputs, unit_of_name = prediction.outputs, dict(units or {})
+    readings = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
+    return FilterData(
+        inputs=_inputs(recording, prediction, unit_of_name, settings.between),
+        readings=readings[1:],
+        mean=_start(settings.start, prediction.states, outputs, readings),
+        variance=by_name("start_deviation", settings.start_deviation, prediction.states) ** 2,
+        period=period_of(recording),
+    )
+
+
 def estimate(
     recording: xarray.Dataset,
     prediction: PredictionInC,
@@ -155,102 +187,96 @@ def estimate(
     *,
     units: Mapping[str, str] | None = None,
 ) -> xarray.Dataset:
-    """Return what a filter believes at every sample of a recording.
+    """Return the beliefs of a filter at every sample of a recording.
 
     Args:
-        recording: A trace whose readings are the prediction's inputs and outputs; its truth is not touched.
+        recording: A trace whose readings are the prediction's inputs and outputs; its truth is not used.
         settings: Noises, start and gate.
-        units: Of inputs and outputs, which the recording's are converted to where given.
+        units: Of inputs and outputs, to which those of the recording are converted where given.
 
     Returns:
         `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time)
-        with its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` says why its
-        beliefs mean nothing, and from when on, else it is empty: the filter could not go on, when the rest is NaN, or
-        is lost (`railgrip.estimators.consistency.loss_step`).
-        `nis_ratio` is the median of NIS over its expected one, NaN where nothing was read.
+        with its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` is empty
+        for a sound filter. Otherwise it states why and from when on its beliefs are meaningless: the filter diverged,
+        and later values are NaN, or it is lost (`railgrip.estimators.consistency.loss_step`).
+        `nis_ratio` is the median of NIS over its expected one, NaN without readings.
 
     Raises:
         EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
         EstimatorError: Noises or start do not fit the model.
     """
-    states, outputs = prediction.states, prediction.outputs
-    unit_of_name = dict(units or {})
-    period = period_of(recording)
-    inputs = _inputs(recording, prediction, unit_of_name, settings.between)
-    signals = samples(recording, outputs, [unit_of_name.get(name) for name in outputs])
-    process = by_name("process", settings.process, states)
-    readings = by_name("readings", settings.readings, outputs)
-    filter_ = CompiledFilter(prediction, process, readings, period, settings.gate, settings.outlier_limit)
-    first = filter_.start(
-        _start(settings.start, states, outputs, signals),
-        by_name("start_deviation", settings.start_deviation, states) ** 2,
-    )
-    beliefs, problem = _follow(filter_, first, inputs[1:], signals[1:])
-    count, end = len(signals), 1 + len(beliefs.mean)
+    data = filter_data(recording, prediction, settings, units)
+    process = by_name("process", settings.process, prediction.states)
+    noise = by_name("readings", settings.readings, prediction.outputs)
+    filter_ = CompiledFilter(prediction, process, noise, data.period, settings.gate, settings.outlier_limit)
+    first = filter_.start(data.mean, data.variance)
+    beliefs, problem = _follow(filter_, first, data)
+    count, done = len(data.readings), len(beliefs.mean)
 
     def at_samples(start: Matrix | float, steps: Matrix) -> Matrix:
-        """Return the start and what came of each step; NaN from where the filter diverged."""
-        rows = np.full((count, *steps.shape[1:]), np.nan)
-        rows[0], rows[1:end] = start, steps
+        """Return the start and the result of each step; NaN after the filter diverged."""
+        rows = np.full((1 + count, *steps.shape[1:]), np.nan)
+        rows[0], rows[1 : 1 + done] = start, steps
         return rows
 
-    nis, used = at_samples(np.nan, beliefs.squared_innovation), np.nan_to_num(at_samples(0.0, beliefs.degrees))
-    ratio, time = nis_ratio(nis[:end], used[:end]), recording["time"].values
-    # The first sample is the start: it was read, but no step used it.
-    divergence = loss_step(nis[1:end], used[1:end], np.isfinite(signals[1:end]).sum(axis=1))
-    reason = f"{problem} At {time[end]:.3f} s." if problem else ""
-    if divergence is not None:
-        reason = (
-            f"Filter: lost; its innovations are more than {FAR:g} times what it claims, or it leaves out most of what "
-            f"it reads. At {time[divergence + 1]:.3f} s."
-        )
+    ratio = nis_ratio(beliefs.squared_innovation, beliefs.degrees)
     return xarray.Dataset(
         {
             "mean": (("time", "state"), at_samples(first.mean, beliefs.mean)),
             "sd": (("time", "state"), at_samples(first.deviation, np.sqrt(beliefs.variance))),
-            "innovation": (("time", "output"), signals - at_samples(np.nan, beliefs.expectation)),
-            "nis": (("time",), nis),
-            "readings": (("time",), used),
+            "innovation": (("time", "output"), at_samples(np.nan, data.readings[:done] - beliefs.expectation)),
+            "nis": (("time",), at_samples(np.nan, beliefs.squared_innovation)),
+            "readings": (("time",), np.nan_to_num(at_samples(0.0, beliefs.degrees))),
         },
-        coords={"time": recording["time"], "state": list(states), "output": list(outputs)},
+        coords={"time": recording["time"], "state": list(prediction.states), "output": list(prediction.outputs)},
         attrs={
-            "ended": reason,
-            "period": period,
+            "ended": _end(beliefs, problem, data.readings[:done], recording["time"].values),
+            "period": data.period,
             "name": recording.attrs.get("name", ""),
             "nis_ratio": np.nan if ratio is None else ratio,
         },
     )
 
 
-def _follow(filter_: CompiledFilter, first: Estimate, inputs: Matrix, readings: Matrix) -> tuple[Estimates, str]:
+def _follow(filter_: CompiledFilter, first: Estimate, data: FilterData) -> tuple[Estimates, str]:
     """Return the beliefs from `first` on, and why the filter diverged after the last of them, or nothing."""
     try:
-        return filter_.follow(first, inputs, readings), ""
+        return filter_.follow(first, data.inputs, data.readings), ""
     except FilterDiverged as problem:
-        # Up to there its beliefs are good, and worth having.
-        return filter_.follow(first, inputs[: problem.after], readings[: problem.after]), problem.why
+        # The beliefs before that are sound.
+        return filter_.follow(first, data.inputs[: problem.after], data.readings[: problem.after]), problem.why
+
+
+def _end(beliefs: Estimates, problem: str, readings: Matrix, time: Vector) -> str:
+    """Return why and when beliefs became meaningless, or nothing; `readings` are those of the steps."""
+    lost = loss_step(beliefs.squared_innovation, beliefs.degrees, np.isfinite(readings).sum(axis=1))
+    if lost is not None:
+        return (
+            f"Filter: lost; its innovations are more than {FAR:g} times their claimed deviations, or it rejects most "
+            f"readings as outliers. At {time[lost + 1]:.3f} s."
+        )
+    return f"{problem} At {time[len(beliefs.mean) + 1]:.3f} s." if problem else ""
 
 
 def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping[str, str], between: str) -> Matrix:
-    """Return for each sample the inputs of the period that ends there, shape (k, nu); the first row is not used."""
+    """Return for each sample but the first the inputs of the period that ends there, shape (k, inputs)."""
     names = prediction.inputs
     columns = samples(recording, names, [units.get(name) for name in names])
     for name, values in zip(names, columns.T, strict=True):
         if np.isnan(values).any():
             at = recording["time"].values[int(np.argmax(np.isnan(values)))]
             raise EstimationError(
-                f"recording: input {name} is not a number at {at:.3f} s; a filter must know its inputs, "
+                f"recording: input {name} is not a number at {at:.3f} s; a filter needs its inputs at every sample, "
                 "fill or cut the gap."
             )
-    earlier = np.vstack([columns[:1], columns[:-1]])
-    return 0.5 * (earlier + columns) if between == "mean" else earlier
+    return 0.5 * (columns[:-1] + columns[1:]) if between == "mean" else columns[:-1]
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
-    """Return the value of each name, by itself or by what stands before its index.
+    """Return the value of each name, by itself or by the name before its index.
 
     Raises:
-        EstimationError: A name has no value, or a value no name.
+        EstimationError: A name has no value, or a value has no name.
     """
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
     if missing:
@@ -273,6 +299,6 @@ def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[
             finite = np.flatnonzero(np.isfinite(column))
             if finite.size:
                 from_readings[state] = float(column[finite[0]])
-    # An element that the user names goes before the reading; so does the name of its array.
+    # An element or array in `start` takes precedence over the reading.
     start_states = {state for state in states if state in start or state.partition("[")[0] in start}
     return by_name("start", {**{s: x for s, x in from_readings.items() if s not in start_states}, **start}, states)

@@ -1,31 +1,35 @@
-"""Where recordings come from: a stop of a scenario, or a user's file; and their track force, if [course] asks for it.
+"""Recordings of an estimation: a stop of its scenario or a user's file, with the track force that [course] computes.
 
-A run that [course] finds the track force of brings `speed` (optical or radar), `acceleration_along[1]` … (as many as
-there are, feeling g sin β too), `latitude`, `longitude`, `height` (NaN between the samples of the receiver), wheelset
-speeds, cylinder pressures, `driving` (0 or 1: the filter knows no traction and begins when there is none) and, if
-somebody recorded it, `braking`; else braking begins where a cylinder fills. The trace of a stop has `traction` and
-`driver_demand` in their place. What comes back begins with the coasting before the brake and has `track_force` beside
-the readings.
+To compute the track force, [course] needs a run with `speed` (optical or radar), `acceleration_along[1]` … (any
+number, each including g sin β), `latitude`, `longitude`, `height` (NaN between the samples of the receiver), wheelset
+speeds, cylinder pressures, `driving` (0 or 1: the filter knows no traction and begins without it) and, optionally,
+`braking`; without it braking begins where a cylinder fills. The trace of a stop has `traction` and `driver_demand`
+instead. The result begins with the coasting before the brake and has `track_force` beside the readings.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import xarray
 
+from railgrip.assemble import trace_of
 from railgrip.errors import EstimationError
+from railgrip.estimation.braking import braking_of
 from railgrip.estimation.run import model_of, units_of
-from railgrip.estimation.spec import CourseTable, Specification, check_mass
-from railgrip.estimation.stop import recording_of_stop
-from railgrip.estimation.track.braking import braking_of
-from railgrip.scenario.quantity import in_units
+from railgrip.estimation.spec import Specification, check_mass
+from railgrip.estimators.belief import Vector
+from railgrip.scenario.load import load
+from railgrip.scenario.quantity import Magnitude, in_units
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.read import FileRecording, recorded
-from railgrip.trace.samples import evenly, with_signals
+from railgrip.trace.recorder import thinned
+from railgrip.trace.samples import evenly, recording_of, with_signals
 
 _ALWAYS = {"driving": "1", "braking": "1"}
-"""Signals that the whole run must tell, if it tells them."""
+"""Signals that a file of a run must have at every sample, if it has them."""
 _UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
 
 
@@ -37,16 +41,16 @@ def recording_of_estimation(
     seed: int | None = None,
     import_from: Sequence[Path] = (),
 ) -> xarray.Dataset:
-    """Return what an estimation's filter is given.
+    """Return the recording of an estimation.
 
     Args:
         data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
-        scenario: Another one than [source] says.
-        seed: Likewise.
+        scenario: In place of that of [source].
+        seed: In place of that of [source].
         import_from: Folders of classes that the scenario names.
 
     Raises:
-        EstimationError: There is no scenario or file, or no estimate can be made of it; in a sentence.
+        EstimationError: There is no scenario or file, or it cannot be estimated from.
         ScenarioError: There is no such scenario, or it fails.
     """
     check_mass(specification)
@@ -57,25 +61,14 @@ def recording_of_estimation(
         seed = source.seed if seed is None else seed
         recording = recording_of_stop(scenario or source.scenario, seed, source.noise, import_from)
     recording = completed(specification, recording)
-    return recording if specification.course is None else with_track_force(recording, specification.course)
-
-
-def with_track_force(run: xarray.Dataset, course: CourseTable) -> xarray.Dataset:
-    """Return a run from its coasting on, with the force of gradient and curves.
-
-    Raises:
-        EstimationError: A reading is missing, nobody braked, or the train was driven until then.
-    """
-    return braking_of(
-        run, course.mass, curve_law=course.curve_law, low_pass=course.low_pass, trust=course.trust
-    ).recording
+    return recording if specification.course is None else braking_of(recording, specification.course).recording
 
 
 def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dataset:
-    """Return a trace on its even grid, with the inputs that the estimation gives a value.
+    """Return a trace on its even grid, with the constant inputs of the estimation.
 
     Raises:
-        EstimationError: The grid is uneven, or a value is of no input or has another dimension.
+        EstimationError: The grid is uneven, or a constant belongs to no input or has another dimension.
     """
     units = {variable.name: variable.unit for variable in model_of(specification.model.class_).inputs}
     values = in_units(f"{specification.name}: [inputs]", specification.inputs, units)
@@ -85,21 +78,21 @@ def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dat
 
 
 def recording_for(specification: Specification, path: Path) -> FileRecording:
-    """Return the recording in a file, and what had to be mended: a trace as it is, others by the estimation's [data].
+    """Return the recording in a file and its repairs: a trace unchanged, other files by [data] of the estimation.
 
     Raises:
-        EstimationError: The estimation has no [data], or the file cannot be used; in a sentence.
+        EstimationError: The estimation has no [data], or the file cannot be used.
         RecordError: The trace cannot be read.
     """
     if path.suffix == ".nc":
         trace = read_trace(path)
-        # A stop's trace has the name of its folder.
+        # The trace of a stop is named after its folder.
         return FileRecording(
             recording=evenly(trace, path.parent.name if path.name == FILE_NAME else path.stem), flags=()
         )
     if specification.data is None:
         raise EstimationError(
-            f"{specification.name}: has no [data], which says what the columns of {path.name} are; see "
+            f"{specification.name}: has no [data], which maps the columns of {path.name}; see "
             "harness/trace/table.py for an example."
         )
     model = model_of(specification.model.class_)
@@ -114,3 +107,66 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
         inputs = [name for name in inputs if name != "track_force"] + [name for name in of_run if name in _ALWAYS]
         outputs += [name for name in of_run if name not in _ALWAYS]
     return recorded(path, specification.data, units, inputs, outputs)
+
+
+def stop_read(scenario: Scenario, name: str = "", import_from: Sequence[Path] = ()) -> xarray.Dataset:
+    """Return the trace of a stop on the grid of [periods] trace as a recording, by default named after the scenario.
+
+    Classes that the scenario names are imported from the folders `import_from`.
+
+    Raises:
+        ScenarioError: The stop fails.
+    """
+    return evenly(thinned(trace_of(scenario, import_from), scenario.periods.every("trace")), name or scenario.name)
+
+
+def recording_of_stop(
+    scenario: str, seed: int | None, noise: Mapping[str, Magnitude], import_from: Sequence[Path] = ()
+) -> xarray.Dataset:
+    """Return the recording of a stop.
+
+    It has the signals of the plant under their names, an element of an array as `name[i]`, and `wheel_torque`, the
+    known resistance of bearings and rolling, negative because it drives a wheelset backwards. The true adhesion is that
+    of the whole train, ΣF_x/ΣF_z.
+
+    Args:
+        scenario: Name or file.
+        seed: Of the scenario and the noise; None for the scenario's own.
+        noise: Signal → standard deviation of its reading, white from sample to sample; other signals are not read.
+            When empty the sensors of the scenario read: the trace of the stop is the recording.
+        import_from: Folders of classes that the scenario names.
+
+    Raises:
+        ScenarioError: There is no such scenario, it fails, or its plant does not have a signal to be read.
+    """
+    stop_scenario = load(Path(scenario), [] if seed is None else [f"seed={seed}"])
+    trace = stop_read(stop_scenario, import_from=import_from)
+    if not noise:
+        return trace
+    unit_of_signal = {
+        str(name): str(trace[name].attrs.get("units", "")) for name in trace if not trace[name].isnull().any()
+    }
+    deviations = in_units(f"{stop_scenario.name}: [source.noise]", noise, unit_of_signal)
+    columns: dict[str, tuple[Vector, str]] = {}
+    for name, deviation in deviations.items():
+        for key, (values, unit) in _elements(trace, name, name).items():
+            # One stream for each signal: the noise of one does not depend on which others are read.
+            white = generator(stop_scenario.seed, f"instruments.{key}").standard_normal(values.size)
+            columns[key] = values + deviation * white, unit
+    columns |= _elements(trace, "track_force", "track_force")
+    if "resistance_torque" in unit_of_signal:
+        torques = _elements(trace, "resistance_torque", "wheel_torque")
+        columns |= {key: (-values, unit) for key, (values, unit) in torques.items()}
+    loads, forces = trace["wheelset_load"].values, (trace["adhesion"] * trace["wheelset_load"]).values
+    truth = {"alpha": (forces.sum(axis=1) / loads.sum(axis=1), "1")}
+    for name, state in (("speed", "v"), ("wheelset_speed", "w"), ("pad_friction", "mu_b")):
+        truth |= _elements(trace, name, state)
+    return recording_of(columns, period=stop_scenario.periods.trace, truth=truth, name=stop_scenario.name)
+
+
+def _elements(trace: xarray.Dataset, name: str, other: str) -> dict[str, tuple[Vector, str]]:
+    """Return the elements of a signal of a trace under another name, with their unit."""
+    samples, unit = trace[name].values, str(trace[name].attrs["units"])
+    if samples.ndim == 1:
+        return {other: (samples, unit)}
+    return {f"{other}[{i}]": (column, unit) for i, column in enumerate(samples.T, start=1)}

@@ -6,27 +6,27 @@ name = "rig-slide"
 class = "RollerRigPrediction"
 kind = "fmu"                                # or "compiled": its equations in the filter, the same to rounding
 parameters = { load = "98.1 kN" }           # the others keep their defaults; SI or with a unit
-outputs = ["wheelset_speed", "speed"]       # what is compared with readings; all unless given
+outputs = ["wheelset_speed", "speed"]       # compared with readings; all unless given
 
 [noise]                                     # or { file = "tuned.toml" }, whose [noise] is taken
-kind = "density"                            # or "per_step": what one step of a discrete filter adds
+kind = "density"                            # or "per_step": covariance added in one step of a discrete filter
 process = { w = 1e-4, v = 1e-6, mu_b = 2.5e-5, alpha = 1e-2 }
 readings = { wheelset_speed = 1e-6, speed = 1e-8 }     # variances
 
 [start]
-mean = { mu_b = 0.35, alpha = 0.0 }         # states that a reading shows may be left out
+mean = { mu_b = 0.35, alpha = 0.0 }         # states that are read directly may be left out
 deviation = { w = 0.3, v = 0.1, mu_b = 0.04, alpha = 0.02 }
 
-[gate]                                      # optional: hold states still while inputs are small
+[gate]                                      # optional: hold states constant while inputs are small
 states = ["mu_b"]
 inputs = ["pad_force"]
 threshold = "1.5 kN"
 
-[course]                                    # optional: track force of a train from its own run, see `sources`
+[course]                                    # optional: compute the track force from the run itself, see `sources`
 mass = "84 t"
 curve_law = "bogie"
 
-[inputs]                                    # optional: inputs that nobody records, constant
+[inputs]                                    # optional: constant inputs in place of recorded ones
 track_force = "0 N"
 
 [source]                                    # optional: a scenario whose stop is the recording
@@ -56,7 +56,7 @@ Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 
 
 class LowPass(Table):
-    """How far to smooth."""
+    """Low-pass of a course over distance."""
 
     plan: Length = Field(description="cut-off wavelength of north and east")
     height: Length = Field(description="of the height")
@@ -76,12 +76,12 @@ class Trust(Table):
 
 
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
-"""For a train at 5 to 30 m/s under a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
-long; shorter waves are the receiver's. An estimate, not fitted to any case."""
+"""For a train at 5 to 30 m/s with a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
+long, shorter waves are noise of the receiver. An estimate, not fitted to any case."""
 
 TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
-"""Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is the gradient that
-changes by 5 ‰ in 5 s, `jerk` a brake that is applied within a second."""
+"""Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is a gradient that
+changes by 5 ‰ in 5 s, `jerk` a brake applied within a second."""
 
 
 NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
@@ -89,7 +89,7 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ModelTable(Table):
-    """[model]: which prediction, and its parameters where they differ from the defaults."""
+    """[model]: the prediction, and its parameters where they differ from the defaults."""
 
     class_: Annotated[str, Field(alias="class", pattern=r"^[A-Za-z][A-Za-z0-9_.]*$")]
     kind: Kind = Field(
@@ -115,7 +115,7 @@ class StartTable(Table):
 
 
 class GateTable(Table):
-    """[gate]: states held still while their inputs are below a threshold."""
+    """[gate]: states held constant while their inputs are below a threshold."""
 
     states: list[str]
     inputs: list[str]
@@ -123,7 +123,7 @@ class GateTable(Table):
 
 
 class ObservabilityTable(Table):
-    """[observability]: typical sizes of the states, and the windows in which readings must tell them."""
+    """[observability]: typical sizes of the states, and the windows of readings that must determine them."""
 
     scale: dict[str, Positive]
     window: Duration
@@ -145,7 +145,7 @@ class SourceTable(Table):
     scenario: str
     seed: Seed | None = None
     noise: dict[str, Magnitude] = Field(
-        default={}, description="what is read of the plant's signals, with the standard deviation of each"
+        default={}, description="signals of the plant that are read, with the standard deviation of each reading"
     )
 
 
@@ -169,17 +169,17 @@ class Specification(Table):
     @model_validator(mode="after")
     def _has_one_track_force(self) -> Self:
         if self.course is not None and self.data is not None and "track_force" in self.data.columns:
-            raise broken("has track_force in [data.columns] and [course], which makes it; take one of them out")
+            raise broken("has track_force in [data.columns] and [course], which computes it; remove one of them")
         return self
 
     def simulated(self) -> SourceTable:
         """Return what the recording is simulated from.
 
         Raises:
-            EstimationError: Nothing; it comes from a trace or a file.
+            EstimationError: It comes from a trace or a file.
         """
         if self.source is None:
-            raise EstimationError(f"{self.name}: has no [source]; name the trace or file to read, --data FILE.")
+            raise EstimationError(f"{self.name}: has no [source]; name the trace or file to read with --data FILE.")
         return self.source
 
 
@@ -247,7 +247,7 @@ def check_mass(specification: Specification) -> None:
     """Compare the mass in [course] with that of the model, where both are of a train.
 
     Raises:
-        EstimationError: They are of two trains.
+        EstimationError: They differ.
     """
     values = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
     parts = [value for name, value in values.items() if name.partition("[")[0] == "m_wheelset"]
@@ -257,7 +257,7 @@ def check_mass(specification: Specification) -> None:
     if abs(mass - whole) > 1e-3 * whole:
         raise EstimationError(
             f"{specification.name}: [course] mass is {mass:g} kg, m_wheelset of {specification.model.class_} add up to "
-            f"{whole:g} kg; track force and filter are of one train, change [course] or [model.parameters]."
+            f"{whole:g} kg; track force and filter belong to one train, change [course] or [model.parameters]."
         )
 
 
@@ -281,7 +281,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
 
 
 def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
-    """Return what the filter of an estimation believes at every sample of a recording; see `run.estimate`.
+    """Return the beliefs of the filter of an estimation at every sample of a recording; see `run.estimate`.
 
     Raises:
         EstimationError: The recording does not fit the model.

@@ -109,5 +109,5 @@ def test_track_force_is_made_or_mapped_but_not_both(tmp_path):
     text = (LIBRARY / "field.toml").read_text()
     path = tmp_path / "mine.toml"
     path.write_text(text + 'track_force = { value = "0 N" }\n')
-    with pytest.raises(ScenarioError, match=r"has track_force in \[data\.columns\] and \[course\], which makes it"):
+    with pytest.raises(ScenarioError, match=r"has track_force in \[data\.columns\] and \[course\], which computes it"):
         load_specification(path)

@@ -5,8 +5,7 @@ import pytest
 
 from railgrip.errors import EstimatorError, FmuError
 from railgrip.studies.lateral import run
-from railgrip.studies.lateral.filters import NAMES, observer
-from railgrip.studies.lateral.run import Case, simulate
+from railgrip.studies.lateral.run import NAMES, Case, observer, simulate
 from railgrip.studies.lateral.wheelset import DRY, INPUTS, PERIOD, TESTS, Irregularity, course, wheelset
 
 STEPS = 300

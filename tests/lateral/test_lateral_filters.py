@@ -9,9 +9,16 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
-from railgrip.studies.lateral.filters import LITERAL_NOISE, READING_NOISE, literal_density, observer, prediction
 from railgrip.studies.lateral.judge import beliefs_about, measure
-from railgrip.studies.lateral.run import Case, simulate
+from railgrip.studies.lateral.run import (
+    LITERAL_NOISE,
+    READING_NOISE,
+    Case,
+    literal_density,
+    observer,
+    prediction,
+    simulate,
+)
 from railgrip.studies.lateral.wheelset import DRY, INPUTS, PERIOD, WORST, Irregularity, Trial
 
 

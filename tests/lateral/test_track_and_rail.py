@@ -5,8 +5,7 @@ import pytest
 from scipy.signal import welch
 
 from railgrip.fmus.native.dae import LIBRARY
-from railgrip.studies.lateral.filters import prediction
-from railgrip.studies.lateral.run import Case
+from railgrip.studies.lateral.run import Case, prediction
 from railgrip.studies.lateral.wheelset import (
     ACCELEROMETER,
     CONDITIONS,

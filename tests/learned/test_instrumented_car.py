@@ -7,7 +7,7 @@ import pytest
 
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass, ride
-from railgrip.studies.axle_box.runs import LABELS, campaign
+from railgrip.studies.axle_box.training import LABELS, campaign
 from railgrip.track.irregularity import KINDS, RIDE, TRACKS, Band, realise, rms, spectrum
 
 CHECKED = Band(lowest=0.024, highest=0.333, lines=4000)

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from railgrip.estimators.learned import online
-from railgrip.estimators.learned.channels import motions
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
-from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
+from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import Spectral
 
 ROUNDING = 1e-9

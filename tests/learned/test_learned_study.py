@@ -7,13 +7,12 @@ import pytest
 from one_process import one_process
 
 from railgrip.campaign.work import work
-from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.report.page import rendered
 from railgrip.report.style import save
 from railgrip.studies.axle_box.evaluate import Recipe
-from railgrip.studies.axle_box.figures import draw
 from railgrip.studies.axle_box.reduction import Run
-from railgrip.studies.axle_box.tables import tables_of
+from railgrip.studies.axle_box.results import draw, tables_of
 from railgrip.studies.axle_box.training import QUICK, concluded, dry_or_not, estimators_of, passes
 
 SIZE = replace(QUICK, starts=2, members=6)

@@ -6,9 +6,8 @@ from scipy.optimize import approx_fprime, least_squares
 
 from railgrip.errors import EstimatorError
 from railgrip.estimators.learned import network as nn
-from railgrip.estimators.learned.channels import COMBINATIONS, motions
 from railgrip.estimators.learned.ensemble import fit
-from railgrip.estimators.learned.preprocessing import BLOCKS, Chain, Scale
+from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, without_each
 from railgrip.studies.axle_box.reduction import CHANNELS, Run

@@ -12,8 +12,7 @@ from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.report.page import rendered
 from railgrip.studies.axle_box.evaluate import Recipe
-from railgrip.studies.axle_box.own import judge_own, read_own
-from railgrip.studies.axle_box.users import PERIOD, UNITS, plain_table, read_folder, read_labels
+from railgrip.studies.axle_box.own import PERIOD, UNITS, judge_own, plain_table, read_folder, read_labels, read_own
 from railgrip.trace.table import DataTable
 
 RATE = 5120

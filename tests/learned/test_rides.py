@@ -15,8 +15,8 @@ from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.fmu import describe
 from railgrip.fmus.native.package import pack
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.gather import measured
 from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride
+from railgrip.studies.axle_box.reduction import measured
 from railgrip.studies.axle_box.ride import (
     INPUTS,
     LIBRARY,

@@ -32,7 +32,7 @@ source = "a book"
 
 
 def test_the_table_of_the_page_is_the_accepted_one():
-    """Fails if a baseline was accepted without `make readme`, which writes the table."""
+    """Fails if a baseline was accepted without `make validation`, which writes the table."""
     baseline = load_baseline(BASELINE)
     campaign = load_campaign(BASELINE.parent / baseline.campaign)
     text = (ROOT / "docs/validation.md").read_text(encoding="utf-8")

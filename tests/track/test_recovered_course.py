@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from railgrip.errors import EstimationError
+from railgrip.estimation.motion import course_of, motion_of, smooth
 from railgrip.estimation.spec import LowPass, Trust
-from railgrip.estimation.track.course import course_of
-from railgrip.estimation.track.motion import motion_of, smooth
 from railgrip.track.geodesy import Place
 from railgrip.track.laid import LaidTrack, grades_of
 from railgrip.track.laid import course_of as laid_course
@@ -48,7 +47,7 @@ def test_a_wave_of_the_cut_off_length_is_halved():
 
 
 def test_positions_over_a_few_metres_are_refused():
-    with pytest.raises(EstimationError, match="say nothing about curvature over 10 m"):
+    with pytest.raises(EstimationError, match="do not determine curvature over 10 m"):
         course_of(np.linspace(0, 4, 9), np.zeros((9, 2)), np.zeros(9), LOW_PASS)
 
 

@@ -7,13 +7,11 @@ from typing import Any, Final
 import numpy as np
 
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.channels import COMBINATIONS
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train
-from railgrip.estimators.learned.preprocessing import Scale
+from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale
 from railgrip.scenario.seed import generator
-from railgrip.studies.axle_box.gather import spectral_features
-from railgrip.studies.axle_box.reduction import CHANNELS, Run
+from railgrip.studies.axle_box.reduction import CHANNELS, Run, spectral_features
 
 HIDDEN: Final = 6
 TRAINED: Final = 0.8

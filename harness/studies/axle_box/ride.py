@@ -38,8 +38,8 @@ from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.gather import measured
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
+from railgrip.studies.axle_box.reduction import measured
 from railgrip.track.irregularity import TRACKS
 
 LIBRARY = Path(__file__).parent / "library"

@@ -11,22 +11,18 @@ from typer import Argument, Option
 
 from railgrip.campaign.work import Work, call
 from railgrip.errors import ScenarioError
-from railgrip.estimators.learned.channels import COMBINATIONS
+from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, as_fmu, save
 from railgrip.files import replacing
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, without_each
-from railgrip.studies.axle_box.figures import draw
-from railgrip.studies.axle_box.gather import run_of, spectral_features
 from railgrip.studies.axle_box.instrumented_car import MPH
-from railgrip.studies.axle_box.own import judge_own, read_own
-from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL
-from railgrip.studies.axle_box.runs import campaign
-from railgrip.studies.axle_box.tables import tables_of
-from railgrip.studies.axle_box.training import FULL, QUICK, conducted, dry_or_not, estimators_of, passes
-from railgrip.studies.axle_box.users import read_folder
+from railgrip.studies.axle_box.own import judge_own, read_folder, read_own
+from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
+from railgrip.studies.axle_box.results import draw, tables_of
+from railgrip.studies.axle_box.training import FULL, QUICK, campaign, conducted, dry_or_not, estimators_of, passes
 from railgrip.studies.study import Study
 
 _SPEED: Final = 60

@@ -1,4 +1,4 @@
-"""Figures 2 to 5 of Schwarz, Lüdicke and Heckmann from case 6, and one of what their tuning cannot see."""
+"""Figures 2 to 5 of Schwarz, Lüdicke and Heckmann from case 6, and one of the limits of their tuning."""
 
 from collections.abc import Mapping
 
@@ -6,19 +6,17 @@ import numpy as np
 import xarray
 from matplotlib.figure import Figure
 
-from railgrip.estimation.track.braking import Braking, braked, driven
+from railgrip.estimation.braking import Braking, braked, driven
 from railgrip.estimators.compiled import Estimates
 from railgrip.report import style
-from railgrip.studies.field_test.filtering import Task
-from railgrip.studies.field_test.noise import GROUPS
-from railgrip.studies.field_test.objective import R_WHEEL
+from railgrip.studies.field_test.filtering import GROUPS, Task
 from railgrip.studies.field_test.runs import Run
-from railgrip.studies.field_test.score import Sweep
+from railgrip.studies.field_test.score import R_WHEEL, Sweep
 from railgrip.trace.samples import reading_of
 
 MB1, JTB1 = 0, 1
 NOMINAL = 0.35
-"""Pad friction that the paper's figure is normalised by: that of new pads."""
+"""Pad friction of new pads, which normalises the paper's figure."""
 
 NAMES = ("MB 1", "JTB, front wheelset", "JTB, rear wheelset", "MB 2")
 COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE)
@@ -76,7 +74,7 @@ def speed_figure(run: xarray.Dataset) -> Figure:
 
 
 def readings_figure(braking: Braking) -> Figure:
-    """Return what the filter is given: pressures, speeds (figure 4)."""
+    """Return the inputs and readings of the filter: pressures, speeds (figure 4)."""
     recording = braking.recording
     time = _since_brake(braking)
     drawing, (upper, lower) = style.panels(9, 5, 2, 1, sharex=True)
@@ -112,7 +110,7 @@ def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
             pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=NAMES[group])
             pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
                       label=f"{NAMES[group]}, true")  # fmt: skip
-            # Below walking pace slip is the noise of the sensors over nothing.
+            # Below walking pace slip is mostly noise of the sensors.
             moving = window & (task.truth[:, 0] > 2.0)
             v, w = estimate.mean[:, 0], estimate.mean[:, 1 + group]
             slip = 100 * (1 - R_WHEEL * w / v)
@@ -136,7 +134,7 @@ def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
 
 
 def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
-    """Return what equation (14) and the truth say of two ways to change noises."""
+    """Return equation (14) and the true errors over two ways to change noises."""
     drawing, panels = style.panels(11, 4, 1, 2)
     for panel, sweep, x, title in (
         (panels[0], common, "factor on R, Q and P at the start", "equation (14) does not see the scale"),

@@ -1,53 +1,140 @@
-"""The filter of the field test over one braking: 13 states, pressures and track force in, speeds seen."""
+"""The filter of the field test, with 13 states, and the twelve noises of equation (13) that it is tuned by."""
 
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from railgrip.estimation.run import by_name
+from railgrip.errors import EstimationError
+from railgrip.estimation.braking import Braking
+from railgrip.estimation.run import FilterData, by_name, filter_data, units_of
 from railgrip.estimation.spec import (
     LIBRARY,
+    NoiseTable,
     Specification,
     equations_for,
     load_specification,
     prediction_for,
     settings_for,
 )
-from railgrip.estimation.track.braking import Braking
 from railgrip.estimators.belief import Array, Estimate
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.studies.field_test.noise import GROUPS, PHYSICAL, Noise
-from railgrip.trace.samples import knows, period_of, samples, truth_of
+from railgrip.files import replacing
+from railgrip.scenario.load import read_toml, validated
+from railgrip.trace.samples import knows, period_of, truth_of
+
+NOISES = Path(__file__).parent / "library"
+"""Folder of the tuned noises."""
+GROUPS = 4
+NAMES = (
+    "R_v", *(f"R_w{i}" for i in range(1, GROUPS + 1)),
+    "Q_v", *(f"Q_w{i}" for i in range(1, GROUPS + 1)), "Q_mu_b", "Q_alpha",
+)  # fmt: skip
+READINGS = ("speed", *(f"wheelset_speed[{i}]" for i in range(1, GROUPS + 1)))
+PROCESSES = ("v", *(f"w[{i}]" for i in range(1, GROUPS + 1)), "mu_b", "alpha")
+"""The same in the [noise] of an estimation; μ_B has one number for all groups, and so has α."""
+UNITS = (
+    "(m/s)2", *["(rad/s)2"] * GROUPS, "(m/s)2/s", *["(rad/s)2/s"] * GROUPS, "1/s", "1/s",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Noises of the 13-state filter, all positive.
+
+    Attributes:
+        values: In the order of `NAMES`: variances of speed and wheelset speeds, densities of v, w, μ_B and α.
+    """
+
+    values: tuple[float, ...]
+
+    @classmethod
+    def of(cls, logarithms: ArrayLike) -> "Noise":
+        """Return the noises of given decadic logarithms."""
+        return cls(tuple(float(v) for v in 10.0 ** np.asarray(logarithms, dtype=np.float64)))
+
+    @property
+    def logarithms(self) -> Array:
+        """Decadic logarithms, shape (12,)."""
+        return np.log10(self.values)
+
+    @property
+    def readings(self) -> Array:
+        """Variances of speed and wheelset speeds, shape (5,)."""
+        return np.array(self.values[: 1 + GROUPS])
+
+    @property
+    def process(self) -> Array:
+        """Densities of v, w, μ_B, α, shape (13,)."""
+        v, *w, mu, alpha = self.values[1 + GROUPS :]
+        return np.array([v, *w, *[mu] * GROUPS, *[alpha] * GROUPS])
+
+    def scaled(self, readings: float, process: float) -> "Noise":
+        """Return the noises with all variances of readings times one factor, and all densities times another."""
+        return Noise(
+            (*(v * readings for v in self.values[: 1 + GROUPS]), *(v * process for v in self.values[1 + GROUPS :]))
+        )
+
+
+PHYSICAL = Noise((0.03**2, *[0.02**2] * GROUPS, 1e-3**2, *[1e-2**2] * GROUPS, 0.01**2, 0.1**2))
+"""From sensors and physics, without tuning: noise of the sensors, 100 N of wind on 84 t, pad friction that changes by
+0.05 in a stop, adhesion that changes by 0.03 in 0.1 s."""
+
+
+def load_noise(path: Path) -> Noise:
+    """Return the noises in a file by `save_noise`, the [noise] of an estimation.
+
+    Raises:
+        ScenarioError: There is no such file, or one of the twelve is missing or not a positive number.
+    """
+    content = read_toml(path)
+    table = validated(NoiseTable, content.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
+    if table.kind != "density":
+        raise EstimationError(f"{path}: [noise] kind is '{table.kind}'; the field test's noises are densities.")
+    readings = by_name(f"{path.name}: readings", table.readings, READINGS)
+    process = by_name(f"{path.name}: process", table.process, PROCESSES)
+    if not (process > 0.0).all():
+        raise EstimationError(f"{path}: [noise.process] needs positive numbers; their logarithms are searched.")
+    return Noise((*readings.tolist(), *process.tolist()))
+
+
+def save_noise(noise: Noise, path: Path, *, title: str, command: str, results: dict[str, float]) -> Path:
+    """Write noises with the command that found them and its results."""
+    lines = [f"# {title}", f'command = "{command}"', "", "[noise]", 'kind = "density"', "", "[noise.readings]"]
+    rows = zip((*READINGS, *PROCESSES), noise.values, UNITS, NAMES, strict=True)
+    for name, value, unit, symbol in rows:
+        if name == PROCESSES[0]:
+            lines += ["", "[noise.process]"]
+        lines.append(f'"{name}" = {value:.6e}  # {symbol}, {unit}')
+    lines += ["", "[found]", *(f"{name} = {value:.6g}" for name, value in results.items()), ""]
+    with replacing(path) as partial:
+        partial.write_text("\n".join(lines), encoding="utf-8")
+    return path
 
 
 @cache
 def specification() -> Specification:
-    """Return the estimation of the field test, whose model, start and gate stand in its file."""
+    """Return the estimation of the field test, with its model, start and gate."""
     return load_specification(LIBRARY / "field.toml")
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """A braking as arrays, once for many runs of the filter.
+    """A braking as arrays, for many runs of the filter.
 
     Attributes:
-        braking: What it is made of.
-        inputs: Pressures and track force, the mean over each period, shape (k − 1, 5).
-        readings: Speed and wheelset speeds at the end of each period, shape (k − 1, 5).
-        start: Belief at the first sample.
-        truth: Of all 13 states at the end of each period, shape (k − 1, 13), or None.
-        period: [s].
+        braking: Source of the arrays.
+        data: Pressures and track force, speed and wheelset speeds, the start; k samples.
+        truth: Of all 13 states at the end of each period, shape (k, 13), or None.
     """
 
     braking: Braking
-    inputs: Array
-    readings: Array
-    start: Estimate
+    data: FilterData
     truth: Array | None
-    period: float
 
 
 def prediction() -> PredictionInC:
@@ -56,7 +143,7 @@ def prediction() -> PredictionInC:
 
 
 def equations() -> CasadiPrediction:
-    """Return the same as equations, which threads may share."""
+    """Return the same prediction as equations, which threads may share."""
     return equations_for(specification())
 
 
@@ -66,22 +153,12 @@ def task_of(braking: Braking, model: PredictionInC) -> Task:
     Raises:
         EstimationError: A reading is missing.
     """
-    recording = braking.recording
-    inputs = samples(recording, model.inputs, [*["Pa"] * GROUPS, "N"])
-    readings = samples(recording, model.outputs, ["m/s", *["rad/s"] * GROUPS])
+    recording, own = braking.recording, specification()
+    settings = settings_for(own, period_of(recording))
     has_truth = all(knows(recording, state) for state in model.states)
     truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if has_truth else None
-    start = specification().start
-    frictions = by_name("start", start.mean, model.states[1 + GROUPS :])
-    deviation = by_name("start deviation", start.deviation, model.states)
-    return Task(
-        braking=braking,
-        inputs=0.5 * (inputs[1:] + inputs[:-1]),
-        readings=readings[1:],
-        start=Estimate(mean=np.concatenate([readings[0], frictions]), covariance=np.diag(deviation**2)),
-        truth=truth,
-        period=period_of(recording),
-    )
+    data = filter_data(recording, model, settings, units_of(own.model.class_))
+    return Task(braking=braking, data=data, truth=truth)
 
 
 def filter_of(model: PredictionInC, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
@@ -94,18 +171,18 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     """Return the beliefs over a braking with given noises.
 
     Args:
-        filter_: Of `filter_of`; used by this call alone.
+        filter_: Result of `filter_of`; no other thread may use it at the same time.
         start_scale: Factor on the covariance at the start.
 
     Raises:
         FilterDiverged: The filter did.
     """
     filter_.retune(noise.process, noise.readings)
-    start = Estimate(mean=task.start.mean, covariance=start_scale * task.start.covariance)
-    return filter_.follow(start, task.inputs, task.readings)
+    start = Estimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
+    return filter_.follow(start, task.data.inputs, task.data.readings)
 
 
 def lost(task: Task, estimate: Estimates) -> float | None:
-    """Return when innovations said that the beliefs mean nothing [s] from the first sample, None where they do not."""
+    """Return the time from the first sample [s] at which innovations show the filter to be lost, or None."""
     step = loss_step(estimate.squared_innovation, estimate.degrees)
-    return None if step is None else (step + 1) * task.period
+    return None if step is None else (step + 1) * task.data.period

@@ -9,8 +9,9 @@ import xarray
 
 from railgrip.campaign.work import Work
 from railgrip.errors import EstimationError
-from railgrip.estimation.stop import stop_read
-from railgrip.estimation.track.braking import Braking, braking_of
+from railgrip.estimation.braking import Braking, braking_of
+from railgrip.estimation.sources import stop_read
+from railgrip.estimation.spec import CourseTable
 from railgrip.estimators.belief import Array
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.schema import Scenario
@@ -18,7 +19,7 @@ from railgrip.scenario.track import Plan
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"
-"""Not looked at while tuning."""
+"""Never used in tuning."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,9 +27,9 @@ class Run:
     """A run from rest to the stop.
 
     Attributes:
-        recording: All of it.
-        braking: The part that is estimated.
-        plan: Of the track, and where on it the run begins.
+        recording: The whole run.
+        braking: Its part for the filter.
+        plan: Of the track and of the place on it where the run begins.
     """
 
     recording: xarray.Dataset
@@ -36,7 +37,7 @@ class Run:
     plan: Plan
 
     def laid(self, distance: Array) -> tuple[Array, Array]:
-        """Return slope and curvature [1/m] in the direction of travel, where the train has come so far [m]."""
+        """Return slope and curvature [1/m] of the plan in the direction of travel, at distances from the start [m]."""
         track, place = self.plan.laid(), self.plan.place(distance)
         return self.plan.way * track.slope(place), self.plan.way * track.curvature(place)
 
@@ -51,9 +52,9 @@ def cases(file: Path | None = None) -> dict[str, Scenario]:
     campaign = load_campaign(file or Path("field_test"))
     unlaid = next((stop.name for stop in campaign.stops if stop.scenario.track.plan is None), None)
     if unlaid is not None:
-        raise EstimationError(f"{campaign.name}: the field test wants a [track.plan]; {unlaid} has none.")
+        raise EstimationError(f"{campaign.name}: the field test needs a [track.plan]; {unlaid} has none.")
     if any("case" not in stop.variants for stop in campaign.stops):
-        raise EstimationError(f"{campaign.name}: the field test wants its cases as [axes.case.NAME].")
+        raise EstimationError(f"{campaign.name}: the field test needs its cases as [axes.case.NAME].")
     return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
 
 
@@ -71,7 +72,7 @@ def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> Run:
     recording = stop_read(scenario, f"{scenario.name} {name}", import_from)
     return Run(
         recording=recording,
-        braking=braking_of(recording, track.train_mass, curve_law=track.curve_law),
+        braking=braking_of(recording, CourseTable(mass=track.train_mass, curve_law=track.curve_law)),
         plan=track.plan,
     )
 
@@ -86,7 +87,7 @@ def runs(
     """
     missing = [name for name in names if name not in scenarios]
     if missing:
-        raise EstimationError(f"the field test wants the cases {', '.join(names)}; there is no {', '.join(missing)}.")
+        raise EstimationError(f"the field test needs the cases {', '.join(names)}; there is no {', '.join(missing)}.")
     one_run = partial(run, import_from=tuple(import_from))
     return dict(
         zip(names, work.map(one_run, [(name, scenarios[name]) for name in names], keep=not import_from), strict=True)

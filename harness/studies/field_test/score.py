@@ -1,6 +1,7 @@
-"""How near the truth the filter came, and how near its sensors the track."""
+"""Errors of the filter of the field test against the truth, and of the track recovered by the sensors."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,17 +10,61 @@ import numpy as np
 
 from railgrip.campaign.work import Work
 from railgrip.errors import EstimationError
+from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.scenario.schema import Scenario
-from railgrip.studies.field_test.filtering import Task, filter_of, follow, prediction, task_of
-from railgrip.studies.field_test.noise import GROUPS, Noise
-from railgrip.studies.field_test.objective import terms_of
+from railgrip.studies.field_test.filtering import GROUPS, Noise, Task, filter_of, follow, prediction, task_of
 from railgrip.studies.field_test.runs import TEST, Run, run
 from railgrip.trace.samples import reading_of, truth_of
 
+R_WHEEL = 0.38
+"""Weight of |Δω| against |Δv| [m]: rim speeds count like the speed of the train."""
+
+FRICTION = slice(1 + GROUPS, 1 + 3 * GROUPS)
+"""μ_B and α among the states."""
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """Terms of the objectives of tuning for one braking.
+
+    Attributes:
+        deviation: O_c of equation (14): mean of Σ r|ω measured − ω observed| + |v measured − v observed| [m/s].
+        surprise: The same for the predicted readings, |ω measured − ω predicted| … [m/s]; unlike O_c, a filter cannot
+            reduce it by repeating its readings.
+        nis: Mean normalised innovation squared over its degrees, 1 for a consistent filter.
+        nees: Mean of (error/sd)² over μ_B (brakes applied) and α, 1 for a consistent filter; NaN without truth.
+    """
+
+    deviation: float
+    surprise: float
+    nis: float
+    nees: float
+
+
+def terms_of(task: Task, estimate: Estimates) -> Terms:
+    """Return the terms of one braking."""
+    apart, ahead = (
+        np.abs(task.data.readings - prediction).mean(axis=0)
+        for prediction in (estimate.mean[:, : 1 + GROUPS], estimate.expectation)
+    )
+    nees = np.nan
+    if task.truth is not None:
+        # Before the brake is applied pad friction is held constant.
+        after = slice(task.braking.brake + round(1.0 / task.data.period), None)
+        error = (estimate.mean - task.truth)[after, FRICTION]
+        nees = float(np.mean(error**2 / estimate.variance[after, FRICTION]))
+    return Terms(
+        deviation=float(apart[0] + R_WHEEL * apart[1:].sum()),
+        surprise=float(ahead[0] + R_WHEEL * ahead[1:].sum()),
+        nis=float(estimate.squared_innovation.sum() / estimate.degrees.sum()),
+        nees=nees,
+    )
+
+
 SETTLED = 1.0
-"""After the brake is applied, what the filter needs to settle [s]; the paper shows the same oscillation."""
+"""Time that the filter needs to settle after the brake is applied [s]; the paper shows the same oscillation."""
 
 
 Figures = dict[str, Any]
@@ -30,34 +75,35 @@ def score(task: Task, estimate: Estimates) -> Figures:
     """Return the errors of a filter over a braking, from a second after the brake is applied; estimate minus truth.
 
     `deviation`, `nis` and `nees` as `terms_of`; RMSE of `speed` [m/s], of `adhesion` and `pad_friction` over all groups
-    and `…_of` each, and of `mean_pad_friction`, weighted by what each group brakes with, which is what the train feels;
-    `…_constant` is that of the best constant, known only afterwards: what a filter must be better than. `distance` is
-    the error of the braking distance, from the estimated speed, relative.
+    and `…_of` each, and of `mean_pad_friction`, weighted by the braking torque of each group. `…_constant` is the RMSE
+    of the best constant, known only afterwards; a useful filter is better. `distance` is the relative error of the
+    braking distance by the estimated speed.
 
     Raises:
-        EstimationError: The truth is not known.
+        EstimationError: The recording has no truth.
     """
     if task.truth is None:
-        raise EstimationError(f"{task.braking.name}: its truth is not known; only simulated trains tell.")
+        name = task.braking.recording.attrs.get("name", "")
+        raise EstimationError(f"{name}: there is no truth to compare with; simulate the run.")
     terms = terms_of(task, estimate)
-    after = slice(task.braking.brake + round(SETTLED / task.period), None)
+    after = slice(task.braking.brake + round(SETTLED / task.data.period), None)
     of_pads, of_adhesions = slice(1 + GROUPS, 1 + 2 * GROUPS), slice(1 + 2 * GROUPS, None)
     error, truth = (estimate.mean - task.truth)[after], task.truth[after]
     pads, adhesions = error[:, of_pads], error[:, of_adhesions]
     # Torque at the same μ_B: units times radius times pressure.
-    share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.inputs[after, :GROUPS]
+    share = np.array([3 * 0.235, 2 * 0.22, 2 * 0.22, 3 * 0.235]) * task.data.inputs[after, :GROUPS]
     share /= share.sum(axis=1, keepdims=True)
     braking = slice(task.braking.brake, None)
-    true_way = float(task.truth[braking, 0].sum())
+    true_distance = float(task.truth[braking, 0].sum())
     return {
         "deviation": terms.deviation, "nis": terms.nis, "nees": terms.nees,
-        "speed": _rms(error[:, 0]),
-        "distance": float(estimate.mean[braking, 0].sum()) / true_way - 1.0,
-        "adhesion": _rms(adhesions),
+        "speed": rms(error[:, 0]),
+        "distance": float(estimate.mean[braking, 0].sum()) / true_distance - 1.0,
+        "adhesion": rms(adhesions),
         "adhesion_of": np.sqrt((adhesions**2).mean(axis=0)),
-        "pad_friction": _rms(pads),
+        "pad_friction": rms(pads),
         "pad_friction_of": np.sqrt((pads**2).mean(axis=0)),
-        "mean_pad_friction": _rms((pads * share).sum(axis=1)),
+        "mean_pad_friction": rms((pads * share).sum(axis=1)),
         "adhesion_constant": float(np.std(truth[:, of_adhesions])),
         "pad_friction_constant": float(np.std(truth[:, of_pads])),
         "mean_pad_friction_constant": float(np.std((truth[:, of_pads] * share).sum(axis=1))),
@@ -70,7 +116,7 @@ def track_score(run: Run) -> Figures:
     `distance` at the end of the run, relative; RMSE of `curvature` [1/m], of `slope`, and of `force` in braking [N].
 
     Raises:
-        EstimationError: The truth is not known.
+        EstimationError: The recording has no truth.
     """
     motion, recording = run.braking.motion, run.braking.recording
     course = motion.course
@@ -78,12 +124,8 @@ def track_score(run: Run) -> Figures:
     force = reading_of(recording, "track_force") - truth_of(recording, "track_force")
     return {
         "distance": float(motion.distance[-1] / truth_of(run.recording, "distance")[-1]) - 1.0,
-        "curvature": _rms(course.curvature - curvature), "slope": _rms(course.slope - slope), "force": _rms(force),
+        "curvature": rms(course.curvature - curvature), "slope": rms(course.slope - slope), "force": rms(force),
     }  # fmt: skip
-
-
-def _rms(values: Array) -> float:
-    return float(np.sqrt(np.mean(values**2)))
 
 
 SEEDS = tuple(range(1, 13))
@@ -92,9 +134,9 @@ SEEDS = tuple(range(1, 13))
 def over_seeds(
     scenario: Scenario, noises: Mapping[str, Noise], work: Work, import_from: Sequence[Path] = ()
 ) -> tuple[list[Figures], dict[str, list[Figures]]]:
-    """Return the errors in case 6 with sensors of every seed, in the order of `SEEDS`.
+    """Return the errors of the track, and of the filter by the title of its noises, in case 6 with every seed.
 
-    Of what was recovered of the track, and of the filter, by the title of its noises; `import_from` as for `run`.
+    Both are in the order of `SEEDS`; `import_from` as for `run`.
 
     Raises:
         EstimationError: See `railgrip.studies.field_test.runs.run`.
@@ -110,7 +152,7 @@ def case_6(
     """Return the errors of a run: of its track, and of the filter by the title of its noises."""
     model, field_run = prediction(), run((TEST, scenario), import_from)
     task = task_of(field_run.braking, model)
-    filter_ = filter_of(model, task.period)
+    filter_ = filter_of(model, task.data.period)
     return track_score(field_run), {title: score(task, follow(task, filter_, noise)) for title, noise in noises.items()}
 
 
@@ -123,12 +165,12 @@ Sweep = dict[str, Array]
 
 
 def common_factor(tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> Sweep:
-    """Return what a factor on R, Q and the first covariance does: nothing to the mean, everything to its spread."""
+    """Return the effect of a factor on R, Q and the first covariance: none on the mean, proportional on variances."""
     return _sweep(tasks, filter_, COMMON, lambda f: (noise.scaled(f, f), f))
 
 
 def readings_trusted(tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> Sweep:
-    """Return what a factor on R alone does: towards zero the filter repeats its readings, and (14) goes to zero."""
+    """Return the effect of a factor on R alone: towards zero the filter repeats its readings, and (14) goes to zero."""
     return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scaled(f, 1.0), 1.0))
 
 

@@ -1,15 +1,16 @@
-"""The field test: the track recovered, case 6 with each set of noises, and what tuning cannot see."""
+"""The field test: the recovered track, case 6 with each set of noises, and the limits of tuning."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from typer import Option
 
 from railgrip.campaign.work import Work
+from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import Table
@@ -21,10 +22,21 @@ from railgrip.studies.field_test.figures import (
     speed_figure,
     track_figure,
 )
-from railgrip.studies.field_test.filtering import filter_of, follow, lost, prediction, task_of
-from railgrip.studies.field_test.noise import LIBRARY, NAMES, PHYSICAL, UNITS, Noise, load_noise
-from railgrip.studies.field_test.objective import terms_of
-from railgrip.studies.field_test.runs import TEST, TUNING, cases, runs
+from railgrip.studies.field_test.filtering import (
+    NAMES,
+    NOISES,
+    PHYSICAL,
+    UNITS,
+    Noise,
+    Task,
+    filter_of,
+    follow,
+    load_noise,
+    lost,
+    prediction,
+    task_of,
+)
+from railgrip.studies.field_test.runs import TEST, TUNING, Run, cases, runs
 from railgrip.studies.field_test.score import (
     Figures,
     case_6,
@@ -32,6 +44,7 @@ from railgrip.studies.field_test.score import (
     over_seeds,
     readings_trusted,
     score,
+    terms_of,
     track_score,
 )
 from railgrip.studies.study import Study
@@ -57,15 +70,14 @@ class FieldTest(Study):
             EstimationError: A set of noises or a case is missing, or a case cannot be run.
         """
         folders, scenarios = self.import_from or (), cases(self.campaign)
-        noises = {title: load_noise(LIBRARY / f"{name}.toml") for title, name in TUNED.items()}
+        noises = {title: load_noise(NOISES / f"{name}.toml") for title, name in TUNED.items()}
         noises["sensors and physics"] = PHYSICAL
         model, of_case = prediction(), runs(scenarios, (*TUNING, TEST), work, folders)
         tasks = {case: task_of(run.braking, model) for case, run in of_case.items()}
-        test, run = tasks[TEST], of_case[TEST]
-        braking, filter_ = run.braking, filter_of(model, test.period)
+        test, others = tasks[TEST], [tasks[case] for case in TUNING]
+        filter_ = filter_of(model, test.data.period)
         estimates = {title: follow(test, filter_, noise) for title, noise in noises.items()}
         work.notify("sweeps")
-        others = [tasks[case] for case in TUNING]
         common = common_factor(others, filter_, PHYSICAL)
         trusted = readings_trusted(others, filter_, PHYSICAL)
         track_spread, score_spread = over_seeds(scenarios[TEST], noises, work, folders)
@@ -73,75 +85,41 @@ class FieldTest(Study):
             title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in others)
             for title, noise in noises.items()
         }
-
-        def pads_of(noise: Noise) -> list[float]:
-            scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
-            return [one["pad_friction"] / one["pad_friction_constant"] for one in scores]
-
         scores = {title: score(test, estimate) for title, estimate in estimates.items()}
         instants = {title: lost(test, estimate) for title, estimate in estimates.items()}
-        tracks = Table.of(
-            ("case", "distance", "curvature RMSE [1/km]", "slope RMSE [‰]", "track force RMSE [N]"),
-            [(case, *_track(track_score(one))) for case, one in of_case.items()],
-        )
-        shown = _case(scores, worst)
+        tracks, case_table = _tracks(of_case), _case(scores, worst)
         return Page(
             template="studies/field_test/field.md.jinja",
             values={
+                **_conditions(test),
                 "tracks": tracks,
-                "seconds": (braking.recording.sizes["time"] - 1 - braking.brake) * test.period,
-                "force": -float(truth_of(braking.recording, "track_force").mean()),
-                "bends": {name: float(curve_coefficient(1 / 600, law)) * 84e3 * GRAVITY for name, law in _LAWS.items()},
-                "case": shown,
-                "groups": Table.of(
-                    ("noises", "MB 1", "JTB front", "JTB rear", "MB 2"),
-                    [
-                        (
-                            title,
-                            *(
-                                f"{a:.4f} / {m:.4f}"
-                                for a, m in zip(s["adhesion_of"], s["pad_friction_of"], strict=True)
-                            ),
-                        )
-                        for title, s in scores.items()
-                    ],
-                ),
+                "case": case_table,
+                "groups": _groups(scores),
                 "lost": {title: instant for title, instant in instants.items() if instant is not None},
-                "pads": Table.of(
-                    ("noises", *tasks), [(title, *pads_of(noise)) for title, noise in noises.items()], "{:.2f}"
-                ),
+                "pads": _pads(tasks, filter_, noises),
                 "sets": len(track_spread),
-                "track_spread": Table.of(
-                    tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
-                ),
+                "track_spread": _track_spread(track_spread),
                 "score_spread": _score_spread(score_spread),
-                "noises": Table.of(
-                    ("entry", *noises),
-                    [
-                        (f"{name} [{unit}]", *(noise.values[i] for noise in noises.values()))
-                        for i, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
-                    ],
-                    "{:.2e}",
-                ),
+                "noises": _noises(noises),
                 "common": common,
                 "trusted": trusted,
             },
             figures={
-                "track.png": track_figure(run),
-                "speed.png": speed_figure(run.recording),
-                "readings.png": readings_figure(braking),
+                "track.png": track_figure(of_case[TEST]),
+                "speed.png": speed_figure(of_case[TEST].recording),
+                "readings.png": readings_figure(test.braking),
                 "friction.png": friction_figure(test, estimates),
                 "degeneracy.png": degeneracy_figure(common, trusted),
             },
-            screen=(tracks, shown),
+            screen=(tracks, case_table),
         )
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return what was recovered of the track in case 6, and the errors of the tuned filters in it."""
-        noises = {name: load_noise(LIBRARY / f"{name}.toml") for name in TUNED.values()} | {"physical": PHYSICAL}
+        """Return the errors of the recovered track and of the tuned filters in case 6."""
+        noises = {name: load_noise(NOISES / f"{name}.toml") for name in TUNED.values()} | {"physical": PHYSICAL}
         ((track, scores),) = work.map(partial(case_6, noises=noises), [cases()[TEST]])
         findings = [
-            # Of the smoothed motion; 1e-5 are 1 cm over the run.
+            # By the smoothed motion; 1e-5 are 1 cm over the run.
             Finding(f"field {TEST}: distance, relative error", track["distance"], "1", 1e-5),
             mean(f"field {TEST}: curvature RMSE", track["curvature"], "1/m"),
             mean(f"field {TEST}: slope RMSE", track["slope"]),
@@ -170,11 +148,57 @@ STUDY = FieldTest
 _LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "Protopapadakis": "protopapadakis"}
 
 
-def _track(score: Figures) -> tuple[str, ...]:
-    return tuple(
-        f"{factor * score[name]:{form}}{' %' if name == 'distance' else ''}"
-        for name, form, factor in _TRACK_SPREAD.values()
+def _conditions(test: Task) -> dict[str, Any]:
+    """Return duration and track force of a braking, and curve resistance by each law at a radius of 600 m."""
+    recording = test.braking.recording
+    return {
+        "seconds": (recording.sizes["time"] - 1 - test.braking.brake) * test.data.period,
+        "force": -float(truth_of(recording, "track_force").mean()),
+        "bends": {name: float(curve_coefficient(1 / 600, law)) * 84e3 * GRAVITY for name, law in _LAWS.items()},
+    }
+
+
+def _tracks(of_case: Mapping[str, Run]) -> Table:
+    columns = ("case", "distance", *list(_TRACK_SPREAD)[1:])
+    scores = {case: track_score(run) for case, run in of_case.items()}
+    return Table.of(
+        columns,
+        [
+            (
+                case,
+                *(
+                    f"{factor * one[name]:{form}}{' %' if name == 'distance' else ''}"
+                    for name, form, factor in _TRACK_SPREAD.values()
+                ),
+            )
+            for case, one in scores.items()
+        ],
     )
+
+
+def _groups(scores: Mapping[str, Figures]) -> Table:
+    rows = [
+        (title, *(f"{a:.4f} / {m:.4f}" for a, m in zip(s["adhesion_of"], s["pad_friction_of"], strict=True)))
+        for title, s in scores.items()
+    ]
+    return Table.of(("noises", "MB 1", "JTB front", "JTB rear", "MB 2"), rows)
+
+
+def _pads(tasks: Mapping[str, Task], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> Table:
+    """Return the error of pad friction over that of the best constant, by noises and case."""
+    rows: list[tuple[Any, ...]] = []
+    for title, noise in noises.items():
+        scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
+        rows.append((title, *(one["pad_friction"] / one["pad_friction_constant"] for one in scores)))
+    return Table.of(("noises", *tasks), rows, "{:.2f}")
+
+
+def _noises(noises: Mapping[str, Noise]) -> Table:
+    rows = [
+        (f"{name} [{unit}]", *(noise.values[i] for noise in noises.values()))
+        for i, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
+    ]
+    return Table.of(("entry", *noises), rows, "{:.2e}")
 
 
 def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:
@@ -210,6 +234,10 @@ _SCORE_SPREAD: Mapping[str, tuple[str, str, float]] = {
     "pad friction RMSE": ("pad_friction", ".4f", 1.0), "mean pad friction RMSE": ("mean_pad_friction", ".4f", 1.0),
     "NEES": ("nees", ".2g", 1.0),
 }  # fmt: skip
+
+
+def _track_spread(spread: Sequence[Figures]) -> Table:
+    return Table.of(tuple(_TRACK_SPREAD), [[_spread(spread, *of) for of in _TRACK_SPREAD.values()]], left=0)
 
 
 def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:

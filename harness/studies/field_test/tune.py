@@ -1,24 +1,26 @@
-"""Finding the twelve noises of equation (13): differential evolution, in stages that are kept.
+"""Search for the twelve noises of equation (13) by differential evolution, in stages that are kept.
 
-A stage is a few generations from the population that the last one left, with random numbers of its own: a search that
-was interrupted goes on from the last whole stage and ends as one that was not.
+The objective is equation (14) of the paper, or the same with consistency. A stage is a few generations from the
+population of the last one, with random numbers of its own: an interrupted search resumes after its last whole stage and
+ends with the result of an uninterrupted one.
 """
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from threading import local as thread_local
+from typing import Literal
 
 import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from railgrip.campaign.work import Work
-from railgrip.errors import EstimationError
+from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimators.belief import Array
-from railgrip.studies.field_test.filtering import Task, equations, filter_of
-from railgrip.studies.field_test.noise import NAMES, PHYSICAL, Noise
-from railgrip.studies.field_test.objective import Kind, evaluate
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.studies.field_test.filtering import NAMES, PHYSICAL, Noise, Task, equations, filter_of, follow
+from railgrip.studies.field_test.score import Terms, terms_of
 
 BOUNDS: dict[str, tuple[float, float]] = {
     "R_v": (-8.0, 0.0),
@@ -28,15 +30,25 @@ BOUNDS: dict[str, tuple[float, float]] = {
     "Q_mu_b": (-8.0, -1.0),
     "Q_alpha": (-6.0, 1.0),
 }
-"""Decadic logarithms; the range that such filters are tuned in (1e-9 to 1e1), less what no sensor of a train can be."""
+"""Decadic logarithms: the usual range of such filters (1e-9 to 1e1) without values of no real sensor."""
+
+
+Kind = Literal["paper", "consistent"]
+
+DIVERGED = 1e3
+"""Value of noises with which the filter diverges; all others are below."""
+
+WEIGHT = 0.02
+"""Cost of a factor of ten in NIS or NEES [m/s]: about half of the surprise due to noise of the sensors, so that neither
+term dominates."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
-    """How long to search, and from which random numbers.
+    """Size and seed of a search.
 
     Attributes:
-        population: Candidates.
+        population: Number of candidates.
         stage: Generations in a stage.
     """
 
@@ -53,9 +65,9 @@ class Stage:
     Attributes:
         kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
         tasks: Brakings, all of one period.
-        population: To begin with.
+        population: At the beginning.
         draws: Seed of the search, and generations before this stage.
-        threads: That evaluate candidates.
+        threads: Number of threads that evaluate candidates.
     """
 
     kind: Kind
@@ -72,9 +84,9 @@ def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple
     Raises:
         EstimationError: The brakings have different periods.
     """
-    periods = {task.period for task in tasks}
+    periods = {task.data.period for task in tasks}
     if len(periods) != 1:
-        raise EstimationError(f"tuning wants brakings of one period, got {sorted(periods)} s; resample them.")
+        raise EstimationError(f"tuning needs brakings of one period, got {sorted(periods)} s; resample them.")
     population, history, lowest = _first(search), list[float](), np.inf
     while len(history) < search.generations:
         stage = Stage(
@@ -95,11 +107,11 @@ def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple
 
 def evolved(stage: Stage) -> tuple[Array, float, list[float]]:
     """Return the population after a stage, the best first, its value, and the best after each generation."""
-    period, model, mine = stage.tasks[0].period, equations(), thread_local()
+    period, model, mine = stage.tasks[0].data.period, equations(), thread_local()
     history: list[float] = []
 
     def objective(logarithms: Array) -> float:
-        # A filter's memory belongs to one thread; C runs outside Python's lock, so threads are enough.
+        # Each thread has a filter of its own; C runs without Python's lock, so threads are sufficient.
         if not hasattr(mine, "filter"):
             mine.filter = filter_of(model, period)
         return evaluate(stage.kind, stage.tasks, mine.filter, Noise.of(logarithms))
@@ -107,7 +119,7 @@ def evolved(stage: Stage) -> tuple[Array, float, list[float]]:
     def note(intermediate_result: object) -> None:
         history.append(float(intermediate_result.fun))  # pyright: ignore[reportAttributeAccessIssue]
 
-    filter_of(model, period)  # compiled once, before the threads would do it at the same time
+    filter_of(model, period)  # compiled here once, so that the threads do not all compile it
     with ThreadPoolExecutor(stage.threads) as pool:
         optimum = differential_evolution(
             objective,
@@ -119,9 +131,9 @@ def evolved(stage: Stage) -> tuple[Array, float, list[float]]:
             mutation=(0.4, 0.9),
             recombination=0.8,
             updating="deferred",
-            workers=pool.map,  # pyright: ignore[reportArgumentType] - wants no keyword of map's
+            workers=pool.map,  # pyright: ignore[reportArgumentType] - needs no keyword of map
             polish=False,
-            # All generations are run: a population that has drawn together early says so in its history.
+            # All generations are run; the history shows an early convergence.
             tol=0.0,
             callback=note,
         )
@@ -134,9 +146,30 @@ def _limits() -> list[tuple[float, float]]:
 
 
 def _first(search: Search) -> Array:
-    """Return a first population: a Latin hypercube, and in it the noises of `PHYSICAL`, so that none worse is found."""
+    """Return a first population: a Latin hypercube with `PHYSICAL` among it, so that no worse noises are found."""
     limits = np.array(_limits()).T
     sample = qmc.LatinHypercube(len(NAMES), rng=np.random.default_rng(search.seed)).random(search.population)
     population = qmc.scale(sample, *limits)
     population[0] = np.clip(PHYSICAL.logarithms, *limits)
     return population
+
+
+def value(kind: Kind, terms: Sequence[Terms]) -> float:
+    """Return the worst case: of the deviations, or of the surprises plus the distance of NIS and NEES from 1.
+
+    Raises:
+        EstimationError: The objective is consistency, but a recording has no truth.
+    """
+    if kind == "paper":
+        return max(term.deviation for term in terms)
+    if any(np.isnan(term.nees) for term in terms):
+        raise EstimationError("tuning for consistency needs recordings with truth; tune for 'paper'.")
+    return max(term.surprise + WEIGHT * (abs(np.log10(term.nis)) + abs(np.log10(term.nees))) for term in terms)
+
+
+def evaluate(kind: Kind, tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> float:
+    """Return the objective of noises over brakings."""
+    try:
+        return value(kind, [terms_of(task, follow(task, filter_, noise)) for task in tasks])
+    except FilterDiverged:
+        return DIVERGED

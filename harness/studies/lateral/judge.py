@@ -14,8 +14,7 @@ from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along
 from railgrip.fmus.native import lower
-from railgrip.studies.lateral.filters import Name, prediction
-from railgrip.studies.lateral.run import EVERY, Beliefs, Trace
+from railgrip.studies.lateral.run import EVERY, Beliefs, Name, Trace, prediction
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
 
 QUANTITIES: Final[Mapping[str, str]] = {

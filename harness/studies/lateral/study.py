@@ -12,7 +12,6 @@ from railgrip.estimation.run import Kind
 from railgrip.report import style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import (
     DETECTOR,
     FRICTION_TOLERANCE,
@@ -22,7 +21,7 @@ from railgrip.studies.lateral.judge import (
     beliefs_about,
     measure,
 )
-from railgrip.studies.lateral.run import Case, simulate
+from railgrip.studies.lateral.run import NAMES, Case, simulate
 from railgrip.studies.lateral.tables import (
     PLANT_TITLES,
     TITLES,

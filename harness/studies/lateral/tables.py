@@ -11,9 +11,8 @@ import numpy as np
 from scipy.stats import binom
 
 from railgrip.report.table import Table
-from railgrip.studies.lateral.filters import NAMES
 from railgrip.studies.lateral.judge import QUANTITIES
-from railgrip.studies.lateral.run import Case
+from railgrip.studies.lateral.run import NAMES, Case
 from railgrip.studies.lateral.wheelset import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}

@@ -1,0 +1,110 @@
+"""The braking in the recording of a run, with the track force from the train's own sensors."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from railgrip.errors import EstimationError
+from railgrip.estimation.motion import Motion, motion_of
+from railgrip.estimation.spec import CourseTable
+from railgrip.scenario.track import force_along
+from railgrip.trace.samples import has_reading, period_of, readings_in, samples, with_signals
+from railgrip.track.geodesy import Place, local
+
+FILLED = 2e4
+"""Cylinder pressure [Pa] above which a brake counts as applied; an empty cylinder reads about 0.01 bar."""
+
+COASTING = 2.0
+"""Time after driving in which the force of the drive dies away [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Braking:
+    """A braking to be estimated.
+
+    Attributes:
+        recording: From the first sample of coasting to the last, with `track_force` beside the readings.
+        motion: Of the whole run.
+        brake: Sample of `recording` at which braking begins.
+    """
+
+    recording: xarray.Dataset
+    motion: Motion
+    brake: int
+
+
+def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
+    """Return the braking of a run.
+
+    Args:
+        run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
+            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and the signals of `driven` and `braked`.
+
+    Raises:
+        EstimationError: A reading is missing, the train did not brake, or it was driven until it braked.
+    """
+    who = f"recording '{run.attrs.get('name')}'"
+    motion = _motion(run, course, who)
+    slope, curvature = motion.course.slope_at(motion.distance), motion.course.curvature_at(motion.distance)
+    force = force_along(slope, curvature, course.mass, course.curve_law)
+    brakes, period = braked(run), period_of(run)
+    if not brakes.any():
+        raise EstimationError(f"{who}: the train did not brake.")
+    onset = int(np.argmax(brakes))
+    last = int(np.flatnonzero(np.append(True, driven(run)[:onset]))[-1])  # samples until driving ended
+    first = last + round(COASTING / period) if last else 0
+    if first >= onset:
+        raise EstimationError(
+            f"{who}: braking began {(onset - last) * period:.2f} s after driving; "
+            f"the filter knows no traction and needs {COASTING:g} s of coasting before."
+        )
+    with_force = with_signals(run, {"track_force": (force, "N")})
+    return Braking(recording=with_force.isel(time=slice(first, None)), motion=motion, brake=onset - first)
+
+
+def _motion(run: xarray.Dataset, course: CourseTable, who: str) -> Motion:
+    sensors = readings_in(run, "acceleration_along")
+    if not sensors:
+        raise EstimationError(f"{who} has no acceleration_along[1]; map one or more.")
+    position = samples(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
+    position[~np.isfinite(position).all(axis=1)] = np.nan  # an incomplete position is of no use
+    fixes = np.flatnonzero(np.isfinite(position[:, 0]))
+    if fixes.size == 0:
+        raise EstimationError(f"{who}: GNSS gave no position at all.")
+    latitude, longitude, height = position[fixes[fixes.size // 2]].tolist()
+    origin = Place(latitude=latitude, longitude=longitude, height=height)  # of the local frame
+    return motion_of(
+        period=period_of(run),
+        speed=samples(run, ("speed",), ("m/s",))[:, 0],
+        accelerations=samples(run, sensors, ["m/s2"] * len(sensors)),
+        horizontal=local(position[:, 0], position[:, 1], position[:, 2], origin)[:, :2],
+        height=position[:, 2],
+        trust=course.trust,
+        low_pass=course.low_pass,
+    )
+
+
+def driven(run: xarray.Dataset) -> NDArray[np.bool_]:
+    """Return where the train is driven, shape (k,): by `driving` of a train's own file or the traction of a stop.
+
+    Raises:
+        EstimationError: The recording has neither.
+    """
+    if "driver_demand" in run and not has_reading(run, "driving"):
+        return run["traction"].values > 0.0 if "traction" in run else np.zeros(run.sizes["time"], dtype=bool)
+    return samples(run, ("driving",), ("1",))[:, 0] > 0.5
+
+
+def braked(run: xarray.Dataset) -> NDArray[np.bool_]:
+    """Return where the train is braked, shape (k,): by `braking` of a train's own file or the demand of a stop.
+
+    Without either, where a cylinder holds more than `FILLED`.
+    """
+    if has_reading(run, "braking"):
+        return samples(run, ("braking",), ("1",))[:, 0] > 0.5
+    if "driver_demand" in run:
+        return np.any(run["driver_demand"].values > 0.0, axis=1)
+    cylinders = readings_in(run, "cylinder_pressure")
+    return np.any(samples(run, cylinders, ["Pa"] * len(cylinders)) > FILLED, axis=1)

@@ -1,0 +1,270 @@
+"""Motion of a train and course of its track, from an optical speed sensor, accelerometers and GNSS.
+
+The motion comes from one Rauch–Tung–Striebel smoother over the states
+
+    s' = v,  v' = a,  a' = jerk,  b' = drift,  k' = 0
+
+with the readings
+
+    speed sensor      v + k v      k is its scale error; the product takes v from the reading
+    accelerometers    a + b        mean of all; b is their bias and g sin β, which look like acceleration
+    GNSS              s            length of the smoothed path plus the distance of a position ahead of it
+
+GNSS needs a path over distance, and the path needs a distance: the first pass goes without GNSS, the second with it.
+
+The course follows equations (6) and (8) of Schwarz, Lüdicke and Heckmann: κ = Δφ/Δs, tan β = Δz/Δs. Its low-pass works
+over distance: north, east and height become smoothing splines, weighted by the distance between two samples, so that a
+metre counts the same at 5 and at 100 km/h. Away from its ends such a spline keeps 1/(1 + (L/l)⁴) of a wave of length
+l, half of a wave of the cut-off length L.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import make_smoothing_spline
+
+from railgrip.errors import EstimationError
+from railgrip.estimation.spec import LowPass, Trust
+from railgrip.estimators.belief import Array
+
+GRID = 1.0
+"""Spacing of a course [m]; positions closer together are averaged."""
+
+FEWEST = 5
+"""Points that a smoothing spline needs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """Track as it was recovered, on an even grid of distance.
+
+    Attributes:
+        distance: Shape (k,) [m].
+        horizontal: North and east, shape (k, 2) [m].
+        height: Shape (k,) [m].
+        heading: φ, continuous, clockwise from north [rad].
+        curvature: κ [1/m], positive to the right in the direction of travel.
+        slope: tan β, positive uphill in the direction of travel.
+    """
+
+    distance: Array
+    horizontal: Array
+    height: Array
+    heading: Array
+    curvature: Array
+    slope: Array
+
+    def curvature_at(self, distance: ArrayLike) -> Array:
+        """Return κ [1/m] at distances [m]."""
+        return np.interp(np.asarray(distance), self.distance, self.curvature)
+
+    def slope_at(self, distance: ArrayLike) -> Array:
+        """Return tan β at distances [m]."""
+        return np.interp(np.asarray(distance), self.distance, self.slope)
+
+    def length_to(self, distance: ArrayLike) -> Array:
+        """Return the length of the recovered path up to measured distances [m]."""
+        steps = np.linalg.norm(np.diff(self.horizontal, axis=0), axis=1)
+        return np.interp(np.asarray(distance), self.distance, np.concatenate([[0.0], np.cumsum(steps)]))
+
+    def ahead(self, distance: Array, horizontal: Array) -> Array:
+        """Return by how much positions lie ahead of their distance, along the path [m], shape (k,)."""
+        heading = np.interp(distance, self.distance, self.heading)
+        north, east = (np.interp(distance, self.distance, column) for column in self.horizontal.T)
+        return (horizontal[:, 0] - north) * np.cos(heading) + (horizontal[:, 1] - east) * np.sin(heading)
+
+
+def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPass) -> Course:
+    """Return the course of a track from positions along it.
+
+    Args:
+        distance: Travelled until then, never falling, shape (k,) [m].
+        horizontal: North and east there, shape (k, 2) [m].
+        height: There, shape (k,) [m].
+
+    Raises:
+        EstimationError: The positions span less than the base of the differences and five metres.
+    """
+    reach = float(distance[-1] - distance[0])
+    if reach < max(low_pass.base, FEWEST * GRID):
+        raise EstimationError(
+            f"course: positions over {reach:.1f} m do not determine curvature over {low_pass.base:g} m; "
+            "take a longer recording."
+        )
+    at, positions = _means_by_metre(distance, np.column_stack([horizontal, height]))
+    # Each point represents half of the distance to either neighbour.
+    weight = np.gradient(at)
+    plan, rise = ((wavelength / (2.0 * np.pi)) ** 4 for wavelength in (low_pass.plan, low_pass.height))
+    north, east = (make_smoothing_spline(at, positions[:, c], w=weight, lam=plan) for c in (0, 1))
+    up = make_smoothing_spline(at, positions[:, 2], w=weight, lam=rise)
+    grid = np.arange(at[0], at[-1], GRID)
+    half = 0.5 * low_pass.base
+    # At the ends the base is cut, not moved.
+    behind, before = np.maximum(grid - half, at[0]), np.minimum(grid + half, at[-1])
+
+    def heading(s: Array) -> Array:
+        return np.unwrap(np.arctan2(east(s, nu=1), north(s, nu=1)))
+
+    turn = (heading(before) - heading(behind) + np.pi) % (2.0 * np.pi) - np.pi
+    return Course(
+        distance=grid,
+        horizontal=np.column_stack([north(grid), east(grid)]),
+        height=up(grid),
+        heading=heading(grid),
+        curvature=turn / (before - behind),
+        slope=(up(before) - up(behind)) / (before - behind),
+    )
+
+
+def _means_by_metre(distance: Array, values: Array) -> tuple[Array, Array]:
+    """Return means of distance and values over each metre in which there is a sample."""
+    cell = np.floor((distance - distance[0]) / GRID).astype(int)
+    _, which, count = np.unique(cell, return_inverse=True, return_counts=True)
+    at = np.bincount(which, distance) / count
+    return at, np.column_stack([np.bincount(which, column) / count for column in values.T])
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Motion of a train at every sample.
+
+    Attributes:
+        distance: Since the first sample [m], never falling, shape (k,).
+        speed: [m/s].
+        acceleration: [m/s2].
+        scale: Scale error of the speed sensor.
+        course: Of the track, over `distance`.
+    """
+
+    distance: Array
+    speed: Array
+    acceleration: Array
+    scale: float
+    course: Course
+
+
+def motion_of(
+    *,
+    period: float,
+    speed: Array,
+    accelerations: Array,
+    horizontal: Array,
+    height: Array,
+    trust: Trust,
+    low_pass: LowPass,
+) -> Motion:
+    """Return motion and course from readings on one even grid.
+
+    Args:
+        period: Of the grid [s].
+        speed: Reading of the optical sensor, shape (k,) [m/s].
+        accelerations: Readings of all accelerometers along the vehicle, shape (k, sensors) [m/s2].
+        horizontal: North and east by GNSS, NaN without a position, shape (k, 2) [m].
+        height: By GNSS, NaN likewise, shape (k,) [m].
+
+    Raises:
+        EstimationError: The train hardly moved.
+    """
+    fixes = np.flatnonzero(np.isfinite(height))
+    mean_acceleration = np.mean(accelerations, axis=1)
+    nothing = np.full(speed.size, np.nan)
+    first = _pass(period, speed, mean_acceleration, nothing, trust)
+    rough = np.maximum.accumulate(first[:, 0])
+    path = course_of(rough[fixes], horizontal[fixes], height[fixes], low_pass)
+    along = nothing.copy()
+    along[fixes] = path.length_to(rough[fixes]) + path.ahead(rough[fixes], horizontal[fixes])
+    # The path begins at the first fix, the distance at the first sample.
+    along -= np.nan_to_num(along[fixes[0]]) - rough[fixes[0]]
+    second = _pass(period, speed, mean_acceleration, along, trust)
+    distance = np.maximum.accumulate(second[:, 0] - second[0, 0])
+    return Motion(
+        distance=distance,
+        speed=second[:, 1],
+        acceleration=second[:, 2],
+        scale=float(second[-1, 4]),
+        course=course_of(distance[fixes], horizontal[fixes], height[fixes], low_pass),
+    )
+
+
+def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: Trust) -> Array:
+    """Return smoothed states, shape (k, 5).
+
+    Their covariance is not returned: the receiver's error wanders, but the smoother takes it as white.
+    """
+    T = period
+    F = np.eye(5)
+    F[0, 1] = F[1, 2] = T
+    F[0, 2] = 0.5 * T**2
+    # White jerk, integrated exactly over a period.
+    jerk = trust.jerk**2 * np.array(
+        [[T**5 / 20, T**4 / 8, T**3 / 6], [T**4 / 8, T**3 / 3, T**2 / 2], [T**3 / 6, T**2 / 2, T]]
+    )
+    Q = np.zeros((5, 5))
+    Q[:3, :3] = jerk
+    Q[3, 3] = trust.drift**2 * T
+    # A floor: with a constant state the covariance of the smoother is singular but for rounding.
+    Q[4, 4] = (1e-6) ** 2 * T
+    observation = np.zeros((speed.size, 3, 5))
+    observation[:, 0, 1], observation[:, 0, 4] = 1.0, np.nan_to_num(speed)
+    observation[:, 1, 2] = observation[:, 1, 3] = 1.0
+    observation[:, 2, 0] = 1.0
+    return smooth(
+        transition=F,
+        noise=Q,
+        observation=observation,
+        reading_noise=np.array([trust.speed, trust.acceleration, trust.position]) ** 2,
+        readings=np.column_stack([speed, acceleration, along]),
+        start=np.array([0.0, float(speed[np.isfinite(speed)][0]), 0.0, 0.0, 0.0]),
+        # The distance at the first sample is zero by definition, here within a millimetre.
+        spread=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
+    )
+
+
+def smooth(
+    *,
+    transition: Array,
+    noise: Array,
+    observation: Array,
+    reading_noise: Array,
+    readings: Array,
+    start: Array,
+    spread: Array,
+) -> Array:
+    """Return the means of the states of x[j+1] = F x[j] + q, y[j] = H[j] x[j] + r given all readings, shape (k, n).
+
+    The Rauch–Tung–Striebel smoother.
+
+    Args:
+        transition: F, shape (n, n).
+        noise: Covariance of q, shape (n, n).
+        observation: H at every instant, shape (k, m, n).
+        reading_noise: Variances of independent r, shape (m,).
+        readings: y, shape (k, m); NaN where missing.
+        start: Mean at the first instant before its readings, shape (n,).
+        spread: Its covariance, shape (n, n), positive definite.
+
+    Source: Särkkä, Bayesian Filtering and Smoothing (2013), theorems 4.2 and 8.2.
+    """
+    count, n = len(readings), start.size
+    mean, covariance = np.empty((count, n)), np.empty((count, n, n))
+    expected_mean, expected = np.empty((count, n)), np.empty((count, n, n))
+    m, spread_now = start, spread
+    for j in range(count):
+        if j > 0:
+            m, spread_now = transition @ m, transition @ spread_now @ transition.T + noise
+        expected_mean[j], expected[j] = m, spread_now
+        there = np.isfinite(readings[j])
+        if there.any():
+            H, R = observation[j][there], np.diag(reading_noise[there])
+            gain = np.linalg.solve(H @ spread_now @ H.T + R, H @ spread_now).T
+            remainder = np.eye(n) - gain @ H
+            m = m + gain @ (readings[j][there] - H @ m)
+            spread_now = remainder @ spread_now @ remainder.T + gain @ R @ gain.T
+        mean[j], covariance[j] = m, spread_now
+    for j in range(count - 2, -1, -1):
+        G = np.linalg.solve(expected[j + 1], transition @ covariance[j]).T
+        mean[j] = mean[j] + G @ (mean[j + 1] - expected_mean[j + 1])
+        update = covariance[j] + G @ (covariance[j + 1] - expected[j + 1]) @ G.T
+        covariance[j] = 0.5 * (update + update.T)
+    return mean
