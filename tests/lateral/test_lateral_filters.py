@@ -1,33 +1,37 @@
-"""The literal filter against the printed equations, Euler in both filters, and what the well-posed one achieves."""
+"""The filters against the printed equations, over whole runs against single steps, and their accuracy."""
 
 import mal
 import numpy as np
 import pytest
 
-from railgrip.errors import EstimatorError
+from railgrip.errors import EstimatorError, FmuError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
+from railgrip.studies.lateral import run
 from railgrip.studies.lateral.judge import beliefs_about, measure
-from railgrip.studies.lateral.run import (
-    LITERAL_NOISE,
-    READING_NOISE,
-    Case,
-    literal_density,
-    observer,
-    prediction,
-    simulate,
+from railgrip.studies.lateral.run import LITERAL_NOISE, NAMES, Case, literal_density, observer, prediction, simulate
+from railgrip.studies.lateral.wheelset import (
+    DRY,
+    INPUTS,
+    PAPER_SENSORS,
+    PERIOD,
+    PLANTS,
+    TESTS,
+    WORST,
+    Trial,
+    course,
+    wheelset,
 )
-from railgrip.studies.lateral.wheelset import DRY, INPUTS, PERIOD, WORST, Irregularity, Trial
+
+READING_NOISE = np.square(PAPER_SENSORS)
 
 
 def test_the_literal_filter_is_equations_25_to_36():
     """Step by step beside a transcription with (I − KH)P and Jacobians by complex steps."""
     speed, rail = 25.0, mal.Rail(DRY.mu0, DRY.A, DRY.B)
-    ours = CompiledFilter(
-        prediction("literal"), literal_density(DRY), READING_NOISE, PERIOD, order=1,
-    )  # fmt: skip
+    ours = CompiledFilter(prediction("literal"), literal_density(DRY), READING_NOISE, PERIOD, order=1)
     x, P = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]), np.diag([1e-6, 1e-8, 1e-10, 1e-4, 1e2])
     belief = ours.start(x, P)
     y, psi, rng = 1e-3, -2e-4, np.random.default_rng(1)
@@ -45,12 +49,12 @@ def test_the_literal_filter_is_equations_25_to_36():
             x, P, y, psi, readings, PERIOD, np.diag(LITERAL_NOISE["dry"]), np.diag(READING_NOISE), inputs
         )
     size = np.array([1e-2, 1e-2, 1e-4, 0.4, 1e3])
-    # Rounding of P = (I − KH)P, whose entries span twenty orders of magnitude, grown over 200 steps.
+    # Rounding of P = (I − KH)P, with entries over twenty orders of magnitude, accumulated over 200 steps.
     assert belief.mean / size == pytest.approx(x / size, abs=1e-6)
     assert belief.deviation == pytest.approx(np.sqrt(np.diag(P)), rel=1e-4)
 
 
-def test_euler_is_the_same_in_both_filters_and_is_euler():
+def test_order_1_is_forward_euler_in_both_filters():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
     plain = ExtendedKalmanFilter(*arguments, order=1)
     fast = CompiledFilter(*arguments, order=1)
@@ -59,37 +63,33 @@ def test_euler_is_the_same_in_both_filters_and_is_euler():
     assert prediction("known_track").inputs == ("speed", "track")
     by_hand = first + PERIOD * prediction("known_track").derivative(first, inputs)
     phi = np.eye(5) + PERIOD * prediction("known_track").derivative_jacobian(first, inputs)
+    with pytest.raises(EstimatorError, match=r"1 \(forward Euler\) or 4"):
+        ExtendedKalmanFilter(*arguments, order=2)  # pyright: ignore
     for one in (plain, fast):
         after = one.step(one.start(first, covariance), inputs, nothing)
-        # Nothing is seen, so the step is the prediction alone: the same sums in another order.
+        # Without readings the step is the prediction alone: the same sums in another order.
         assert after.mean == pytest.approx(by_hand, rel=1e-13)
         assert after.covariance == pytest.approx(
             phi @ np.diag(covariance) @ phi.T + 1e-6 * PERIOD * np.eye(5), rel=1e-12
         )
 
 
-def test_an_order_that_does_not_exist_is_refused():
-    with pytest.raises(EstimatorError, match=r"1 \(forward Euler\) or 4"):
-        ExtendedKalmanFilter(prediction("known_track"), np.ones(5), READING_NOISE, PERIOD, order=2)  # pyright: ignore
-
-
-def test_a_filter_told_of_another_process_noise_uses_it():
+def test_a_retuned_filter_uses_the_new_process_noise():
     arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
-    retuned_filter, fresh = (CompiledFilter(*arguments) for _ in range(2))
-    retuned_filter.retune(np.full(5, 4e-6))
+    retuned, fresh = (CompiledFilter(*arguments) for _ in range(2))
+    retuned.retune(np.full(5, 4e-6))
     inputs, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
     deviations = [
-        one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), inputs, nothing).covariance
-        for one in (retuned_filter, fresh)
+        one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), inputs, nothing).covariance for one in (retuned, fresh)
     ]
-    # Three more parts of 1e-6·50 µs on a diagonal of 1e-6: differences lose some digits.
+    # A difference of 3·1e-6·50 µs between diagonals of 1e-6 loses some digits.
     assert np.diag(deviations[0] - deviations[1]) == pytest.approx(np.full(5, 3e-6 * PERIOD), rel=1e-6)
     with pytest.raises(EstimatorError, match="negative eigenvalue"):
-        retuned_filter.retune(np.full(5, -1.0))
+        retuned.retune(np.full(5, -1.0))
 
 
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
-    """The literal model's own slopes against differences of equation (8)."""
+    """Slopes of the literal model against differences of equation (8)."""
     model = lower("RailBraking.Predictions.LateralLiteral")
     literal = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
     x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
@@ -102,8 +102,8 @@ def test_partial_derivatives_of_the_force_are_those_of_the_force():
     assert rates[4] == pytest.approx(expected, rel=1e-5)  # h² of central differences, some ten times over
 
 
-def test_friction_of_the_worst_rail_is_found_without_being_told():
-    """From 0.25 to 0.10 within a second, track known; and a filter with a perfect model knows its errors."""
+def test_the_friction_of_the_worst_rail_is_found():
+    """From 0.25 to 0.10 within a second, with a known track; a filter with a perfect model knows its errors."""
     worst = Trial(name="worst", changes=((0.0, WORST),), duration=1.0)
     trace = simulate(Case(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",))
     beliefs = beliefs_about(trace, "known_track")
@@ -111,12 +111,12 @@ def test_friction_of_the_worst_rail_is_found_without_being_told():
     assert np.abs(beliefs["friction"].mean - trace.truth["friction"])[late].max() < 0.02
     for quantity in ("creep", "creep_force", "lateral_velocity"):
         share = np.mean(np.abs(beliefs[quantity].mean - trace.truth[quantity]) < 3 * beliefs[quantity].deviation)
-        # 99.7 % for a Gaussian; the start from exactly known rest is deterministic and may stand out.
+        # 99.7 % for a Gaussian; the start at rest is deterministic and may be an exception.
         assert share > 0.97, quantity
 
 
 def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
-    """Its friction moves with the creep only: told of a new condition, it does not take it over."""
+    """Its friction changes with the creep only, not with the condition that it knows."""
     change = Trial(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
     trace = simulate(Case(test=change, speed=25.0, plant="paper", seed=1), ("literal",))
     friction = beliefs_about(trace, "literal")["friction"].mean
@@ -125,8 +125,8 @@ def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
 
 
 @pytest.mark.parametrize(("plant", "lost"), [("paper", False), ("twisting", True)])
-def test_a_filter_that_loses_itself_is_known_by_its_innovations(plant, lost):
-    """On a twisting axle it believes in a maximum friction beyond 1e9: a finite number, and a belief in nothing."""
+def test_innovations_reveal_a_lost_filter(plant, lost):
+    """On a twisting axle its maximum friction is finite but beyond 1e9."""
     dry = Trial(name="dry", changes=((0.0, DRY),), duration=1.0)
     trace = simulate(Case(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
     measures = measure(trace, observe=False)
@@ -137,9 +137,56 @@ def test_a_filter_that_loses_itself_is_known_by_its_innovations(plant, lost):
     assert (measures["nis"]["known_track"] > 1e3) == lost
 
 
-def test_each_filter_is_fed_everything_it_wants():
-    for name in ("literal", "known_track", "unknown_track"):
-        made = observer(name, DRY, Irregularity())
-        known = set(INPUTS) | {"track_rate", "speed"}
-        assert {column for column in made.columns if column} <= known
-        assert len(made.columns) == len(made.filter.design.inputs)
+STEPS = 300
+SPEED = 25.0
+CASE = Case(test=TESTS[0].shortened(STEPS * PERIOD), speed=SPEED, plant="paper", seed=5)
+
+
+def test_one_call_and_single_steps_agree_to_the_last_bit(monkeypatch):
+    """Two inputs of the literal filter are integrals of its own states, before each step."""
+    monkeypatch.setattr(run, "EVERY", 1)
+    trace, drawn = simulate(CASE), course(CASE.test, 5)
+    with wheelset(SPEED, PLANTS[CASE.plant].parameters) as plant:
+        plant.start(drawn.inputs[0])
+        outputs = np.array([plant.step(row) for row in drawn.inputs])
+    table = dict(zip(INPUTS, drawn.inputs.T, strict=True)) | {"track_rate": drawn.track_rate}
+    for name in NAMES:
+        one = observer(name, DRY)
+        for k in range(STEPS):
+            for j, column in enumerate(one.columns):
+                if column:
+                    one.filter.inputs[j] = SPEED if column == "speed" else table[column][k]
+                else:
+                    state = one.filter.design.states.index(one.integrals[one.filter.design.inputs[j]])
+                    one.filter.inputs[j] += PERIOD * one.filter.mean[state]
+            one.filter.readings[:] = outputs[k, :2] + drawn.noise[k]
+            one.filter.advance()
+            assert np.array_equal(one.filter.mean, trace.beliefs[name].mean[k]), (name, k)
+            assert np.array_equal(one.filter.covariance, trace.beliefs[name].covariance[k]), (name, k)
+
+
+def test_a_filter_that_diverges_is_a_result(monkeypatch):
+    monkeypatch.setattr(run, "EVERY", 1)
+    drawn = course(CASE.test, 5)
+    drawn.noise[100, 1] = np.inf
+    monkeypatch.setattr(run, "course", lambda *arguments, **more: drawn)
+    belief = simulate(CASE, ["known_track"]).beliefs["known_track"]
+    assert belief.failure_sample == 101
+    assert np.isfinite(belief.mean[99]).all()
+    assert np.isnan(belief.mean[100:]).all()
+
+
+def test_tables_and_names_that_do_not_match_are_refused():
+    rows = np.zeros((3, len(INPUTS)))
+    with wheelset(SPEED, {}) as plant:
+        plant.start(rows[0])
+        with pytest.raises(FmuError, match=r"rows of 5 finite inputs, got shape \(3, 4\)"):
+            plant.follow(rows[:, :-1])
+        with pytest.raises(FmuError, match="a value that is none"):
+            plant.follow(np.where(rows == 0.0, np.nan, rows))
+    one = observer("known_track", DRY)
+    inputs, readings = np.zeros((3, one.filter.inputs.size)), np.zeros((3, 2))
+    with pytest.raises(EstimatorError, match="no input or state trakc"):
+        one.filter.follow(one.first, inputs, readings, integrals={"trakc": "dy"})
+    with pytest.raises(EstimatorError, match="every"):
+        one.filter.follow(one.first, inputs, readings, every=0)

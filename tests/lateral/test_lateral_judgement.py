@@ -1,4 +1,4 @@
-"""Detector of the condition, statistics over seeds, and the study's cache."""
+"""Detector of the condition, statistics over seeds, and the study with its cache."""
 
 import math
 import time
@@ -30,22 +30,22 @@ def test_probabilities_are_those_of_a_gaussian_between_midpoints():
     assert shares.sum() == pytest.approx(1.0, rel=1e-15)
 
 
-def test_a_condition_is_announced_after_it_has_held_and_stays_while_none_is_sure():
+def test_a_condition_is_announced_after_the_hold_time_and_kept_while_uncertain():
     mean = np.array([0.46] * 5 + [0.38] * 3 + [0.10] * 5)
     labels = detector().labels(mean, np.full(13, 0.01), 1e-3)
     assert labels.tolist() == [UNDECIDED] * 2 + [0] * 3 + [0] * 3 + [0] * 2 + [3] * 3
 
 
-def test_a_belief_that_is_none_announces_nothing():
+def test_a_belief_of_nan_announces_nothing():
     labels = detector(hold=0.0).labels(np.array([np.nan, 0.2]), np.array([np.nan, 0.001]), 1e-3)
     assert labels.tolist() == [UNDECIDED, 2]
 
 
-def test_model_errors_make_the_detector_wait():
-    sure, wary = (
+def test_the_detector_waits_longer_with_model_errors():
+    exact, uncertain = (
         detector(hold=0.0, model_deviation=d).labels(np.array([0.22]), np.array([1e-4]), 1e-3) for d in (0.0, 0.05)
     )
-    assert (sure[0], wary[0]) == (2, UNDECIDED)
+    assert (exact[0], uncertain[0]) == (2, UNDECIDED)
 
 
 def test_confusion_counts_every_sample_once():
@@ -67,14 +67,14 @@ def test_the_interval_of_ten_seeds_is_second_to_ninth():
     assert result.confidence == pytest.approx(1 - 22 / 1024)
 
 
-def test_runs_without_a_figure_count_as_infinite():
+def test_runs_without_a_value_count_as_infinite():
     result = spread([1.0, 2.0, None, None, None])
     assert math.isinf(result.median)
     assert math.isinf(result.high)
     assert result.low == 1.0
 
 
-def test_what_has_been_run_is_found_again_and_reported(tmp_path):
+def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_path):
     """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
     never_run = 25.0 + 1e-9 * time.time_ns() % 1e-3
     short = Trial(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
@@ -90,14 +90,17 @@ def test_what_has_been_run_is_found_again_and_reported(tmp_path):
     assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + len(PLANTS) * 3 * 5
 
 
-def test_a_filter_that_is_wrong_in_a_condition_is_said_to_be():
-    right, wrong = Result(case=case("paper"), measures=told(0.46)), Result(case=case("softer"), measures=told(0.11))
+def test_the_page_names_the_conditions_in_which_a_filter_is_wrong():
+    right, wrong = (
+        Result(case=case("paper"), measures=levels_of(0.46)),
+        Result(case=case("softer"), measures=levels_of(0.11)),
+    )
     sentences = {sentence for _, _, sentence in levels([right, wrong])}
     assert sentences == {
         "Tells μ0 within 0.05 rms in dry, worst.",
         "Tells μ0 within 0.05 rms in worst; takes dry, 0.46, for 0.11.",
     }
-    ((*_, sentence),) = levels([Result(case=case("paper"), measures=told(1e37))])
+    ((*_, sentence),) = levels([Result(case=case("paper"), measures=levels_of(1e37))])
     assert sentence.endswith("in worst; is lost in dry.")
 
 
@@ -106,5 +109,5 @@ def case(plant):
     return Case(test=test, speed=25.0, plant=plant, seed=1)
 
 
-def told(dry):
+def levels_of(dry):
     return {"levels": {"known_track": {"dry": (dry, abs(0.46 - dry)), "worst": (0.1, 0.001)}}}

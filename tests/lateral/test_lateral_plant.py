@@ -7,13 +7,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from railgrip.fmus.native import lower
-from railgrip.studies.lateral.wheelset import DRY, INPUTS, WORST, output_columns, wheelset
+from railgrip.studies.lateral.wheelset import COLUMNS, DRY, WORST, wheelset
 
 
 @pytest.mark.parametrize("rolling", [0.0, 1.0])
 @pytest.mark.parametrize("condition", [DRY, WORST], ids=lambda c: c.name)
 def test_the_fmu_solves_equations_1_to_17(rolling, condition):
-    """A track that steps aside by 3 mm: both creepages, saturation on the worst rail, and the axle's twist."""
+    """A lateral step of the track by 3 mm: both creepages, saturation on the worst rail, and twist of the axle."""
     speed, period, steps, track = 25.0, 50e-6, 1600, 3e-3
     with wheelset(speed, {"rolling_creep": rolling}) as plant:
         inputs = np.array([track, condition.mu0, condition.A, condition.B, 0.0])
@@ -25,25 +25,18 @@ def test_the_fmu_solves_equations_1_to_17(rolling, condition):
         [0, 0, 0, 0, speed, speed / mal.R0, speed / mal.R0, 0], method="Radau", rtol=1e-9, atol=1e-13,
         t_eval=period * np.arange(1, steps + 1),
     ).y  # fmt: skip
-    where = output_columns(("lateral_position", "lateral_velocity", "yaw_angle", "yaw_rate", "speed", "creep"))
-    for name, row in (
-        ("lateral_position", 0),
-        ("lateral_velocity", 1),
-        ("yaw_angle", 2),
-        ("yaw_rate", 3),
-        ("speed", 4),
-    ):
-        simulated = rows[:, where[name]][:, 0]
-        # Solver tolerance 1e-6 a step of 50 µs, and 1 mm/s taken off the creep speed by the rounded falling friction
-        # (4e-4 of the friction), which saturated forces feel in full.
+    for row, name in enumerate(("lateral_position", "lateral_velocity", "yaw_angle", "yaw_rate", "speed")):
+        simulated = rows[:, COLUMNS[name]][:, 0]
+        # Solver tolerance 1e-6 for each step of 50 µs; rounding of the falling friction takes 1 mm/s off the creep
+        # speed, 4e-4 of the friction, and saturated forces are proportional to friction.
         assert simulated == pytest.approx(exact[row], abs=2e-3 * np.max(np.abs(exact[row]))), name
 
 
 @pytest.mark.parametrize(
     ("speed", "dominant", "hertz", "fastest"), [(10.0, -1.8, 1.0, -1900.0), (55.0, -6.8, 5.5, -350.0)]
 )
-def test_the_modes_are_those_of_the_wheelset_in_the_literature_of_this_model(speed, dominant, hertz, fastest):
-    """Kinematic mode and fastest mode of the linearised lateral dynamics, computed apart from this model."""
+def test_the_modes_are_those_in_the_literature_of_this_model(speed, dominant, hertz, fastest):
+    """Kinematic mode and fastest mode of the linearised lateral dynamics, computed independently."""
     model = lower("RailBraking.Predictions.LateralPrediction")
     x = ca.SX.sym("x", 5)
     u = [speed, 0.0] if model.inputs[0].name == "speed" else [0.0, speed]
@@ -73,7 +66,6 @@ def test_the_force_never_exceeds_friction_times_load():
         inputs = np.array([0.02, WORST.mu0, WORST.A, WORST.B, 0.0])
         plant.start(inputs)
         rows = np.array([plant.step(inputs) for _ in range(2000)])
-    forces = rows[:, output_columns(("creep_force",))["creep_force"]]
+    forces = rows[:, COLUMNS["creep_force"]]
     assert forces.max() < WORST.mu0 * mal.N
     assert forces.max() > 0.95 * WORST.mu0 * mal.N
-    assert len(INPUTS) == 5

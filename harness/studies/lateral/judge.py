@@ -1,4 +1,4 @@
-"""One run, measured: errors of the filters, what could be known of the friction, which condition was detected."""
+"""Measures of one run: errors of the filters, observability of friction, detection of the condition."""
 
 import math
 from collections.abc import Mapping
@@ -9,6 +9,7 @@ from typing import Any, Final
 import casadi as ca
 import numpy as np
 
+from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.condition import ConditionDetector, confusion
 from railgrip.estimators.consistency import delay, loss_step, nis_ratio
@@ -24,16 +25,16 @@ QUANTITIES: Final[Mapping[str, str]] = {
     "creep_force": "N",
     "friction": "1",
 }
-"""What filters are judged by, and its unit."""
+"""Quantities of the judgement, and their units."""
 
 FRICTION_TOLERANCE: Final = 0.02
-"""Friction has settled when it stays this close: what Schwarz and Keck (2020) reach for adhesion."""
+"""Largest error of a settled friction: the accuracy of adhesion in Schwarz and Keck (2020)."""
 
 SHARE_TOLERANCE: Final = 0.10
-"""Other quantities have settled when their error stays below this share of the truth's rms in the run."""
+"""Largest error of other settled quantities, relative to the rms of their truth in the run."""
 
 WINDOW: Final = 0.5
-"""Seconds of readings from which the friction is to be told."""
+"""Time of readings that should determine the friction [s]."""
 
 DETECTOR: Final = ConditionDetector(
     levels={condition.name: condition.mu0 for condition in CONDITIONS}, confidence=0.9, hold=0.05, model_deviation=0.01
@@ -42,23 +43,23 @@ DETECTOR: Final = ConditionDetector(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Belief:
-    """What a filter says about one quantity at every instant: mean and standard deviation, each shape (k,)."""
+    """Belief about one quantity at every instant: mean and standard deviation, each of shape (k,)."""
 
     mean: Array
     deviation: Array
 
 
 def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
-    """Return what a filter says about each of `QUANTITIES`, and about mu0 if it estimates it.
+    """Return the belief of a filter about each of `QUANTITIES`, and about mu0 if it estimates it.
 
-    The well-posed filters have creep, force and friction as functions of their states; their variances follow by
-    the functions' derivatives at the mean.
+    In the well-posed filters creep, force and friction are functions of the states; their variances follow from the
+    derivatives at the mean.
     """
     belief = trace.beliefs[name]
     deviation = np.sqrt(np.diagonal(belief.covariance, axis1=1, axis2=2))
     if name == "literal":
-        # Its equations stay true when creep and force both change sign, and where the creep passes zero the filter
-        # does go over to that branch. Total creep and force are magnitudes, so they are judged as such.
+        # Its equations also hold when creep and force both change sign, and at zero creep the filter changes to that
+        # branch. Total creep and force are magnitudes, so magnitudes are judged.
         place = {"lateral_velocity": 0, "yaw_rate": 1, "creep": 2, "friction": 3, "creep_force": 4}
         mean = {quantity: belief.mean[:, i] for quantity, i in place.items()}
         mean |= {quantity: np.abs(mean[quantity]) for quantity in ("creep", "creep_force")}
@@ -80,7 +81,7 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
         contact_states[:, 0] -= trace.track
     values, slopes = _contact(contact_states)
     mu0 = np.exp(belief.mean[:, at["log_mu0"]])
-    with np.errstate(over="ignore", invalid="ignore"):  # a filter that has gone astray may believe anything
+    with np.errstate(over="ignore", invalid="ignore"):  # beliefs of a lost filter may be of any size
         spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
     beliefs = {
         "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
@@ -119,17 +120,17 @@ def _contact_functions() -> tuple[ca.Function, ca.Function]:
 
 
 def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
-    """Return everything a report says about one run, as JSON holds it; infinity and NaN become null.
+    """Return all measures of one run for JSON; infinity and NaN become null.
 
     errors[filter][quantity]: rmse, bias, peak, nees (mean of e²/σ², one for a consistent filter), settling [s] (worst
-    over the changes of condition, null if ever not). detection[filter]: confusion, delays [s] after the start and each
-    change. levels[filter][condition]: mean and rms error of mu0 from `WINDOW` after each change on. observability:
-    standard deviation of mu0 from each window. constant[quantity]: rms error of the best constant, its mean.
-    lost[filter]: instant [s] at which the filter failed or its innovations said that its belief means nothing, or null.
-    nis[filter]: median over the expected one, null if it never read.
+    over the changes of condition, null if any never settled). detection[filter]: confusion, delays [s] after the start
+    and each change. levels[filter][condition]: mean and rms error of mu0 from `WINDOW` after each change on.
+    observability: standard deviation of mu0 from each window. constant[quantity]: rms error of the best constant, its
+    mean. lost[filter]: instant [s] at which the filter diverged or its innovations showed it to be lost, or null.
+    nis[filter]: median over the expected one, null without readings.
 
     Args:
-        observe: Ask for observability too, which takes longer than all the rest.
+        observe: Whether to compute observability, which takes longer than the rest.
     """
     beliefs = {name: beliefs_about(trace, name) for name in trace.beliefs}
     return {
@@ -166,17 +167,21 @@ def _error(trace: Trace, quantity: str, belief: Belief) -> dict[str, float | Non
     tolerance = FRICTION_TOLERANCE if quantity == "friction" else SHARE_TOLERANCE * math.sqrt(np.mean(truth**2))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         numbers = {
-            "rmse": float(np.sqrt(np.mean(error**2))),
+            "rmse": rms(error),
             "bias": float(np.mean(error)),
             "peak": float(np.max(np.abs(error))),
             "nees": float(np.mean((error / belief.deviation) ** 2)),
             "settling": _settling(trace, truth, belief.mean, tolerance),
         }
-    return {key: value if math.isfinite(value) else None for key, value in numbers.items()}
+    return {key: _finite(value) for key, value in numbers.items()}
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
 
 
 def _settling(trace: Trace, truth: Array, mean: Array, tolerance: float) -> float:
-    """Return the longest time that any stretch of one condition took to settle [s]."""
+    """Return the longest settling time after the start or a change of condition [s]."""
     ends = [*trace.changes[1:], math.inf]
     worst = 0.0
     for begin, end in zip(trace.changes, ends, strict=True):
@@ -199,24 +204,23 @@ def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
 
 
 def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
-    """Return by condition of the run the mean of what is believed of mu0 and its rms error, once it could settle."""
+    """Return mean and rms error of the belief about mu0 by condition of the run, after `WINDOW` to settle."""
     since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
     levels: dict[str, tuple[float | None, float | None]] = {}
     for number, condition in enumerate(CONDITIONS):
         part = (trace.condition == number) & (since >= WINDOW)
         if part.any():
             with np.errstate(over="ignore", invalid="ignore"):
-                mean = float(np.mean(mu0.mean[part]))
-                rms = float(np.sqrt(np.mean((mu0.mean[part] - trace.mu0[part]) ** 2)))
-            levels[condition.name] = (mean if math.isfinite(mean) else None, rms if math.isfinite(rms) else None)
+                numbers = float(np.mean(mu0.mean[part])), rms(mu0.mean[part] - trace.mu0[part])
+            levels[condition.name] = (_finite(numbers[0]), _finite(numbers[1]))
     return levels
 
 
 def _observability(trace: Trace) -> dict[str, Any]:
-    """Return to what standard deviation the readings of each window alone tell mu0, the track being known.
+    """Return the standard deviation of mu0 given the readings of each window alone and the track.
 
-    The readings of a recorded instant stand for the `EVERY` readings up to the next: their mean has that much less
-    variance. The model is taken as exact, so this is a bound: no filter with these sensors can be better.
+    The readings of a recorded instant represent the `EVERY` readings up to the next, whose mean has `EVERY` times less
+    variance. The model is taken as exact, so this is a bound for every filter with these sensors.
     """
     model = prediction("known_track")
     truth = trace.truth
@@ -232,7 +236,7 @@ def _observability(trace: Trace) -> dict[str, Any]:
     for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
         begins, _, deviation = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
         deviations = deviation[:, 4] * trace.mu0[begins]
-        measures[sensors] = [float(value) if math.isfinite(value) else None for value in deviations]
+        measures[sensors] = [_finite(value) for value in deviations]
     starts = np.arange(0, len(x) - window + 1, window)
     measures["condition"] = trace.condition[starts].tolist()
     measures["creep"] = [float(np.max(truth["creep"][first : first + window])) for first in starts]

@@ -1,8 +1,8 @@
-"""The filters of the lateral study and what each is told.
+"""One run of the lateral study: the plant, then its filters on the readings.
 
 literal        the five states of Mal et al. (2020) by forward Euler; knows the track, the condition, and a Q for it
-known_track    well posed, friction a random walk; knows the track, not the condition; one Q
-unknown_track  as before, and of the track only its spectrum
+known_track    well posed, friction is a random walk; knows the track, not the condition; one Q
+unknown_track  as before, but knows only the spectrum of the track
 """
 
 import time
@@ -21,28 +21,25 @@ from railgrip.estimators.belief import Array, Estimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.studies.lateral.wheelset import (
+    COLUMNS,
     CONDITIONS,
     INPUTS,
-    OUTPUTS,
     PAPER_SENSORS,
     PERIOD,
     PLANTS,
     READINGS,
     Condition,
     Course,
-    Irregularity,
     Trial,
     course,
-    output_columns,
+    track_acceleration_density,
     wheelset,
 )
 
 Name = Literal["literal", "known_track", "unknown_track"]
 NAMES: Final[tuple[Name, ...]] = get_args(Name)
 
-READING_NOISE: Final = (PAPER_SENSORS[0] ** 2, PAPER_SENSORS[1] ** 2)
-
-# What one step of 50 µs adds, for dy, dpsi, gamma, U, F; Mal et al. (2020), eq. (38) to (40).
+# Covariance added in one step of 50 µs, for dy, dpsi, gamma, U, F; Mal et al. (2020), eq. (38) to (40).
 LITERAL_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
     "dry": (5e-14, 1e-14, 1e-14, 1e-14, 1e-14),
     "wet": (0.5e-12, 9e-17, 1e-12, 1e-12, 1e-12),
@@ -51,23 +48,23 @@ LITERAL_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
 }
 
 MOTION_NOISE: Final = (0.0, 1e-6**2, 0.0, 1e-7**2)
-"""Density for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. Much more of it, and friction above 0.2 is
-no longer told apart: a slope of the contact that is wrong by a part in a thousand looks like another friction."""
+"""Densities for y, dy, psi, dpsi [unit²/s]: the dynamics hold nearly exactly. With much more noise, friction above 0.2
+is not determined: an error of 0.1 % of the slope of the contact looks like another friction."""
 
 FRICTION_NOISE: Final = 0.2**2
-"""Density of the random walk of the friction's logarithm [1/s]: 20 % in a second; creep must show a step."""
+"""Density of the random walk of the logarithm of friction [1/s]: 20 % in a second."""
 
 TRACK_DEVIATION: Final = 2.5e-3
-"""Standard deviation of the track [m] that the filter of unknown track believes in: a third of the peak."""
+"""Standard deviation of the track [m] in the filter of unknown track: a third of the peak."""
 
 FIRST_FRICTION: Final = (0.25, 0.6)
-"""Median of mu0 and deviation of its logarithm before anything is known: from 0.08 to 0.83 with 95 %."""
+"""Median of mu0 and deviation of its logarithm at the start: from 0.08 to 0.83 with 95 %."""
 
 FIRST_MOTION: Final = (1e-5**2, 1e-4**2, 1e-6**2, 1e-5**2)
-"""Variances of y, dy, psi, dpsi at the start: the wheelset starts centred and at rest, but for these."""
+"""Variances of y, dy, psi, dpsi at the start: the wheelset is centred and at rest."""
 
 FIRST_CREEP: Final = 1e-7
-"""Creep at which the literal filter starts; at zero its equations are singular."""
+"""Creep at the start of the literal filter; its equations are singular at zero."""
 
 CLASSES: Final[Mapping[Name, str]] = {
     "literal": "RailBraking.Predictions.LateralLiteral",
@@ -82,10 +79,10 @@ class Observer:
 
     Attributes:
         name: Of the filter.
-        filter: Its outputs are the readings.
+        filter: Compiled, with the readings as outputs.
         first: Belief at the start.
         columns: Column of the run's table for each input of the filter; "" for an integral.
-        integrals: Input of the filter → state that it is the integral of.
+        integrals: Input of the filter → state of which it is the integral.
     """
 
     name: Name
@@ -107,25 +104,20 @@ def literal_density(condition: Condition) -> Vector:
 
 
 def observer(
-    name: Name,
-    first: Condition,
-    irregularity: Irregularity,
-    sensors: tuple[float, float] = PAPER_SENSORS,
-    kind: Kind = "fmu",
+    name: Name, first: Condition, sensors: tuple[float, float] = PAPER_SENSORS, kind: Kind = "fmu"
 ) -> Observer:
     """Return a filter at its start.
 
     Args:
-        first: Condition at the start; only the literal filter is told.
-        irregularity: Of the track; only the filter of unknown track uses it, for the spectrum.
+        first: Condition at the start; only the literal filter knows it.
         sensors: Standard deviations of the readings.
-        kind: What it evaluates.
+        kind: Form of the prediction.
     """
     model = prediction(name, kind)
     noise = np.square(sensors)
     if name == "literal":
         filter_ = CompiledFilter(model, literal_density(first), noise, PERIOD, order=1)
-        # The paper gives no covariance for the start; one step of its process noise, since all is known.
+        # The paper specifies no covariance for the start; one step of process noise, because the state is known.
         start = filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.inputs[:] = 0.0
         integrals = {"lateral_position": "dy", "yaw_angle": "dpsi"}
@@ -134,7 +126,7 @@ def observer(
     density = [*MOTION_NOISE, FRICTION_NOISE]
     mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
     if name == "unknown_track":
-        density += [0.0, irregularity.acceleration_density(TRACK_DEVIATION)]
+        density += [0.0, track_acceleration_density(TRACK_DEVIATION)]
         mean += [0.0, 0.0]
         variance += [1e-5**2, 1e-5**2]
     filter_ = CompiledFilter(model, density, noise, PERIOD)
@@ -147,34 +139,32 @@ EVERY: Final = 20
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """What decides a run.
+    """Inputs of a run.
 
     Attributes:
-        test: Which conditions, when.
+        test: Conditions of the rail over time.
         speed: Along the track [m/s].
-        plant: Name in `PLANTS`: what the filters' model leaves out, and how good the sensors are.
+        plant: Name in `PLANTS`.
         seed: Of track and sensors.
-        irregularity: Of the track.
-        prediction: What the filters evaluate: FMUs, or their equations.
+        prediction: Form of the prediction in the filters.
     """
 
     test: Trial
     speed: float
     plant: str
     seed: int
-    irregularity: Irregularity = field(default_factory=Irregularity)
     prediction: Kind = "fmu"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Beliefs:
-    """What a filter believed at the recorded instants; NaN after it diverged.
+    """Beliefs of a filter at the recorded instants; NaN after it diverged.
 
     Attributes:
         mean: Shape (k, n).
         covariance: Shape (k, n, n).
         squared_innovation: NIS, shape (k,).
-        failure_sample: Sample of 50 µs at which it diverged; None if it did not.
+        failure_sample: Sample of 50 µs at which the filter diverged, or None.
     """
 
     mean: Array
@@ -185,7 +175,7 @@ class Beliefs:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trace:
-    """What happened, at every recorded instant.
+    """A run at the recorded instants.
 
     Attributes:
         time: Shape (k,) [s].
@@ -195,7 +185,7 @@ class Trace:
         condition: Number of the true condition in `CONDITIONS`, shape (k,).
         track: Position [m], shape (k,).
         changes: Instants at which a condition begins [s].
-        wall: Seconds that plant and filters took.
+        wall: Computing time of plant and filters [s].
     """
 
     case: Case
@@ -217,19 +207,15 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         railgrip.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
     vehicle = PLANTS[case.plant]
-    realisation = course(case.test, case.seed, case.irregularity, sensors=vehicle.sensors)
+    realisation = course(case.test, case.seed, vehicle.sensors)
     table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
     table |= {"track_rate": realisation.track_rate, "speed": np.full(len(realisation.inputs), case.speed)}
-    observers = [
-        observer(name, realisation.conditions[0], case.irregularity, sensors=vehicle.sensors, kind=case.prediction)
-        for name in names
-    ]
+    observers = [observer(name, realisation.conditions[0], vehicle.sensors, case.prediction) for name in names]
     begin = time.perf_counter()
     with wheelset(case.speed, vehicle.parameters) as plant:
         plant.start(realisation.inputs[0])
         outputs = plant.follow(realisation.inputs)
-    places = output_columns(tuple(OUTPUTS))
-    readings = np.column_stack([outputs[:, places[name]] for name in READINGS]) + realisation.noise
+    readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {one.name: _followed(one, table, readings, realisation) for one in observers}
     wall = time.perf_counter() - begin
     sample = np.concatenate(
@@ -242,7 +228,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         case=case,
         time=PERIOD * sample.astype(np.float64),
         period=EVERY * PERIOD,
-        truth={name: shown[:, places[name]].mean(axis=1) for name in true},
+        truth={name: shown[:, COLUMNS[name]].mean(axis=1) for name in true},
         mu0=inputs[:, 1],
         condition=np.concatenate(
             [
@@ -258,7 +244,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
 
 
 def _followed(one: Observer, table: Mapping[str, Array], readings: Array, realisation: Course) -> Beliefs:
-    """Return what a filter believes of the readings, stretch by stretch of one condition."""
+    """Return the beliefs of a filter given the readings, segment by segment of one condition."""
     filter_, n = one.filter, one.filter.mean.size
     inputs = np.column_stack([table[column] if column else np.zeros(len(readings)) for column in one.columns])
     prior, failure_sample = one.first, None
@@ -269,7 +255,7 @@ def _followed(one: Observer, table: Mapping[str, Array], readings: Array, realis
         parts.append((mean, covariance, nis))
         if failure_sample is not None:
             continue
-        if one.name == "literal":  # the only one that is told
+        if one.name == "literal":  # the only filter that knows the condition
             filter_.retune(literal_density(condition))
         last_good, start = last, filter_.inputs.copy()
         follow = partial(filter_.follow, prior, every=EVERY, integrals=one.integrals, with_covariance=True)

@@ -1,4 +1,4 @@
-"""The lateral study: which runs, its page, a figure of each test, and headline numbers."""
+"""The lateral study: its runs, its page with a figure of each test, and headline numbers."""
 
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Final
@@ -46,13 +46,13 @@ SEEDS: Final = 10
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """Which runs.
+    """Runs of a study.
 
     Attributes:
-        tests: Each at every speed on the plant that the filters know; the last also at the middle speed on the others.
+        tests: Each at every speed on the plant of the filters; the last also at the middle speed on the other plants.
         speeds: [m/s].
-        seeds: 1 to this number.
-        prediction: What the filters evaluate.
+        seeds: Number of seeds, from 1.
+        prediction: Form of the prediction in the filters.
     """
 
     tests: tuple[Trial, ...]
@@ -79,17 +79,17 @@ class Plan:
 
 FULL: Final = Plan(tests=TESTS, speeds=SPEEDS, seeds=SEEDS)
 QUICK: Final = Plan(tests=tuple(test.shortened(2.5) for test in TESTS), speeds=(25.0,), seeds=2)
-"""A few seconds of everything: shows that it runs, not what is true."""
+"""A few seconds of each: shows that it runs; its numbers mean nothing."""
 
 
 def measured(case: Case) -> dict[str, Any]:
-    """Run and measure one case; observability is that of the model, which other plants do not keep to."""
+    """Run and measure one case; observability is that of the filters' model, so only on the plant that equals it."""
     return measure(simulate(case), observe=case.plant == "paper")
 
 
 def page_of(plan: Plan, work: Work) -> Page:
     """Run a plan; return tables over its seeds, and a figure of each test."""
-    # Compiled here once, so that the workers find everything made.
+    # Compiled here once, so that no worker has to.
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measured, plan.cases)
     results = [Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True)]
@@ -122,14 +122,14 @@ def page_of(plan: Plan, work: Work) -> Page:
 
 
 _TOLERANCE: Final = 0.05
-"""Relative, of rms errors: half a million steps of a filter at 1e-7 of its scale are another machine's arithmetic."""
+"""Relative tolerance of rms errors, for rounding of another machine over half a million steps."""
 _HEADLINES: Final = {
     "paper": ("literal", "known_track", "unknown_track"),
     "softer": ("known_track",),
     "slightly_softer": ("known_track",),
     "service": ("known_track", "unknown_track"),
 }
-"""Filters that headlines are of, by plant."""
+"""Filters of the headlines by plant."""
 
 
 @dataclass(frozen=True)
@@ -137,11 +137,11 @@ class Lateral(Study):
     """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
 
     quick: bool = False
-    prediction: Annotated[Kind, Option(help="What the filters evaluate: FMUs, or their equations.")] = "fmu"
+    prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
 
     @property
     def place(self) -> str:
-        """A folder of its own for the small form."""
+        """Folder of the quick form."""
         return "quick" if self.quick else ""
 
     def page(self, work: Work) -> Page:
@@ -149,7 +149,7 @@ class Lateral(Study):
         return page_of(replace(QUICK if self.quick else FULL, prediction=self.prediction), work)
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return what filters make of one transition through all conditions, of softer contacts and other sensors."""
+        """Return errors of filters in one transition through all conditions, with softer contacts and other sensors."""
         cases = [Case(test=TESTS[-1], speed=25.0, plant=plant, seed=1) for plant in _HEADLINES]
         findings: list[Finding] = []
         for (plant, names), measures in zip(_HEADLINES.items(), work.map(measured, cases), strict=True):
@@ -201,7 +201,7 @@ def test_figure(case: Case) -> Figure:
             mean = beliefs[name][quantity].mean
             left.plot(trace.time, mean, color=COLOURS[name], linewidth=0.8, linestyle="--", label=TITLES[name])
             right.plot(trace.time, np.abs(mean - truth), color=COLOURS[name], linewidth=0.7)
-        # Room for twice the truth: a filter that leaves the panel is wrong by more than all there is to estimate.
+        # A curve outside of the panel has an error of more than half of the largest true value.
         bottom = -1.5 * size if np.min(truth) < 0 else -0.1 * size
         left.set_ylim(bottom, 1.5 * size)
         style.dress(left, y=LABELS[quantity])

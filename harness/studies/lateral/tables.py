@@ -17,7 +17,7 @@ from railgrip.studies.lateral.wheelset import CONDITIONS
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
 LEVEL_TOLERANCE: Final = 0.05
-"""Half of the distance between the two lowest levels: a filter that is this far off cannot name the condition."""
+"""Half of the distance between the two lowest levels; with a larger error the condition cannot be identified."""
 PLANT_TITLES: Final = {
     "paper": "plant as the filters know it",
     "twisting": "plant with a twisting axle",
@@ -34,7 +34,7 @@ TITLES: Final = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Result:
-    """What one run gave: its case and what `judge.measure` returned."""
+    """Case and measures, by `judge.measure`, of one run."""
 
     case: Case
     measures: dict[str, Any]
@@ -42,9 +42,9 @@ class Result:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Spread:
-    """A figure over the seeds: median, and an interval that holds the true median with at least 95 %.
+    """Median of a figure over the seeds, with an interval that contains the true median with at least 95 %.
 
-    The interval is between order statistics, so it holds for any distribution, diverged runs (infinity) among them.
+    The interval is between order statistics, so it is valid for any distribution, including diverged runs (infinity).
     """
 
     median: float
@@ -58,7 +58,7 @@ class Spread:
 
 
 def spread(values: Iterable[float | None]) -> Spread:
-    """Return median and interval of values, one for each seed; None is infinity: not finite, or never settled."""
+    """Return median and interval of values, one for each seed; None (not finite, never settled) counts as infinity."""
     order = np.sort([math.inf if value is None else value for value in values])
     low, confidence = _rank(len(order))
     with np.errstate(invalid="ignore"):
@@ -74,9 +74,9 @@ def spread(values: Iterable[float | None]) -> Spread:
 
 @cache
 def _rank(n: int) -> tuple[int, float]:
-    """Return the largest k such that order statistics k and n−1−k hold the median with 95 %, and with how much.
+    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and their confidence.
 
-    With fewer than six values the whole range holds it with less; then that is what is returned.
+    With fewer than six values it is the whole range, whose confidence is below 95 %.
     """
     best = (0, float(1 - 2 * binom.cdf(0, n, 0.5)))
     for k in range(1, n // 2):
@@ -151,7 +151,7 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
 
 
 def innovation_table(results: Sequence[Result]) -> Table:
-    """Return how many runs each filter was lost in, its NIS, and its friction against the best constant."""
+    """Return the number of runs in which each filter was lost, its NIS, and its friction against the best constant."""
     rows: list[dict[str, Any]] = []
     for (plant, speed, test), runs in groups(results).items():
         for name in NAMES:
@@ -173,7 +173,7 @@ def innovation_table(results: Sequence[Result]) -> Table:
 
 
 def observability_table(results: Sequence[Result]) -> Table:
-    """Return to what standard deviation windows of readings tell mu0, by speed and condition."""
+    """Return the standard deviation of mu0 given windows of readings, by speed and condition."""
     ranks: dict[tuple[float, int], list[tuple[float, float]]] = {}
     for result in results:
         windows = result.measures["observability"]
@@ -215,7 +215,7 @@ def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
 
 
 def levels(results: Sequence[Result]) -> list[tuple[str, Table, str]]:
-    """Return filter and plant, what the filter believes of mu0 in runs of several conditions, and a sentence on it."""
+    """Return filter and plant, the beliefs about mu0 in runs of several conditions, and a sentence about them."""
     tables: list[tuple[str, Table, str]] = []
     for plant, title in PLANT_TITLES.items():
         several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]

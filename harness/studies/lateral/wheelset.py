@@ -1,6 +1,6 @@
 """The wheelset of Mal et al. (2020) on a laterally irregular track: conditions, irregularity, tests, and the plant."""
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -17,13 +17,13 @@ from railgrip.scenario.polach import named_set
 from railgrip.scenario.seed import generator
 
 PERIOD: Final = 50e-6
-"""Of plant, readings and filters [s]; Mal et al. (2020), §4."""
+"""Period of plant, readings and filters [s]; Mal et al. (2020), §4."""
 
 ACCELEROMETER: Final = sqrt(1e-7)
-"""Standard deviation of a reading of the lateral acceleration [m/s2]; Mal et al., eq. (37)."""
+"""Standard deviation of readings of the lateral acceleration [m/s2]; Mal et al., eq. (37)."""
 
 GYROSCOPE: Final = sqrt(1e-13)
-"""Standard deviation of a reading of the yaw rate [rad/s]; Mal et al., eq. (37)."""
+"""Standard deviation of readings of the yaw rate [rad/s]; Mal et al., eq. (37)."""
 
 INPUTS: Final = {"track": "m", "mu0": "1", "A_falling": "1", "B_falling": "s/m", "motor_torque": "N.m"}
 READINGS: Final = {"lateral_acceleration": "m/s2", "yaw_rate": "rad/s"}
@@ -37,6 +37,9 @@ OUTPUTS: Final[Mapping[str, tuple[str, int]]] = {
     "creep_force": ("N", 2),
     "friction": ("1", 2),
 }
+_ENDS: Final = np.cumsum([max(size, 1) for _, size in OUTPUTS.values()]).tolist()
+COLUMNS: Final = dict(zip(OUTPUTS, map(slice, [0, *_ENDS], _ENDS), strict=True))
+"""Columns of each output in a row of the plant's outputs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +74,7 @@ CONDITIONS: Final = (DRY, WET, POOR, WORST)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trial:
-    """One of the five tests of §4: which condition lies under the wheel from when on.
+    """One of the five tests of §4: the conditions of the rail over time.
 
     Attributes:
         name: For tables and files.
@@ -84,7 +87,7 @@ class Trial:
     duration: float
 
     def shortened(self, duration: float) -> "Trial":
-        """Return the same test squeezed in time."""
+        """Return the same test compressed in time."""
         scale = duration / self.duration
         return Trial(
             name=self.name, changes=tuple((scale * at, condition) for at, condition in self.changes), duration=duration
@@ -93,7 +96,7 @@ class Trial:
 
 PAPER_SENSORS: Final = (ACCELEROMETER, GYROSCOPE)
 SERVICE_SENSORS: Final = (0.05, 1e-3)
-"""Deviations of readings each 50 µs from sensors that vehicles carry: 0.05 m/s2 and 1 mrad/s; an estimate."""
+"""Standard deviations of readings every 50 µs of usual sensors of vehicles: 0.05 m/s2 and 1 mrad/s; an estimate."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +105,7 @@ class Vehicle:
 
     Attributes:
         parameters: Of the plant beside Table 1.
-        sensors: Standard deviations of the readings, which the filters are told.
+        sensors: Standard deviations of the readings, which the filters know.
     """
 
     parameters: Mapping[str, float]
@@ -116,9 +119,9 @@ PLANTS: Final[Mapping[str, Vehicle]] = {
     "slightly_softer": Vehicle(parameters={"rolling_creep": 0.0, "k_A": 0.99, "k_S": 0.99}),
     "service": Vehicle(parameters={"rolling_creep": 0.0}, sensors=SERVICE_SENSORS),
 }
-"""Paper: the creepages of Mal et al., eq. (3) and (4), which the filters share; twisting: eq. (1) and (2), in which the
-axle's rotation takes part; softer: a contact with 5 % less creep stiffness than every filter believes, well within what
-is known of a contact; slightly softer: 1 %; service: the paper's plant read by sensors that vehicles carry."""
+"""Paper: the creepages of Mal et al., eq. (3) and (4), as in the filters; twisting: eq. (1) and (2), with the rotation
+of the axle; softer: a contact with 5 % less creep stiffness than in the filters, well within the uncertainty of real
+contacts; slightly softer: 1 %; service: the paper's plant with usual sensors of vehicles."""
 
 TESTS: Final = (
     *(Trial(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
@@ -130,37 +133,33 @@ TESTS: Final = (
 )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Irregularity:
-    """Random lateral position of the track: white Gaussian noise through a low-pass of second order, from rest.
+PEAK: Final = 7e-3
+"""Largest lateral deviation of the track in a run [m]."""
 
-    Its one-sided spectrum is S(f) ∝ 1/(1 + (f/corner)⁴) for the damping 1/√2 (Butterworth); every run is scaled so that
-    its largest deviation is `peak`. Mal et al. say "random, ±7 mm" and nothing about the spectrum: the corner, in
-    time and so the same at every speed, is a choice.
+CORNER: Final = 2 * pi * 2.0
+"""Corner of the spectrum of the track [rad/s]. Mal et al. specify "random, ±7 mm" and no spectrum: the corner, in time
+and so independent of speed, is a choice."""
 
-    Attributes:
-        peak: Largest deviation in a run [m].
-        corner: Frequency [Hz].
-        damping: Of the low-pass.
+DAMPING: Final = 1 / sqrt(2)
+
+
+def draw_track(seed: int, count: int, period: float) -> tuple[Array, Array]:
+    """Return lateral position [m] and velocity [m/s] of the track at `count` samples, each of shape (count,).
+
+    White Gaussian noise through a low-pass of second order, from rest: the one-sided spectrum is
+    S(f) ∝ 1/(1 + (f/corner)⁴) for the damping 1/√2 (Butterworth). Each run is scaled to a largest deviation of `PEAK`.
     """
+    low_pass = [1.0, 2 * DAMPING * CORNER, CORNER * CORNER]
+    noise = generator(seed, "track").standard_normal(count)
+    position = _through(noise, [CORNER * CORNER], low_pass, period)
+    velocity = _through(noise, [CORNER * CORNER, 0.0], low_pass, period)
+    scale = PEAK / np.max(np.abs(position))
+    return scale * position, scale * velocity
 
-    peak: float = 7e-3
-    corner: float = 2.0
-    damping: float = 1 / sqrt(2)
 
-    def draw(self, seed: int, count: int, period: float) -> tuple[Array, Array]:
-        """Return position [m] and velocity [m/s] at `count` samples, each shape (count,); at rest at the first."""
-        w = 2 * pi * self.corner
-        low_pass = [1.0, 2 * self.damping * w, w * w]
-        noise = generator(seed, "track").standard_normal(count)
-        position = _through(noise, [w * w], low_pass, period)
-        velocity = _through(noise, [w * w, 0.0], low_pass, period)
-        scale = self.peak / np.max(np.abs(position))
-        return scale * position, scale * velocity
-
-    def acceleration_density(self, deviation: float) -> float:
-        """Return the density [m2/s3] of the white acceleration that makes a stationary track of this deviation [m]."""
-        return 4 * self.damping * (2 * pi * self.corner) ** 3 * deviation**2
+def track_acceleration_density(deviation: float) -> float:
+    """Return the density [m2/s3] of the white acceleration behind a stationary track of this deviation [m]."""
+    return 4 * DAMPING * CORNER**3 * deviation**2
 
 
 def _through(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
@@ -171,14 +170,14 @@ def _through(noise: Array, numerator: list[float], denominator: list[float], per
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Course:
-    """Everything that happens to the wheelset in one run, sample by sample.
+    """Track, rail and noise of one run, sample by sample.
 
     Attributes:
-        inputs: Of the plant, in the order of `INPUTS`, held during each step, shape (K, 5).
+        inputs: Inputs of the plant during each step, in the order of `INPUTS`, shape (K, 5).
         track_rate: Derivative of the track [m/s], shape (K,).
-        noise: Of the readings at the end of each step, shape (K, 2).
-        segments: First and last (exclusive) step of each stretch of one condition.
-        conditions: Of each stretch.
+        noise: Noise of the readings at the end of each step, shape (K, 2).
+        segments: First and last (exclusive) step under each condition.
+        conditions: Condition of each segment.
     """
 
     inputs: Array
@@ -188,18 +187,13 @@ class Course:
     conditions: tuple[Condition, ...]
 
 
-def course(
-    test: Trial,
-    seed: int,
-    irregularity: Irregularity,
-    sensors: tuple[float, float] = PAPER_SENSORS,
-) -> Course:
+def course(test: Trial, seed: int, sensors: tuple[float, float] = PAPER_SENSORS) -> Course:
     """Return track, rail and sensor noise of one run; the same seed gives the same run."""
     count = round(test.duration / PERIOD)
     starts = [round(at / PERIOD) for at, _ in test.changes]
     segments = tuple(zip(starts, [*starts[1:], count], strict=True))
     conditions = tuple(condition for _, condition in test.changes)
-    track, rate = irregularity.draw(seed, count, PERIOD)
+    track, rate = draw_track(seed, count, PERIOD)
     inputs = np.zeros((count, len(INPUTS)))
     inputs[:, 0] = track
     for (first, last), condition in zip(segments, conditions, strict=True):
@@ -209,16 +203,15 @@ def course(
 
 
 @contextmanager
-def wheelset(speed: float, parameters: Mapping[str, float], period: float = PERIOD) -> Generator[CoSimulation]:
+def wheelset(speed: float, parameters: Mapping[str, float]) -> Generator[CoSimulation]:
     """Open the plant `LateralWheelset`.
 
     Args:
         speed: Along the track at the start [m/s].
-        parameters: Further ones of the plant, by its names; the others keep the values of Table 1.
-        period: Between communications [s].
+        parameters: Of the plant by name; the others keep the values of Table 1.
     """
     description, binding = _bound()
-    with CoSimulation(description, binding, period=period, parameters={"start_speed": speed, **parameters}) as plant:
+    with CoSimulation(description, binding, period=PERIOD, parameters={"start_speed": speed, **parameters}) as plant:
         yield plant
 
 
@@ -228,13 +221,3 @@ def _bound() -> tuple[Description, Any]:
     inputs = [Signal(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
     outputs = [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]
     return description, bind(description, inputs=inputs, outputs=outputs, where="the wheelset LateralWheelset")
-
-
-def output_columns(names: Sequence[str]) -> dict[str, slice]:
-    """Return where each output lies in a row of a record."""
-    places: dict[str, slice] = {}
-    at = 0
-    for name, (_, size) in OUTPUTS.items():
-        places[name] = slice(at, at + max(size, 1))
-        at += max(size, 1)
-    return {name: places[name] for name in names}
