@@ -7,7 +7,7 @@ PROGRAM := $(VENV)/bin/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen adverse report conditioning headlines readme regress accept calibrate tune-control type-test bench \
+.PHONY: help install fmus simulate unseen adverse report conditioning headlines validation regress accept calibrate tune-control type-test bench \
         mutants test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -57,10 +57,10 @@ conditioning: fmus  ## repeat the stops of the table with the plant's parameters
 headlines: conditioning  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
 	-$(PROGRAM) maintain regress
 	$(PROGRAM) maintain accept --reason '$(REASON)'
-	$(PROGRAM) maintain readme
+	$(PROGRAM) maintain validation
 
-readme: $(READY)  ## write the accepted braking distances into docs/validation.md
-	$(PROGRAM) maintain readme
+validation: $(READY)  ## write the accepted braking distances into docs/validation.md
+	$(PROGRAM) maintain validation
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) maintain regress

@@ -133,9 +133,10 @@ class _Main(Commands):
         "rig": "study roller_rig",
         "trains": "study trains",
         "type-test": "study type_test",
+        "readme": "maintain validation",
     } | {
         name: f"maintain {name}"
-        for name in ("accept", "bench", "calibrate", "conditioning", "readme", "regress", "tune", "tune-control")
+        for name in ("accept", "bench", "calibrate", "conditioning", "regress", "tune", "tune-control")
     }
 
 

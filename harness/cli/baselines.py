@@ -14,7 +14,6 @@ from railgrip.cli.campaigns import run_campaigns
 from railgrip.console import complain, say, show_table
 from railgrip.errors import ScenarioError
 from railgrip.files import write_text
-from railgrip.report.baseline import accept as accept_numbers
 from railgrip.report.baseline import (
     Baseline,
     Findings,
@@ -26,6 +25,7 @@ from railgrip.report.baseline import (
     write_baseline,
     write_findings,
 )
+from railgrip.report.baseline import accept as accept_numbers
 from railgrip.report.results import read_results
 from railgrip.report.table import Table, yes_no
 from railgrip.report.validation import write_table
@@ -90,11 +90,11 @@ def accept(
         show_table(comparison_table(changes, f"{path.name}: accepted"), "nothing changed")
 
 
-def readme(
+def validation(
     page: Annotated[Path, typer.Option(help="The file with the table.")] = Path("docs/validation.md"),
     baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
 ) -> None:
-    """Write the accepted braking distances into the table of docs/validation.md."""
+    """Write the accepted braking distances into docs/validation.md."""
     accepted = load_baseline(baseline)
     if accepted.campaign is None:
         raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")

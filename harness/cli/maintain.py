@@ -12,7 +12,7 @@ class _Maintain(Commands):
         "Baselines": {
             "regress": Command("baselines:regress", "Run what has a baseline and compare every number."),
             "accept": Command("baselines:accept", "Move the baselines to the results of the last regress."),
-            "readme": Command("baselines:readme", "Write the accepted braking distances into the README's table."),
+            "validation": Command("baselines:validation", "Write the accepted distances into docs/validation.md."),
             "conditioning": Command("baselines:conditioning", "Repeat stops with the plant's parameters perturbed."),
         },
         "Searches": {

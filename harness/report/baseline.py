@@ -247,8 +247,8 @@ def findings_of(results: Results) -> Findings:
 def beyond_accepted(results: Results, path: Path) -> list[str]:
     """Return a sentence for each distance with FMUs of other compilers that differs by more than `ACROSS_COMPILERS`.
 
-    There are none if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares, or if the
-    baseline file does not exist.
+    There are none if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares,
+    or if the baseline file does not exist.
     """
     if not from_elsewhere(results.stops) or not path.is_file():
         return []

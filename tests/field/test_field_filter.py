@@ -8,6 +8,7 @@ from railgrip.campaign.work import work
 from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.braking import braked, braking_of, driven
 from railgrip.estimation.observable import observe, with_estimates_as_truth
+from railgrip.estimation.run import prediction_of
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of, settings_for
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -206,3 +207,8 @@ def test_a_run_without_braking_or_position_is_refused(run):
     incomplete = run.assign(reading_height=run["reading_height"] * np.nan).isel(time=slice(0, 100))
     with pytest.raises(EstimationError, match="GNSS gave no position"):
         braking_of(incomplete, course)
+
+
+def test_a_prediction_without_a_requested_output_is_refused():
+    with pytest.raises(EstimationError, match="TrainPredictionReduced has no output yaw; it has speed"):
+        prediction_of("TrainPredictionReduced", outputs=("speed", "yaw"))
