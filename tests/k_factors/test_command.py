@@ -70,7 +70,6 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
         ("failures.stuck_valve.probability=0.5", "must be at most 0.1"),
         ("failures.stuck_valve.error_factor=0.5", "[failures.stuck_valve] error_factor"),
         ("failures.stuck_valve.common_cause.beta=0.6", "must be at most 0.5"),
-        ("failures.stuck_valve={probability=1e-5, error_factor=3, source='none'}", "common_cause"),
         ("dispersion=[{quantity='mass', per='unit', kind='normal', deviation='2 %', source='none'}]", "per unit"),
         ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='2 bar', source='none'}]", "bar"),
         ("dispersion=[{quantity='mass', per='train', kind='normal', deviation='20 %', source='none'}]", "0.15"),
