@@ -68,6 +68,13 @@ def test_a_common_cause_of_all_valves_takes_all_groups():
     assert sum(every.values()) == pytest.approx(1.0, abs=1e-14)
 
 
+def test_a_total_loss_may_be_among_what_is_left_out():
+    rates = Rates(0.0, 1e-5, stuck_beta=0.015)
+    (whole,), rest = states_of((3, 2), rates, neglect=1e-2)
+    assert whole.available == (3, 2)
+    assert whole.probability + rest == pytest.approx(1.0, abs=1e-11)
+
+
 def test_states_with_common_causes_are_all_there_is():
     rates = Rates(0.02, 0.01, isolated_beta=0.2, stuck_beta=0.1)
     states, rest = states_of((2, 1, 2), rates, neglect=0.0)

@@ -107,7 +107,11 @@ def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tu
         rest += float(tail[excess - 1]) if excess else 0.0
         states = candidates[: len(candidates) - excess]
     if rates.total_loss > 0.0:
-        available = {state.available for state in states} | {(0,) * len(units)}
+        available, lost = [state.available for state in states], (0,) * len(units)
+        if lost not in available and rest + rates.total_loss <= neglect:
+            rest += rates.total_loss
+        elif lost not in available:
+            available.append(lost)
         states = [State(*one) for one in zip(available, rates.of_states(units, available), strict=True)]
         states.sort(key=lambda state: (-state.probability, state.available))
     return tuple(states), rest
