@@ -277,19 +277,22 @@ def metrics_page() -> None:
     )
 
 
+def commands_of(command: Any, name: str) -> Iterator[tuple[str, str]]:
+    """Yield the full name and the help of each command, those of groups included."""
+    context = command.make_context(name, [], resilient_parsing=True, max_content_width=100)
+    yield name, command.get_help(context)
+    if hasattr(command, "list_commands"):
+        for below in command.list_commands(context):
+            yield from commands_of(command.get_command(context, below), f"{name} {below}")
+
+
 def commands_page() -> None:
-    group = typer.main.get_command(app)
-    context = group.make_context("railgrip", ["--help"], resilient_parsing=True)
-    sections: list[str] = []
-    for name in group.list_commands(context):
-        command = group.get_command(context, name)
-        within = command.make_context(f"railgrip {name}", [], resilient_parsing=True, max_content_width=100)
-        sections.append(f"## railgrip {name}\n\n```text\n{command.get_help(within)}\n```")
+    commands = commands_of(typer.main.get_command(app), "railgrip")
     write(
         "commands",
         "Command line",
         "A command ends with exit code 0 if it has a result, 2 if its input is wrong, and 3 if a run failed.",
-        *sections,
+        *(f"## {name}\n\n```text\n{text}\n```" for name, text in commands),
     )
 
 
@@ -297,6 +300,8 @@ def python_page() -> None:
     sections: list[str] = []
     for name in railgrip.__all__:
         offered = getattr(railgrip, name)
+        if isinstance(offered, str):  # the version
+            continue
         identifier = offered.__name__ if inspect.ismodule(offered) else f"{offered.__module__}.{offered.__qualname__}"
         sections.append(f"::: {identifier}\n    options:\n      heading_level: 2\n")
     write(
