@@ -1,6 +1,6 @@
 """Friction learned from axle-box accelerations.
 
-`channels` (which motions), `preprocessing` (the paper's filters), `spectral` (features that carry friction),
-`network` and `training` (a small network by Levenberg-Marquardt), `online` (the trained chain sample by sample, as one
-CasADi function). Knows neither where runs come from nor how they are judged: that is `railgrip.studies.axle_box`.
+`preprocessing` has the motions and the paper's filters, `spectral` the features that depend on friction, `network` and
+`ensemble` small networks and their training, `online` the trained chain sample by sample as one CasADi function, and
+`trained` the estimators as values. Runs and their judgement are in `railgrip.studies.axle_box`.
 """

@@ -1,12 +1,12 @@
-"""One estimator for all speeds: networks trained on resampled runs, with an interval that was right nine times in ten.
+"""One estimator for all speeds: networks trained on resampled runs, with a 90 % interval.
 
-Where a simulation knows the slope of the creep curve of every training run, networks estimate that slope, which is what
-motions of wheelsets below saturation show, and a second stage says which friction goes with it. Without slopes, the
-networks estimate friction directly.
+Where a simulation provides the slope of the creep curve of every training run, networks estimate that slope, because
+motions of wheelsets below saturation depend on it, and a second stage maps it to friction. Without slopes, the networks
+estimate friction directly.
 
-The interval is conformal: each training run is estimated by the networks that did not see it, and the half-width, in
-units of the networks' disagreement, is the quantile of those errors. It promises coverage for runs like those of the
-training; on others its coverage is measured, not promised.
+The interval is conformal: each training run is estimated by the networks not trained on it, and the half-width, in
+units of the networks' disagreement, is the quantile of those errors. Its coverage holds for runs like those of the
+training; on others it is measured only.
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Network, train
 
 LEAST_SPREAD: Final = 0.03
-"""Friction added to the disagreement: networks that agree know no more than the spread of friction at one slope."""
+"""Friction added to the disagreement: even when networks agree, friction varies at one slope."""
 QUANTILE: Final = 1.6449
 """Standard deviations from the middle of a Gaussian to either end of its 90 % interval."""
 SLOPE_CENTRE: Final = 0.3
@@ -39,12 +39,12 @@ class Estimates:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ensemble:
-    """Networks behind one standardisation.
+    """Networks after one standardisation.
 
     Attributes:
         centre, spread: Of the features in training, shape (features,).
-        networks: From features to slope, or to friction where there is no second stage.
-        second: From slope to friction; their mean counts. Empty for none.
+        networks: From features to slope, or to friction without a second stage.
+        second: From slope to friction, averaged. Empty for none.
         half_width: Of the interval, in units of √(disagreement² + LEAST_SPREAD²).
     """
 
@@ -55,11 +55,11 @@ class Ensemble:
     half_width: float
 
     def standardise(self, features: Array) -> Array:
-        """Return standardised features, clipped to ±4 standard deviations: nothing is known beyond."""
+        """Return standardised features, clipped to ±4 standard deviations, beyond which there is no training data."""
         return np.clip((features - self.centre) / self.spread, -4, 4) / 2
 
     def friction_of(self, first: Array) -> Array:
-        """Return the friction of what the first stage says, any shape."""
+        """Return the friction for outputs of the first stage, any shape."""
         if not self.second:
             return first
         flat = ((first.ravel() - SLOPE_CENTRE) / SLOPE_HALF)[:, None]
@@ -85,8 +85,8 @@ def fit(
     Args:
         features: Shape (n, features).
         friction: Labels, shape (n,).
-        run: Number of the run each sample belongs to, shape (n,): samples of one run are never split.
-        slope: Of the creep curve, shape (n,), where it is known; asks for two stages.
+        run: Number of the run of each sample, shape (n,): samples of one run are never split.
+        slope: Of the creep curve, shape (n,), where it is known; adds the second stage.
 
     Raises:
         EstimatorError: There are too few runs or networks for an interval.
@@ -104,12 +104,12 @@ def fit(
         out = ~np.isin(run, resample)
         opinions[k, out] = network(x[out])
     ensemble = replace(ensemble, networks=tuple(networks))
-    # Only what networks say of runs they have not seen is like what they will say of new ones.
+    # Only estimates of runs outside of the training are representative of new runs.
     countable = (~np.isnan(opinions)).sum(axis=0) >= FEWEST_OPINIONS
     if not countable.any():
         raise EstimatorError(
-            f"an interval wants a run that {FEWEST_OPINIONS} of the {members} networks have not seen, and none of the "
-            f"{runs.size} runs is one; train on more runs or more networks."
+            f"an interval needs a run outside of the training of {FEWEST_OPINIONS} of the {members} networks, and none "
+            f"of the {runs.size} runs is; train on more runs or more networks."
         )
     mean = np.nanmean(opinions[:, countable], axis=0)
     if slope is not None:
@@ -128,4 +128,4 @@ def fit(
 
 
 FEWEST_OPINIONS: Final = 3
-"""Networks that must not have seen a run for it to count; fewer say nothing about disagreement."""
+"""Networks not trained on a run that are needed to judge their disagreement about it."""

@@ -12,7 +12,7 @@ Bias = Literal["inside", "outside"]
 
 DAMPING: Final = 1e-3
 LARGEST_DAMPING: Final = 1e10
-"""First and largest damping of a step; beyond the largest, steps are too short to change anything."""
+"""First and largest damping of a step; steps with more damping have no effect."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +24,7 @@ class Network:
         hidden_bias: b1, shape (hidden,).
         output_weights: w2, shape (hidden,).
         output_bias: b2.
-        bias: Where b2 stands, inside or outside of the logistic function.
+        bias: Place of b2, inside or outside of the logistic function.
     """
 
     hidden_weights: Array
@@ -54,16 +54,16 @@ def train(
     Args:
         x: Inputs, scaled to about [−1, 1], shape (n, inputs).
         y: Friction, shape (n,).
-        bias: Where the output bias stands.
-        decay: Weight of the squared weights against the mean squared error; 0 fits the data alone.
-        steps: Of Levenberg-Marquardt, after which training stops, converged or not.
+        bias: Place of the output bias.
+        decay: Weight of the squared weights relative to the mean squared error; 0 fits the data alone.
+        steps: Largest number of steps of Levenberg-Marquardt.
     """
     inputs = x.shape[1]
     start = np.concatenate(
         [
             generator.standard_normal(hidden * inputs) / np.sqrt(inputs),
             generator.standard_normal(hidden),
-            # Small, and around the mean label: from a saturated logistic no step leads back.
+            # Small, and around the mean label, because a saturated logistic has no gradient.
             0.1 * generator.standard_normal(hidden) / np.sqrt(hidden),
             [np.log(y.mean() / (1 - y.mean())) if bias == "inside" else y.mean() - 0.5],
         ]
@@ -75,8 +75,8 @@ def train(
         return np.concatenate([error, ridge * p]) if decay else error
 
     def jacobian(p: Array) -> Array:
-        own = _jacobian(p, x, hidden, bias)
-        return np.vstack([own, ridge * np.eye(p.size)]) if decay else own
+        data = _jacobian(p, x, hidden, bias)
+        return np.vstack([data, ridge * np.eye(p.size)]) if decay else data
 
     return _unpack(levenberg_marquardt(residuals, jacobian, start, steps), inputs, hidden, bias)
 
@@ -84,12 +84,12 @@ def train(
 def levenberg_marquardt(
     residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array, steps: int
 ) -> Array:
-    """Return parameters that minimise the sum of squared residuals, as far as `steps` steps lead.
+    """Return parameters that minimise the sum of squared residuals, after at most `steps` steps.
 
     Normal equations: a few dozen parameters and thousands of residuals, for which MINPACK's factorisation of the whole
     Jacobian takes ten times as long and finds the same minimum.
 
-    Source: Hagan and Menhaj, IEEE Transactions on Neural Networks 5 (1994) 989, whose damping schedule it has.
+    Source of the damping schedule: Hagan and Menhaj, IEEE Transactions on Neural Networks 5 (1994) 989.
     """
     point, damping = start, DAMPING
     error = residuals(point)
@@ -105,7 +105,7 @@ def levenberg_marquardt(
                 break
             damping *= 10
         else:
-            return point  # no step leads down any more
+            return point  # no step reduces the cost
         is_flat = cost - new_cost < 1e-9 * cost
         point, error, cost, damping = point - step, new_error, new_cost, max(damping / 10, 1e-12)
         if is_flat:

@@ -1,8 +1,13 @@
-"""Which motions of the wheelsets an estimator listens to."""
+"""Data processing in front of the estimators: motions of the wheelsets, filters, block means, scaling to [−1, 1].
+
+Source: Abduraxman et al. (2024), section "Data processing". Choices that it leaves open: both filters run forwards
+only, in double precision; the high-pass is of first order and starts with its state at the first sample; the low-pass
+is a Butterworth of second order that starts at rest; an incomplete block at the end is dropped.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from scipy.signal import butter, lfilter, sosfilt
@@ -21,45 +26,41 @@ COMBINATIONS: Final[Mapping[str, tuple[Motion, ...]]] = {
     "lateral": ("lateral",),
     "yaw": ("yaw",),
 }
-"""The eight combinations of Abduraxman et al. (2024), each over all wheelsets; `longitudinal` is the one they chose."""
+"""The eight combinations of Abduraxman et al. (2024), each over all wheelsets; they chose `longitudinal`."""
 
 
-def motions(left: Array, right: Array, lateral: Array, combination: str) -> Array:
-    """Return the channels of a combination, m/s², shape (n, 4 to 12): motion by motion, wheelset by wheelset.
+BOXES: Final = tuple(f"{side}[{k}]" for side in ("left", "right", "lateral") for k in range(1, 5))
+"""Accelerations of the axle boxes: longitudinal left and right, lateral."""
+
+
+def motions(boxes: Any, combination: str) -> list[Any]:
+    """Return the 4 to 12 channels of a combination [m/s²]: motion by motion, wheelset by wheelset.
 
     Longitudinal is the mean of both axle boxes; yaw is right minus left, which is the yaw acceleration times the
     distance of the boxes.
 
     Args:
-        left, right: Longitudinal accelerations of the axle boxes, m/s², shape (n, wheelsets).
-        lateral: m/s², shape (n, wheelsets).
+        boxes: In the order of `BOXES` along the first axis [m/s²]: an array of shape (12, n), or a CasADi vector.
         combination: Key of `COMBINATIONS`.
     """
-    parts: dict[Motion, Array] = {
+    left, right, lateral = boxes[:4], boxes[4:8], boxes[8:]
+    parts = {
         "longitudinal": (left + right) / 2,
         "lateral": lateral,
         "yaw": right - left,
         "left": left,
         "right": right,
     }
-    return np.hstack([parts[motion] for motion in COMBINATIONS[combination]])
-
-
-def forwards(lateral: Array, yaw: Array, *, backwards: bool) -> tuple[Array, Array]:
-    """Return lateral and yaw acceleration, each of shape (n, 4), in axes that point forwards, wheelset 1 leading.
-
-    Run backwards, the car is turned by half a turn: the fourth wheelset leads, left is right, and yaw stays yaw.
-    """
-    return (-lateral[:, ::-1], yaw[:, ::-1]) if backwards else (lateral, yaw)
+    return [parts[motion][k] for motion in COMBINATIONS[combination] for k in range(4)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AntiAlias:
-    """A causal low-pass, of which one sample in so many is kept.
+    """A causal low-pass with decimation.
 
     Attributes:
-        rate: Samples a second that go in.
-        keep: One of so many comes out.
+        rate: Samples a second of the input.
+        keep: Input samples for each sample of the output.
     """
 
     rate: int
@@ -67,7 +68,7 @@ class AntiAlias:
 
     @property
     def slow_rate(self) -> float:
-        """Samples a second that come out."""
+        """Samples a second of the output."""
         return self.rate / self.keep
 
     @property
@@ -80,14 +81,27 @@ class AntiAlias:
         return self.every(np.asarray(sosfilt(self.sections, raw - raw[0], axis=0), dtype=np.float64))
 
     def every(self, raw: Array) -> Array:
-        """Return the samples that are kept, as they are, shape (n // keep, …)."""
+        """Return the samples that are kept, unfiltered, shape (n // keep, …)."""
         return np.asarray(raw[self.keep - 1 :: self.keep], dtype=np.float64)
+
+
+def lateral_and_yaw(slow: AntiAlias, boxes: Array, *, backwards: bool) -> tuple[Array, Array]:
+    """Return slow lateral and yaw acceleration [m/s²], each of shape (n // keep, 4), with the leading wheelset first.
+
+    When wheelset 4 leads, the car is turned by half a turn: left and right are exchanged, and the sign of yaw remains.
+
+    Args:
+        boxes: In the order of `BOXES`, in axes of the car [m/s²], shape (n, 12).
+    """
+    motion = slow(np.hstack([boxes[:, 8:], boxes[:, 4:8] - boxes[:, :4]]))
+    lateral, yaw = motion[:, :4], motion[:, 4:]
+    return (-lateral[:, ::-1], yaw[:, ::-1]) if backwards else (lateral, yaw)
 
 
 Start = Literal["first sample", "first second"]
 
 BLOCKS: Final = {60: 50, 40: 100, 26: 150, 16: 200}
-"""Samples averaged, by speed in mph."""
+"""Samples of a block, by speed in mph."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,12 +109,12 @@ class Chain:
     """The filters in front of a network.
 
     Attributes:
-        rate: Samples a second that go in.
-        block: Samples that are averaged into one that comes out.
+        rate: Samples a second of the input.
+        block: Samples averaged into one of the output.
         high_pass, low_pass: Corner frequencies, Hz.
         order: Of the low-pass.
-        start: What the high-pass takes for zero: the first sample, vibration included, or the mean of the first second.
-            The second is not causal within that second; it is there to show what the first one does to a network.
+        start: Zero of the high-pass: the first sample, vibration included, or the mean of the first second. The latter
+            is not causal within that second; it shows the effect of the former on a network.
     """
 
     rate: int
@@ -132,7 +146,7 @@ class Chain:
         return np.asarray(sosfilt(self.sections, high, axis=0), dtype=np.float64)
 
     def process(self, raw: Array) -> Array:
-        """Return what goes into the scaling: absolute values, averaged, shape (n // block, channels)."""
+        """Return the input of the scaling: averaged absolute values, shape (n // block, channels)."""
         size = np.abs(self.filtered(raw))
         count = len(size) // self.block
         return size[: count * self.block].reshape(count, self.block, -1).mean(axis=1)
@@ -140,7 +154,7 @@ class Chain:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scale:
-    """Maps each channel to [−1, 1] over the data it was made from.
+    """A map of each channel to [−1, 1] over given data.
 
     Attributes:
         lowest, highest: Shape (channels,).
@@ -155,5 +169,5 @@ class Scale:
         return cls(lowest=data.min(axis=0), highest=data.max(axis=0))
 
     def __call__(self, data: Array) -> Array:
-        """Return scaled data; what lies outside the data of the scale comes out beyond ±1."""
+        """Return scaled data; values outside the data of the scale are beyond ±1."""
         return 2 * (data - self.lowest) / (self.highest - self.lowest) - 1

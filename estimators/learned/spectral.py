@@ -1,11 +1,11 @@
-"""Features of lateral and yaw acceleration that carry friction whatever the track.
+"""Features of lateral and yaw acceleration that depend on friction, but not on the roughness of the track.
 
-A wheelset yaws and swings because rails are uneven, and creep forces decide how both motions hang together: the slope
-of the creep curve and its saturation move the ratio and the phase of lateral and yaw acceleration. Ratios and phases
-do not depend on how uneven the track is; levels, which decide how far the contact is saturated, are kept beside them.
+Uneven rails move a wheelset laterally and in yaw, and creep forces couple both motions: the slope of the creep curve
+and its saturation change the ratio and the phase of lateral and yaw acceleration. Ratios and phases do not depend on
+the roughness of the track; levels, which determine the saturation of the contact, are features beside them.
 
-All steps are causal: band filters with two outputs a quarter of a period
-apart, products of them, and their mean over the last metres travelled, weighted exponentially.
+All steps are causal: band filters with two outputs a quarter of a period apart, products of them, and their mean over
+the last metres travelled, weighted exponentially.
 """
 
 from dataclasses import dataclass
@@ -31,12 +31,12 @@ class Spectral:
     """The filters behind the features.
 
     Attributes:
-        rate: Samples a second that go in.
+        rate: Samples a second of the input.
         centres: Of the bands, Hz.
         quality: Of the band filters.
         metres: Distance over which products are averaged, m.
-        settling: s at the start that are not averaged, while filters forget the step from nothing to the first sample:
-            the slowest band has forgotten all but a thousandth of it after 3 s.
+        settling: Time at the start that is not averaged, s, while the step to the first sample decays in the filters:
+            to a thousandth in the slowest band after 3 s.
     """
 
     rate: float

@@ -1,4 +1,4 @@
-"""Trained estimators as values: what they say of a whole run at once, what they are sample by sample, and as a file."""
+"""Trained estimators as values: over a whole run at once, sample by sample, as a file and as an FMU."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -14,23 +14,23 @@ from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.online import Online, general, paper
-from railgrip.estimators.learned.preprocessing import COMBINATIONS, AntiAlias, Chain, Scale, forwards, motions
+from railgrip.estimators.learned.preprocessing import COMBINATIONS, AntiAlias, Chain, Scale, lateral_and_yaw, motions
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import Source
 
 FORMAT: Final = 1
-"""Of the files; raised whenever an older reader would understand a newer file wrongly."""
+"""Format of the files; raised whenever an older reader would misread a newer file."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunEstimates:
-    """What an estimator says of a run, each of shape (k,).
+    """Estimates over a run, each of shape (k,).
 
     Attributes:
-        sample: Index of the last sample that an estimate rests on.
+        sample: Index of the last sample of each estimate.
         friction: Estimate.
-        lower, upper: Ends of its 90 % interval; NaN where the estimator gives none.
+        lower, upper: Ends of its 90 % interval; NaN for an estimator without interval.
     """
 
     sample: NDArray[np.intp]
@@ -54,17 +54,18 @@ class PaperEstimator:
 
     @property
     def rate(self) -> int:
-        """Samples a second of the accelerations that go in."""
+        """Samples a second of the accelerations."""
         return self.chain.rate
 
     def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
         """Return the estimates of a whole run; neither speed nor direction is used.
 
         Args:
-            boxes: Accelerations as `online.BOXES` orders them, at `rate`, m/s², shape (n, 12), in axes of the car.
+            boxes: Accelerations in the order of `preprocessing.BOXES`, at `rate`, m/s², shape (n, 12), in axes of the
+                car.
             speed: m/s, shape (n,).
         """
-        blocks = self.chain.process(motions(boxes[:, :4], boxes[:, 4:8], boxes[:, 8:], self.inputs))
+        blocks = self.chain.process(np.stack(motions(boxes.T, self.inputs), axis=-1))
         friction = np.mean([network(self.scale(blocks)) for network in self.networks], axis=0)
         none = np.full(len(blocks), np.nan)
         return RunEstimates(
@@ -91,8 +92,7 @@ class GeneralEstimator:
 
     def offline(self, boxes: Array, speed: Array, *, backwards: bool) -> RunEstimates:
         """See `PaperEstimator`; an estimate at every slow sample once the features have settled."""
-        slow = self.slow(np.hstack([boxes[:, 8:], boxes[:, 4:8] - boxes[:, :4]]))
-        lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=backwards)
+        lateral, yaw = lateral_and_yaw(self.slow, boxes, backwards=backwards)
         features = self.spectral.features(lateral, yaw, self.slow.every(speed))
         known = np.arange(2 * self.spectral.settling_samples, len(features))
         estimates = self.ensemble(features[known])
@@ -112,7 +112,7 @@ Trained = PaperEstimator | GeneralEstimator
 
 
 def save(trained: Trained, file: Path) -> Path:
-    """Write a trained estimator; every number comes back as it was."""
+    """Write a trained estimator, without rounding of numbers; return the file."""
     file.write_text(json.dumps({"format": FORMAT, "kind": _KIND[type(trained)], **asdict(trained)}, default=_plain))
     return file
 
@@ -121,7 +121,7 @@ def load(file: Path) -> Trained:
     """Return the estimator that `save` wrote.
 
     Raises:
-        EstimatorError: There is no such file, or it is no trained estimator.
+        EstimatorError: There is no such file, or it is not a trained estimator.
     """
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
@@ -130,7 +130,9 @@ def load(file: Path) -> Trained:
     except (UnicodeDecodeError, json.JSONDecodeError) as problem:
         raise EstimatorError(f"{file}: is not JSON: {problem}.") from problem
     if not isinstance(content, dict) or content.get("kind") not in _READ or content.get("format") != FORMAT:
-        raise EstimatorError(f"{file}: is no trained estimator of format {FORMAT}; it wants kind {' or '.join(_READ)}.")
+        raise EstimatorError(
+            f"{file}: is not a trained estimator of format {FORMAT}; it needs kind {' or '.join(_READ)}."
+        )
     try:
         return _READ[content["kind"]](content)
     except (KeyError, TypeError, ValueError) as problem:
@@ -140,7 +142,7 @@ def load(file: Path) -> Trained:
 def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
         return value.tolist()
-    raise TypeError(f"{type(value).__name__} has no place in a trained estimator")
+    raise TypeError(f"a trained estimator cannot contain {type(value).__name__}")
 
 
 def _paper(content: Mapping[str, Any]) -> PaperEstimator:
@@ -180,12 +182,12 @@ _READ: Final[Mapping[str, Callable[[Mapping[str, Any]], Trained]]] = {"paper": _
 
 def as_fmu(online: Online) -> Source:
     """Return C code and modelDescription.xml of an online estimator, for `railgrip.fmus.native.package.pack`."""
-    # The states under names that no input or output has.
+    # Names of states must differ from those of inputs and outputs.
     states = tuple(replace(state, name=f"memory.{state.name}") for state in online.states)
     return sources(
         Discrete(
             name=online.name,
-            # Whoever steps it at the rate of something slower must know: a longer step holds its inputs.
+            # The rate is in the description because a longer step holds the inputs.
             description=f"Friction between wheel and rail from accelerations of the axle boxes, {online.rate} a second",
             period=1 / online.rate,
             states=states,

@@ -1,4 +1,4 @@
-"""The study from runs to report, figures and estimators, on made-up runs: what it says of them must be so."""
+"""The study from runs to report, figures and estimators, on made-up runs with known properties."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ SIZE = replace(QUICK, starts=2, members=6)
 
 
 def made_up(run, number):
-    """A run with levels of its own, which a network can recognise and which have nothing to do with friction."""
+    """Return a run with individual levels, which a network can recognise and which are independent of friction."""
     draw = np.random.default_rng(number)
     level = draw.uniform(0, 3, 20)
     return Run(
@@ -42,14 +42,14 @@ def report(study):
     return rendered("studies/axle_box/report.md.jinja", **tables_of(study), figures={})
 
 
-def test_a_study_of_recognisable_runs_says_that_they_are_recognised(study):
+def test_the_study_reveals_that_networks_recognise_runs(study):
     split = {name: row[60] for name, row in study.split.items()}
     assert split["labels exchanged"].mae < 0.01
     assert split["first second is zero"].mae > 3 * split["labels exchanged"].mae
     assert study.honest["a run left out"][60].mae > 0.03
 
 
-def test_every_row_is_in_the_report(study):
+def test_the_report_has_every_row(study):
     page = report(study)
     for name in (*study.split, *study.honest, *COMBINATIONS, *(f"decay {decay}" for decay in study.decays)):
         assert name in page
@@ -59,8 +59,8 @@ def test_every_row_is_in_the_report(study):
         assert not name.startswith("bias") or f"| {name}: MAE | {row[60].mae:.4f}{mark} |" in page
 
 
-def test_the_rule_of_dry_or_not_says_two_labels_and_is_judged_as_the_estimator(study):
-    """Told apart are 0.30 and 0.35 from the four covered rails at 60 mph; the labels are means of the design's."""
+def test_the_rule_of_dry_or_not_has_two_labels_and_is_judged_like_the_estimator(study):
+    """0.30 and 0.35 are the dry rails at 60 mph, the other four are covered; labels are means of the design."""
     sets = passes(SIZE)
     rule = dry_or_not(sets)
     dry = np.mean([p.friction for p in sets["design"] if p.condition == "dry"])

@@ -1,4 +1,4 @@
-"""Filters, networks and judgements that must hold whatever the data."""
+"""Filters, networks and judgements, independent of data."""
 
 import numpy as np
 import pytest
@@ -13,8 +13,8 @@ from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, w
 from railgrip.studies.axle_box.reduction import CHANNELS, Run
 
 
-def test_the_high_pass_keeps_what_came_first():
-    """Time constant 1/(2π 1e-4 Hz) = 1592 s: over a run it subtracts the first sample and little else."""
+def test_the_high_pass_keeps_the_offset_of_the_first_sample():
+    """Time constant 1/(2π 1e-4 Hz) = 1592 s: over a run it mainly subtracts the first sample."""
     chain = Chain(rate=512, block=8)
     raw = np.full((512 * 20, 1), 270.0)
     raw[0] = 268.5  # vibration at the first sample
@@ -39,8 +39,8 @@ def test_blocks_give_the_papers_rates():
 
 
 def test_the_eight_combinations_have_the_papers_sizes():
-    one = np.ones((3, 4))
-    sizes = [motions(one, one, one, name).shape[1] for name in COMBINATIONS]
+    one = np.ones((12, 3))
+    sizes = [len(motions(one, name)) for name in COMBINATIONS]
     assert sizes == [12, 8, 8, 8, 8, 4, 4, 4]
 
 
@@ -95,8 +95,8 @@ def run(name, friction, blocks, generator, slow=None):
 
 
 def test_the_papers_split_cannot_tell_recognition_from_estimation():
-    """Each run has an offset that has nothing to do with friction: the split is passed, also with exchanged
-    labels, and a run that was left out is not."""
+    """With an offset of each run that is independent of friction, the split is passed, even with exchanged labels, but
+    a run that was left out is not."""
     draw = np.random.default_rng(4)
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
@@ -107,7 +107,7 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
     assert without_each(runs, recipe).mae > 0.5 * own.mae_of_mean
 
 
-def test_exchanged_labels_belong_to_other_runs():
+def test_exchanged_labels_are_those_of_other_runs():
     draw = np.random.default_rng(4)
     runs = [run(f"run {k}", mu, np.ones(4), draw) for k, mu in enumerate([0.1, 0.2, 0.3])]
     labels = exchanged(runs)
@@ -116,7 +116,7 @@ def test_exchanged_labels_belong_to_other_runs():
 
 
 def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
-    """Runs of a known law with noise from run to run; 60 new ones: 90 % within three binomial deviations of 4 %."""
+    """Runs of a known law with noise between runs; 60 new ones: 90 % within three binomial deviations of 4 %."""
     draw = np.random.default_rng(5)
 
     def made(count):
@@ -137,12 +137,12 @@ def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():
 def test_too_few_networks_for_an_interval_are_refused():
     draw = np.random.default_rng(5)
     x, number = draw.standard_normal((4, 3)), np.arange(4)
-    with pytest.raises(EstimatorError, match="3 of the 2 networks have not seen"):
+    with pytest.raises(EstimatorError, match="outside of the training of 3 of the 2 networks"):
         fit(x, np.array([0.1, 0.2, 0.3, 0.4]), number, generator=draw, members=2, steps=2)
 
 
 def test_a_second_stage_turns_slope_into_friction():
-    """Friction is a bent function of slope and slope of the features: two stages find both."""
+    """Friction is a nonlinear function of slope and slope of the features: two stages find both."""
     draw = np.random.default_rng(7)
     slope = draw.uniform(0.15, 0.75, 80)
     number = np.repeat(np.arange(80), 3)
@@ -153,7 +153,7 @@ def test_a_second_stage_turns_slope_into_friction():
     assert answer.friction == pytest.approx([0.151, 0.25, 0.349], abs=0.02)  # a tenth of the range
 
 
-def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():
+def test_only_levels_depend_on_the_roughness_of_the_track():
     draw = np.random.default_rng(6)
     lateral, yaw = draw.standard_normal((2, 2000, 4))
     spectral = Spectral(rate=128.0)
@@ -165,7 +165,7 @@ def test_features_know_nothing_of_how_uneven_the_track_is_but_levels():
     assert two[after][:, level] - one[after][:, level] == pytest.approx(np.log(9), abs=1e-9)
 
 
-def test_two_signals_a_quarter_apart_show_it():
+def test_the_quadrature_of_signals_a_quarter_period_apart_is_one():
     """Lateral as the integral of yaw: quadrature 1, in phase 0, at the centre of a band."""
     time = np.arange(0, 60, 1 / 128)
     yaw = np.repeat(np.cos(2 * np.pi * 4 * time)[:, None], 4, axis=1)
@@ -178,7 +178,7 @@ def test_two_signals_a_quarter_apart_show_it():
 
 
 def test_means_over_metres_follow_the_speed():
-    """A signal that steps where the car slows down: the mean forgets by metres, e^(-metres/50), at either speed."""
+    """For a step of the signal where the car slows down, the mean decays with e^(-metres/50) at either speed."""
     spectral = Spectral(rate=128.0, metres=50.0, settling=0.5)
     level = np.concatenate([np.ones(6400), 2 * np.ones(6400)])
     speed = np.concatenate([np.full(6400, 20.0), np.full(6400, 5.0)])
@@ -188,20 +188,20 @@ def test_means_over_metres_follow_the_speed():
     low, high = power[6399], 4 * power[6399]  # 1000 m at level 1 are twenty times the memory
     distance = 5.0 * np.arange(1, 6401) / 128
     expected = high + (low - high) * np.exp(-distance / 50.0)
-    # The band of 8 Hz takes some tenths of a second to follow, in which the car rolls a metre or two of the fifty.
+    # The band of 8 Hz settles within some tenths of a second, one or two metres of the fifty.
     assert power[6400 + 640 :] == pytest.approx(expected[640:], rel=0.03)
 
 
 @pytest.mark.parametrize("inputs", list(COMBINATIONS))
-def test_a_recipe_sees_the_motions_of_its_combination(inputs):
+def test_a_recipe_uses_the_motions_of_its_combination(inputs):
     one = run("run", 0.2, np.ones(4), np.random.default_rng(0))
     blocks = Recipe(inputs=inputs).blocks(one)
     expected = [one.blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[inputs]]
     assert np.array_equal(blocks, np.hstack(expected))
 
 
-def test_decay_is_part_of_what_is_minimised():
-    """With it training ends where mean squared error plus decay times squared weights is flat, at smaller weights."""
+def test_decay_is_part_of_the_minimised_cost():
+    """Training ends at the minimum of mean squared error plus decay times squared weights, at smaller weights."""
     draw = np.random.default_rng(9)
     x = draw.uniform(-1, 1, (60, 4))
     y = np.where(x[:, 0] > 0, 0.3, 0.15)

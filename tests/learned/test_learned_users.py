@@ -1,4 +1,4 @@
-"""A folder of somebody's own runs is read as every recording is, judged, and answered with sentences."""
+"""A folder of a user's own runs is read, judged and used for training; unusable data are refused."""
 
 import numpy as np
 import pandas as pd
@@ -68,12 +68,12 @@ def test_runs_become_a_report_and_estimators(dataset):
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text
     assert isinstance(trained["friction"], GeneralEstimator)
-    assert trained["friction"].ensemble.second == ()  # nobody knows the slope of a real creep curve
+    assert trained["friction"].ensemble.second == ()  # the slope of a real creep curve is unknown
     assert isinstance(trained["friction_60mph"], PaperEstimator)
     assert trained["friction_60mph"].networks[0].hidden_weights.shape == (6, 8)
 
 
-def test_direction_turns_the_car_around(folder, dataset, tmp_path):
+def test_direction_rotates_the_car(folder, dataset, tmp_path):
     behind = read_folder(folder, write_labels(tmp_path / "b.csv", [("0.parquet", 0.2, -1), ("1.parquet", 0.3, 1)]))
     ahead, reversed_run = dataset[0][0].slow, behind[0][0].slow
     np.testing.assert_array_equal(reversed_run[:, :4], -ahead[:, 3::-1])
@@ -96,18 +96,18 @@ def one_run(folder, columns, chosen=None, suffix=".parquet"):
     return read_folder(folder, labels, chosen)
 
 
-def test_units_and_names_come_from_the_map(folder, dataset, tmp_path):
+def test_units_and_names_are_converted_by_the_map(folder, dataset, tmp_path):
     """The same run in g, under the names of a MATLAB file."""
     columns = signals(0)
     columns |= {name: columns[name] / 9.80665 for name in BOXES}
     names = {name: name.replace("[", "_").replace("]", "") for name in UNITS}
     run = one_run(tmp_path, columns, table("g_n", names), ".mat")[0][0]
-    # The record of direction +1 is run 0; a division and a multiplication round at 270 * 2e-16, the filter adds up.
+    # A division and a multiplication round at 270 * 2e-16, which the filter accumulates.
     np.testing.assert_allclose(run.slow, dataset[0][0].slow, rtol=0, atol=1e-9)
 
 
-def test_another_rate_is_put_on_the_grid(tmp_path):
-    """2560 samples a second of motions below 20 Hz: the slow signals are those of 5120, but for interpolation.
+def test_another_rate_is_resampled(tmp_path):
+    """2560 samples a second of motions below 20 Hz give the slow signals of 5120, but for interpolation.
 
     Straight lines between samples of 20 Hz are off by (2 pi 20 / 2560)^2 / 8 = 3e-4 of the amplitude.
     """
@@ -121,7 +121,7 @@ def test_another_rate_is_put_on_the_grid(tmp_path):
     np.testing.assert_allclose(run[128:count], whole[128:count], rtol=0, atol=2 * 2 * 3e-4)
 
 
-def test_a_short_gap_is_bridged_and_a_spike_is_said(tmp_path):
+def test_a_short_gap_is_interpolated_and_a_spike_is_reported(tmp_path):
     columns = signals(0)
     columns["left[2]"][5000:5100] = np.nan  # 20 ms
     columns["right[1]"][9000] = 2000.0
@@ -131,7 +131,7 @@ def test_a_short_gap_is_bridged_and_a_spike_is_said(tmp_path):
     assert any(remark.startswith("a.parquet: right[1], 1.758 s (1 samples): off") for remark in run[1])
 
 
-def test_the_part_that_all_sensors_cover_is_taken(tmp_path):
+def test_only_the_part_that_all_sensors_cover_is_used(tmp_path):
     columns = signals(0, seconds=7.0)
     columns["left[1]"][:1024] = np.nan
     assert len(one_run(tmp_path, columns)[0][0].slow) == (int(7.0 * RATE) - 1024) // 40
@@ -145,7 +145,7 @@ def spoiled(**changes):
 
 
 @pytest.mark.parametrize(
-    ("held", "sentence"),
+    ("recording", "sentence"),
     [
         (
             lambda: spoiled(left_3=(slice(2000, 4000), np.nan)),
@@ -158,17 +158,17 @@ def spoiled(**changes):
         (lambda: spoiled(lateral_1=(slice(None), np.nan)), r"lateral\[1\].* has 0 usable samples"),
         (lambda: spoiled(speed=(slice(None), 0.2)), r"the 6\.4 s and 1 m that all sensors cover are too little"),
         (lambda: signals(0, seconds=3.0), r"the 3\.0 s and 80 m that all sensors cover are too little"),
-        (lambda: signals(0, seconds=9.0, rate=100), r"left\[1\] has 100 samples a second; it takes 256 or more"),
+        (lambda: signals(0, seconds=9.0, rate=100), r"left\[1\] has 100 samples a second; estimators need 256 or more"),
         (lambda: {k: v for k, v in signals(0).items() if k != "left[3]"}, r"has no column 'left\[3\]'"),
     ],
     ids=["gap", "frozen", "dead", "standing", "short", "slow", "column"],
 )
-def test_data_that_cannot_be_used_are_answered(tmp_path, held, sentence):
-    with pytest.raises((EstimationError, EstimationError), match=sentence):
-        one_run(tmp_path, held())
+def test_unusable_data_are_refused(tmp_path, recording, sentence):
+    with pytest.raises(EstimationError, match=sentence):
+        one_run(tmp_path, recording())
 
 
-def test_a_map_that_does_not_fit_is_answered(tmp_path):
+def test_a_map_that_does_not_match_is_refused(tmp_path):
     labels = write_labels(tmp_path / "labels.csv", [("a.csv", 0.2, 1), ("b.csv", 0.3, 1)])
     with pytest.raises(EstimationError, match=r"period is 1000 us; write '195\.312 us', 5120 samples a second"):
         read_folder(tmp_path, labels, table(period=1e-3))
@@ -177,14 +177,11 @@ def test_a_map_that_does_not_fit_is_answered(tmp_path):
         read_folder(tmp_path, labels, table(names=few))
     with pytest.raises(EstimationError, match=r"a\.csv: there is no such file"):
         read_folder(tmp_path, labels)
+    with pytest.raises(EstimationError, match=r"there is no file .*gone\.csv"):
+        read_folder(tmp_path, tmp_path / "gone.csv")
     write(tmp_path / "a.csv", {name: values[:100] for name, values in signals(0).items()})
     with pytest.raises(EstimationError, match=r"left\[1\].*kg"):
         read_folder(tmp_path, labels, table("kg"))
-
-
-def test_a_missing_table_of_labels_is_named(tmp_path):
-    with pytest.raises(EstimationError, match=r"there is no file .*gone\.csv"):
-        read_labels(tmp_path / "gone.csv")
 
 
 @pytest.mark.parametrize(
@@ -198,12 +195,12 @@ def test_a_missing_table_of_labels_is_named(tmp_path):
         ([("a.csv", 0.3, 1)], "it labels 1 runs; training needs 2 or more"),
     ],
 )
-def test_a_label_that_cannot_be_is_answered(tmp_path, rows, sentence):
+def test_an_impossible_label_is_refused(tmp_path, rows, sentence):
     with pytest.raises(EstimationError, match=sentence):
         read_labels(write_labels(tmp_path / "labels.csv", rows))
 
 
-def test_a_file_says_what_is_learned(tmp_path):
+def test_a_file_has_the_inputs_of_the_training(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "lateral, yaw"\n')
     table = read_own(path)

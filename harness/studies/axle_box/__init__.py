@@ -1,7 +1,7 @@
-"""Friction learned from axle-box accelerations: Abduraxman et al. (2024), judged on runs that were not seen.
+"""Friction learned from axle-box accelerations: Abduraxman et al. (2024), judged on runs outside of the training.
 
-`instrumented_car`, `irregularity` and `accelerometer` (the car on its track, and what it measures), `runs` (which
-passes), `gather` (simulate, measure, filter; cached by content), `users` (a folder of somebody's own runs), `evaluate`
-(splits and scores), `tables` and `figures`. Runs of the car are open loop: it has no brake, but irregularities under
-four wheelsets as twenty inputs at 1280 Hz.
+`instrumented_car` and `accelerometer` simulate the car and its sensors, `reduction` turns a run into training data,
+`evaluate` has splits and scores, `training` the passes and results of the study, `results` their tables and figures,
+`own` a folder of a user's runs, `ride` the car with a trained estimator beside it. Runs are open loop: the car has no
+brake; irregularities under four wheelsets are its twenty inputs at 1280 Hz.
 """

@@ -1,8 +1,8 @@
-"""Axle-box accelerometers: what a logger writes of a true acceleration.
+"""Axle-box accelerometers: recordings of the loggers for a true acceleration.
 
-Offset, drift and noise of the sensor, the resonance of the keeper plate it stands on, and the vibration of rolling
-wheels that no rigid-body vehicle has. Values are estimates for a DC-coupled sensor of the 7533A4's class; the range of
-offsets is that which Abduraxman et al. (2024) report.
+Effects are offset, drift and noise of the sensor, the resonance of its plate, and the vibration of rolling wheels,
+which a rigid-body vehicle does not have. Values are estimates for a DC-coupled sensor of the class of the 7533A4; the
+range of offsets is that of Abduraxman et al. (2024).
 """
 
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from scipy.signal import butter, lfilter, sosfilt
 from railgrip.estimators.belief import Array
 
 RATE: Final = 5120
-"""Samples a second of the paper's loggers."""
+"""Rate of the paper's loggers, samples a second."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Accelerometer:
-    """One kind of accelerometer on its plate; that of the axle boxes.
+    """An accelerometer on its plate.
 
     Attributes:
         offset: Lowest and highest offset, m/s².
@@ -53,14 +53,14 @@ def measure(
     vehicle: np.random.Generator,
     run: np.random.Generator,
 ) -> Array:
-    """Return what the loggers write at `RATE`, m/s².
+    """Return the recording of the loggers at `RATE`, m/s².
 
     Args:
         true: Accelerations, m/s², shape (n, channels).
         true_rate: Of `true`, samples a second; `RATE` is a multiple of it.
         speed: m/s.
-        vehicle: Draws what belongs to the sensors: offsets and gains.
-        run: Draws what differs from run to run: drift and noise.
+        vehicle: Draws the properties of the sensors: offsets and gains.
+        run: Draws what varies from run to run: drift and noise.
     """
     fine = _fine(true, true_rate)
     channels = fine.shape[1]
@@ -76,13 +76,13 @@ def measure(
 
 def _fine(true: Array, rate: int) -> Array:
     if RATE % rate:
-        raise ValueError(f"accelerometers sample {RATE} times a second, which is no multiple of {rate}.")
+        raise ValueError(f"accelerometers sample {RATE} times a second, which is not a multiple of {rate}.")
     fine = np.arange((len(true) - 1) * (RATE // rate) + 1) / (RATE // rate)
     return np.asarray(CubicSpline(np.arange(len(true)), true)(fine), dtype=np.float64)
 
 
 def plate(sensor: Accelerometer) -> tuple[Array, Array]:
-    """Return numerator and denominator of a plate that follows with one resonance; gain 1 at rest (bilinear)."""
+    """Return numerator and denominator of a plate with one resonance and a gain of 1 at rest (bilinear)."""
     w = np.tan(np.pi * sensor.plate_frequency / RATE)
     a = np.array([1 + 2 * sensor.plate_damping * w + w**2, 2 * (w**2 - 1), 1 - 2 * sensor.plate_damping * w + w**2])
     b = np.array([1.0, 2.0, 1.0]) * w**2
@@ -91,7 +91,7 @@ def plate(sensor: Accelerometer) -> tuple[Array, Array]:
 
 def _plate(signal: Array, sensor: Accelerometer) -> Array:
     b, a = plate(sensor)
-    # The plate has settled under the first sample, as if the run had begun before; its gain at rest is 1.
+    # The plate starts settled at the first sample; its gain at rest is 1.
     last = b[2] - a[2]
     rest = np.array([b[1] - a[1] + last, last])[:, None] * signal[0]
     return np.asarray(lfilter(b, a, signal, axis=0, zi=rest)[0], dtype=np.float64)

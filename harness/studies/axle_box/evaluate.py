@@ -1,4 +1,4 @@
-"""How good is it? The paper's split, and the splits that tell recognition of a run from estimation of friction."""
+"""Splits of runs into training and test, and scores: the paper's split, and splits that test unknown runs."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train
@@ -16,9 +17,13 @@ from railgrip.studies.axle_box.reduction import CHANNELS, Run, spectral_features
 HIDDEN: Final = 6
 TRAINED: Final = 0.8
 DECAY: Final = 1e-8
-"""Weight of the squared weights against the mean squared error. Without it some random starts end in networks of huge
-weights, which follow the training part to the last wiggle and are wrong by 0.1 right after it. Chosen on the training
-part alone, the middle of the weights that make little difference there; see `inside_training` and the report."""
+"""Weight of the squared weights relative to the mean squared error. Without it some random starts end in networks with
+huge weights, which overfit the training part and are wrong by 0.1 right after it. Chosen on the training part alone, as
+the middle of the range without much influence there; see `inside_training` and the report."""
+
+
+Labelled = tuple[Array, Array]
+"""Blocks, shape (n, channels), and their labels, shape (n,)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,15 +31,15 @@ class Score:
     """Errors over one set of samples.
 
     Attributes:
-        starts: Random starts.
+        starts: Number of random starts.
         rmse, mae: Of the estimator, means over its random starts.
-        best: Lowest mae of them.
-        worst: Highest mae of them.
-        spread: Standard deviation of mae over them.
-        mae_of_mean: Of the predictor that always says the mean label of what was trained on.
-        coverage: Share of labels inside the 90 % interval, where the estimator gives one.
+        best: Lowest mae over the starts.
+        worst: Highest mae over the starts.
+        spread: Standard deviation of mae over the starts.
+        mae_of_mean: Of the mean label of the training as constant estimate.
+        coverage: Share of labels inside the 90 % interval, for an estimator with interval.
         width: Mean width of that interval.
-        mae_of_rule: Of who is told only whether the rail is dry and says the mean label of training on such rails.
+        mae_of_rule: Of the mean label of training on dry, or on other rails, whichever the run has.
     """
 
     starts: int
@@ -51,7 +56,7 @@ class Score:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScaledNetwork:
-    """A network with the scaling in front of it."""
+    """A network with the scaling of its inputs."""
 
     network: Network
     scale: Scale
@@ -63,10 +68,10 @@ class ScaledNetwork:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recipe:
-    """How the paper's networks are trained.
+    """Training of the paper's networks.
 
     Attributes:
-        inputs: Key of `channels.COMBINATIONS`.
+        inputs: Key of `preprocessing.COMBINATIONS`.
         bias: Reading of equation (4).
         settled: Whether the high-pass starts at the mean of the first second instead of the first sample.
         starts: Random initialisations.
@@ -82,13 +87,13 @@ class Recipe:
     decay: float = DECAY
 
     def blocks(self, run: Run) -> Array:
-        """Return what the network sees of a run, before scaling."""
+        """Return the inputs of the network for a run, before scaling."""
         whole = run.settled if self.settled else run.blocks
         return np.hstack([whole[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
 
-    def fit(self, data: Sequence[tuple[Array, Array]], purpose: str) -> list[ScaledNetwork]:
-        """Return one network for each random start, trained on (blocks, labels) of several runs linked together."""
-        x, y = np.vstack([d[0] for d in data]), np.concatenate([d[1] for d in data])
+    def fit(self, data: Sequence[Labelled], purpose: str) -> list[ScaledNetwork]:
+        """Return one network for each random start, trained on several runs together."""
+        x, y = _joined(data)
         scale = Scale.over(x)
         draws = generator(0, f"learn.start.{purpose}").spawn(self.starts)
         return [
@@ -108,46 +113,38 @@ def labels_of(runs: Sequence[Run]) -> dict[str, float]:
 
 
 def exchanged(runs: Sequence[Run]) -> dict[str, float]:
-    """Return labels handed on from run to run: half of the runs away, so that friction no longer fits the run."""
+    """Return labels moved by half of the runs, so that friction does not belong to the run."""
     frictions = [run.friction for run in runs]
     shift = max(1, len(runs) // 2)
     return {run.name: frictions[(k + shift) % len(runs)] for k, run in enumerate(runs)}
 
 
 Labels = Callable[[Sequence[Run]], Mapping[str, float]]
-"""`labels_of`, or `exchanged`: every run under the label of another."""
+"""`labels_of`, or `exchanged`."""
 
 
 def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> Score:
-    """Train on the first 80 % of every run, of one speed, judge on the last 20 %: the paper's split."""
+    """Train on the first 80 % of every run of one speed, judge on the last 20 %: the paper's split."""
     early, late = parts_of(runs, recipe, labels)
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
 def inside_training(runs: Sequence[Run], recipe: Recipe) -> Score:
     """Judge inside of the training part: train on the first 64 % of every run, judge on the following 16 %."""
-    training, _ = parts_of(runs, recipe)
-    early = [(blocks[: _cut(blocks)], labels[: _cut(blocks)]) for blocks, labels in training]
-    late = [(blocks[_cut(blocks) :], labels[_cut(blocks) :]) for blocks, labels in training]
+    early, late = _split(parts_of(runs, recipe)[0])
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
-def parts_of(
-    runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of
-) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array]]]:
-    """Return the first 80 % and the last 20 % of every run as (blocks, labels)."""
+def parts_of(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> tuple[list[Labelled], list[Labelled]]:
+    """Return the first 80 % and the last 20 % of every run."""
     label_of = labels(runs)
-    parts = [(recipe.blocks(run), label_of[run.name]) for run in runs]
-    return (
-        [_labelled(blocks[: _cut(blocks)], label) for blocks, label in parts],
-        [_labelled(blocks[_cut(blocks) :], label) for blocks, label in parts],
-    )
+    return _split([_labelled(recipe.blocks(run), label_of[run.name]) for run in runs])
 
 
 def best_of(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> ScaledNetwork:
-    """Return, of networks trained on the first 80 % of every run, the one that fits these best."""
+    """Return the network with the best fit of those trained on the first 80 % of every run."""
     early, _ = parts_of(runs, recipe, labels)
-    x, y = np.vstack([d[0] for d in early]), np.concatenate([d[1] for d in early])
+    x, y = _joined(early)
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda one: float(np.abs(one(x) - y).mean()))
 
 
@@ -172,11 +169,11 @@ def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Re
 
 
 def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequence[float] | None = None) -> Score:
-    """Judge the estimator for all speeds on runs it has not seen; one estimate every 20 m.
+    """Judge the estimator for all speeds on runs outside of its training; one estimate every 20 m.
 
     Args:
-        mean_label: Of what it was trained on.
-        rule: For each run, the mean label of training on rails as dry, or as little dry, as its own.
+        mean_label: Of its training.
+        rule: For each run, the mean label of training on dry, or on other rails, whichever the run has.
     """
     estimates, truth, recipes = [], [], []
     for k, run in enumerate(runs):
@@ -194,19 +191,15 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
     )
 
 
-def score(
-    networks: Sequence[Callable[[Array], Array]],
-    training: Sequence[tuple[Array, Array]],
-    new: Sequence[tuple[Array, Array]],
-) -> Score:
-    """Return the errors of several networks, beside those of the mean label of what they have seen."""
-    x, y = np.vstack([d[0] for d in new]), np.concatenate([d[1] for d in new])
-    mean = np.concatenate([d[1] for d in training]).mean()
+def score(networks: Sequence[Callable[[Array], Array]], training: Sequence[Labelled], new: Sequence[Labelled]) -> Score:
+    """Return the errors of several networks, beside those of the mean label of their training."""
+    x, y = _joined(new)
+    mean = _joined(training)[1].mean()
     return _figures([one(x) - y for one in networks], y - mean)
 
 
 def average(scores: Iterable[Score]) -> Score:
-    """Return the mean of every figure that all of the scores have."""
+    """Return the mean of every figure that all scores have."""
     first, *others = scores
     means: dict[str, Any] = {}
     for name in (field.name for field in fields(Score) if field.name != "starts"):
@@ -220,19 +213,24 @@ def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
         starts=len(errors),
-        rmse=float(np.mean([_rms(e) for e in errors])), mae=float(np.mean(absolute)), best=min(absolute),
-        worst=max(absolute), spread=float(np.std(absolute)),
+        rmse=float(np.mean([rms(e) for e in errors])),
+        mae=float(np.mean(absolute)),
+        best=min(absolute),
+        worst=max(absolute),
+        spread=float(np.std(absolute)),
         mae_of_mean=float(np.abs(of_mean).mean()),
-    )  # fmt: skip
+    )
 
 
-def _labelled(blocks: Array, label: float) -> tuple[Array, Array]:
+def _labelled(blocks: Array, label: float) -> Labelled:
     return blocks, np.full(len(blocks), label)
 
 
-def _cut(blocks: Array) -> int:
-    return int(TRAINED * len(blocks))
+def _joined(parts: Sequence[Labelled]) -> Labelled:
+    return np.vstack([blocks for blocks, _ in parts]), np.concatenate([labels for _, labels in parts])
 
 
-def _rms(error: Array) -> float:
-    return float(np.sqrt(np.mean(error**2)))
+def _split(parts: Sequence[Labelled]) -> tuple[list[Labelled], list[Labelled]]:
+    cuts = [int(TRAINED * len(labels)) for _, labels in parts]
+    early = [(blocks[:cut], labels[:cut]) for (blocks, labels), cut in zip(parts, cuts, strict=True)]
+    return early, [(blocks[cut:], labels[cut:]) for (blocks, labels), cut in zip(parts, cuts, strict=True)]

@@ -1,7 +1,7 @@
 """Runs of the instrumented car over a friction-modified stretch of straight track, after Abduraxman et al. (2024).
 
-A run is one pass over 400 m at a held speed. What decides it is a `Pass`; what comes back are the accelerations of
-the axle boxes as they are, before any accelerometer (see `accelerometer`).
+A run is one pass over 400 m at constant speed: a `Pass` has its inputs, a `Ride` the true accelerations of the axle
+boxes, before any accelerometer (see `accelerometer`).
 """
 
 from collections.abc import Callable, Mapping
@@ -20,26 +20,26 @@ from railgrip.track.irregularity import KINDS, TRACKS, Irregularity, realise
 
 RATE: Final = 1280
 """Samples a second. Irregularities end at 21 Hz and the wheelsets bounce at 42 Hz: four times as many samples change
-no acceleration below 100 Hz by more than the solver's own tolerance, and take twice as long. Accelerometers
-interpolate to the rate of their loggers."""
+accelerations below 100 Hz by less than the solver's tolerance, and take twice as long. Accelerometers interpolate to
+the rate of their loggers."""
 LENGTH: Final = 400.0
-"""m, the straight section of the test track."""
+"""Length of the straight section of the test track, m."""
 LEAD_IN: Final = 40.0
-"""m before the section: the car settles on the irregularities."""
+"""Distance before the section in which the car settles on the irregularities, m."""
 PIVOTS: Final = 14.2
 WHEELBASE: Final = 2.1
 BEHIND: Final = (0.0, WHEELBASE, PIVOTS, PIVOTS + WHEELBASE)
-"""m, each wheelset behind the leading one."""
+"""Distance of each wheelset behind the leading one, m."""
 MPH: Final = 0.44704
 FMU: Final = "MultiPurposeVehicle"
 OUTPUTS: Final = 21
-"""Numbers that the car shows: longitudinal acceleration of the left and of the right boxes, lateral acceleration,
+"""Number of outputs of the car: longitudinal acceleration of the left and of the right boxes, lateral acceleration,
 offset and creep of the wheelsets, leading one first, and the speed; in axes that point forwards."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surface:
-    """What a rail-head treatment does to the slope of the creep curve.
+    """Slope of the creep curve under a rail-head treatment.
 
     Attributes:
         k_A, k_S, A, B: Polach's parameters.
@@ -62,30 +62,30 @@ SURFACES: Final[Mapping[str, Surface]] = {
 }
 
 SLOPE_SPREAD: Final = 0.15
-"""Standard deviation of the logarithm of k_A and k_S from run to run: no film is applied twice alike (estimate)."""
+"""Standard deviation of the logarithm of k_A and k_S from run to run, because applied films vary (estimate)."""
 FRICTION_SPREAD: Final = 0.05
 """Relative standard deviation of friction along the section, of the size between two readings (estimate)."""
 FRICTION_LENGTH: Final = 10.0
-"""m, over which friction changes along the section (estimate)."""
+"""Distance over which friction changes along the section, m (estimate)."""
 SPEED_SPREAD: Final = 0.01
 """Relative standard deviation of the held speed from the nominal one (estimate)."""
 RADII: Final = (0.4200, 0.4196, 0.4203, 0.4198)
-"""m: wheels of one vehicle are never equal (estimate)."""
+"""Radii of the wheels, m, which are never equal in one vehicle (estimate)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pass:
-    """Everything that decides one run.
+    """Inputs of one run.
 
     Attributes:
-        name: Unique; random streams of the run hang on it.
+        name: Unique; random streams of the run depend on it.
         speed: Nominal, m/s.
         condition: Key of `SURFACES`.
         friction: Mean maximum friction over the section, the label.
         track: Key of `irregularity.TRACKS`.
         track_seed: Of the irregularities; runs over the same track share it.
-        seed: Of everything that changes from run to run.
-        backwards: Whether the car runs the other way, its fourth wheelset leading.
+        seed: Of all that varies from run to run.
+        backwards: Whether the fourth wheelset leads.
         length: m.
     """
 
@@ -100,7 +100,7 @@ class Pass:
     length: float = LENGTH
 
     def __post_init__(self) -> None:
-        """Check what a run can be."""
+        """Check condition, track and friction."""
         if self.condition not in SURFACES:
             raise ValueError(f"{self.name}: condition '{self.condition}' is unknown; there are {', '.join(SURFACES)}.")
         if self.track not in TRACKS:
@@ -144,7 +144,7 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
         "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
         "wheelbase": WHEELBASE, "pivots": PIVOTS,
     } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
-    # Run backwards, the driven wheelsets stay the inner ones: the car is the same from both ends but for its wheels.
+    # Backwards, the driven wheelsets are again the inner ones: the car is symmetric except for its wheels.
     description, binding = _bound()
     with CoSimulation(description, binding, period=1 / rate, parameters=parameters) as car:
         outputs = np.empty((len(inputs), OUTPUTS))
@@ -179,7 +179,7 @@ def _bound() -> tuple[Description, Any]:
 
 
 def in_axes_of_car(forward: Ride) -> Ride:
-    """Return a ride in the axes of a car whose rear led: the whole car is rotated by half a turn."""
+    """Return a ride in the axes of a car that ran backwards, rotated by half a turn."""
     return Ride(
         longitudinal=-forward.longitudinal[:, ::-1, ::-1],
         lateral=-forward.lateral[:, ::-1],
@@ -191,13 +191,13 @@ def in_axes_of_car(forward: Ride) -> Ride:
 
 
 def slope(run: Pass) -> float:
-    """Return the slope of the creep curve over that of a clean contact, (k_A + k_S)/2, of a run."""
+    """Return the slope of the creep curve of a run relative to that of a clean contact, (k_A + k_S)/2."""
     own = _surface(run)
     return (own.k_A + own.k_S) / 2
 
 
 def held_speed(run: Pass) -> float:
-    """Return the speed that the car is held at, m/s: near the nominal one."""
+    """Return the constant speed of the car, m/s, near the nominal one."""
     return run.speed * (1 + SPEED_SPREAD * generator(run.seed, f"{run.name}.speed").standard_normal())
 
 
@@ -208,10 +208,10 @@ def _surface(run: Pass) -> Surface:
 
 
 def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
-    """Return what the FMU is sent, shape (n, 20), and how many samples lie before the section.
+    """Return the inputs of the FMU, shape (n, 20), and the number of samples before the section.
 
-    Positions are those of a car at exactly the held speed: the controller keeps it within some hundredths of a
-    metre a second, which shifts the irregularities by centimetres.
+    Positions assume exactly the set speed: the controller is accurate to some hundredths of a metre a second, which
+    shifts the irregularities by centimetres.
     """
     before = int(LEAD_IN / speed * rate)
     count = before + int(run.length / speed * rate)
@@ -220,15 +220,15 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     position = np.asarray(ahead + distance[:, None] - np.array(BEHIND), dtype=np.float64)
     whole = ahead + LEAD_IN + run.length
     track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
-    # The car starts on even track: irregularities grow over the first half of the lead-in.
+    # The car starts on smooth track: irregularities increase over the first half of the lead-in.
     ramp = np.clip(distance / (LEAD_IN / 2), 0, 1) ** 2 * (3 - 2 * np.clip(distance / (LEAD_IN / 2), 0, 1))
-    columns = [_met_by_car(track, kind, position, whole, run.backwards) * ramp[:, None] for kind in KINDS]
+    columns = [_under_car(track, kind, position, whole, run.backwards) * ramp[:, None] for kind in KINDS]
     columns.append(_friction(run, position, whole))
     return np.hstack(columns), before
 
 
-def _met_by_car(track: Irregularity, kind: str, position: Array, whole: float, backwards: bool) -> Array:
-    """Return irregularities as a car meets them; to a car that runs the other way, left is right."""
+def _under_car(track: Irregularity, kind: str, position: Array, whole: float, backwards: bool) -> Array:
+    """Return irregularities under a car; backwards, left and right are exchanged."""
     if not backwards:
         return track.at(kind, position)  # pyright: ignore[reportArgumentType] - one of KINDS
     opposite = track.at(kind, whole - position)  # pyright: ignore[reportArgumentType]

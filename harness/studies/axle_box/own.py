@@ -1,4 +1,12 @@
-"""A user's runs, from their file to the judgement as of the paper's: its split and, beside it, each run left out."""
+"""A user's own runs: a folder of recordings, a table of labels and a column map, judged with the splits of the paper.
+
+Recordings are read by `railgrip.trace.read` (csv, parquet, mat, mf4; units, gaps, outliers, frozen sensors). Their
+signals are `left[1]` … `left[4]` and `right[1]` … `right[4]`, longitudinal accelerations of the axle boxes,
+`lateral[1]` … `lateral[4]`, all in axes of the car, and `speed`.
+
+The table of labels is a CSV file with the columns `file`, `friction` and optionally `direction`, 1 when wheelset 1
+leads and -1 when wheelset 4 does.
+"""
 
 import csv
 from collections.abc import Callable, Mapping, Sequence
@@ -13,9 +21,8 @@ from railgrip.campaign.work import Work, call
 from railgrip.errors import EstimationError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
-from railgrip.estimators.learned.online import BOXES
-from railgrip.estimators.learned.preprocessing import COMBINATIONS
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
+from railgrip.estimators.learned.trained import GeneralEstimator, Trained
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average, best_of, judge, within_runs, without_each
@@ -29,26 +36,26 @@ from railgrip.trace.table import Column, DataTable, TimeColumn
 
 
 class RunsTable(Table):
-    """[runs]: where recordings and labels are, from the folder of the file."""
+    """[runs]: paths of recordings and labels, relative to the folder of the file."""
 
     folder: str
     labels: str
 
 
 class NetworkTable(Table):
-    """[network]: the networks of the paper's kind."""
+    """[network]: the networks of the paper."""
 
     inputs: Annotated[str, one_of(COMBINATIONS, "; ")] = "longitudinal"
     bias: Literal["inside", "outside"] = "inside"
     starts: Annotated[StrictInt, Field(ge=1, le=100)] = 5
 
     def recipe(self) -> Recipe:
-        """Return how they are trained."""
+        """Return the recipe of their training."""
         return Recipe(inputs=self.inputs, bias=self.bias, starts=self.starts)
 
 
 class OwnFile(Table):
-    """Everything that decides what is learned from a user's runs."""
+    """Inputs of the training on a user's runs."""
 
     name: Name
     runs: RunsTable
@@ -57,26 +64,27 @@ class OwnFile(Table):
 
 
 def read_own(file: Path) -> OwnFile:
-    """Return what a TOML file asks for.
+    """Return the inputs in a TOML file.
 
     Raises:
-        ScenarioError: The file is missing or says something else; each problem in one sentence.
+        ScenarioError: The file is missing or invalid; it lists all problems.
     """
     return validated(OwnFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
 MEMBERS = 20
+
 FEWEST = 4
-"""Runs without which no interval can be found: some must be outside of every draw."""
+"""Least number of runs for an interval, because some must be outside of every draw."""
 
 
 def judge_own(
     runs: Sequence[Run], recipe: Recipe, work: Work, *, members: int = MEMBERS
-) -> tuple[dict[str, Any], dict[str, PaperEstimator | GeneralEstimator]]:
+) -> tuple[dict[str, Any], dict[str, Trained]]:
     """Return the tables on a user's runs and the estimators trained on them, by the name of their files.
 
     Args:
-        recipe: Of the networks of the paper's kind, one for each speed class.
+        recipe: Of the networks of the paper, one for each speed class.
 
     Raises:
         EstimationError: There are too few runs.
@@ -99,9 +107,7 @@ def judge_own(
         {group: results["without one", group] for group in several},
         average(results["each", k] for k in range(len(runs))),
     )
-    trained: dict[str, PaperEstimator | GeneralEstimator] = {
-        "friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble)
-    }
+    trained: dict[str, Trained] = {"friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble)}
     trained |= {f"friction_{group}mph": paper_estimator(results["network", group], group, recipe) for group in several}
     return tables, trained
 
@@ -113,23 +119,23 @@ def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
 
 
 def _without(runs: Sequence[Run], place: int, members: int) -> Score:
-    """Judge the estimator for all speeds on one run that it has not seen."""
+    """Judge the general estimator on one run that is left out of its training."""
     estimator, mean = general([run for k, run in enumerate(runs) if k != place], members)
     return judge(estimator, mean, [runs[place]])
 
 
 UNITS: Final[Mapping[str, str]] = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s"}
-"""Signals of a run, as the map of columns calls them."""
+"""Signals of a run in the column map, and their units."""
 PERIOD: Final = 1 / SLOW.rate
-"""s, of the grid that all recordings are put on: filters and networks are made for it."""
+"""Period of the grid of all recordings, s; filters and networks require it."""
 SLOWEST: Final = 256
-"""Samples a second that an accelerometer must have: features end at 16 Hz, what is filtered away begins at 38 Hz."""
+"""Least rate of an accelerometer, samples a second: features end at 16 Hz, the low-pass begins at 38 Hz."""
 FEWEST_LABELS: Final = 2
-"""Runs at a speed; with one there is nothing to leave out."""
+"""Least number of labelled runs; with one, none can be left out."""
 
 
 def plain_table() -> DataTable:
-    """Return the map of files whose columns are called as the signals are, in SI units, time in s."""
+    """Return the map of files whose columns have the names of the signals, in SI units, time in s."""
     return DataTable(
         time=TimeColumn(column="time", unit="s"),
         period=PERIOD,
@@ -143,14 +149,14 @@ def plain_table() -> DataTable:
 def read_folder(
     folder: Path, labels: Path, table: DataTable | None = None, notify: Callable[[str], None] = lambda name: None
 ) -> tuple[tuple[Run, ...], tuple[str, ...]]:
-    """Return the labelled runs of a folder, reduced, and what was mended in which file, a sentence each.
+    """Return the labelled runs of a folder, reduced, and a sentence for each repair.
 
     Args:
         table: Column map; `plain_table` unless given.
-        notify: Told the name of every file as it has been read.
+        notify: Called with the name of every file after it is read.
 
     Raises:
-        EstimationError: A file, column or value is missing or impossible; in a sentence.
+        EstimationError: A file, column or value is missing or impossible.
     """
     label_of, columns = read_labels(labels), table or plain_table()
     runs: list[Run] = []
@@ -165,7 +171,7 @@ def read_folder(
 
 
 def read_labels(file: Path) -> dict[str, tuple[float, bool]]:
-    """Return friction, between 0 and 1, and whether wheelset 4 led, by file name.
+    """Return friction, between 0 and 1, and whether wheelset 4 leads, by file name.
 
     Raises:
         EstimationError: See `read_folder`.
@@ -191,40 +197,37 @@ def _recording(file: Path, table: DataTable) -> FileRecording:
     if abs(table.period / PERIOD - 1) > 1e-6:
         raise EstimationError(
             f"[data] period is {1e6 * table.period:g} us; write '{1e6 * PERIOD:g} us', {SLOW.rate} samples a second: "
-            "filters are made for it, and recordings of other rates are put on it."
+            "filters require it, and recordings of other rates are resampled."
         )
     missing = [name for name in UNITS if name not in table.columns]
     if missing:
-        raise EstimationError(f"[data.columns] lacks {', '.join(missing)}; an estimator listens to all axle boxes.")
+        raise EstimationError(f"[data.columns] lacks {', '.join(missing)}; an estimator needs all axle boxes.")
     return recorded(file, table, UNITS, ["speed"], list(BOXES))
 
 
 def _readings(name: str, record: FileRecording, table: DataTable, backwards: bool, flags: list[Flag]) -> Readings:
-    """Return what a file says of a run; `flags` is told of what was interpolated."""
+    """Return the readings of a run in a file; interpolations are appended to `flags`."""
     recording = record.recording
     boxes = np.column_stack([_whole(name, box, record, table.longest_gap, flags) for box in BOXES])
     there = np.flatnonzero(np.isfinite(boxes).all(axis=1))
-    # Loggers do not all begin and end at once; between, nothing is missing any more.
+    # Loggers begin and end at different instants; between them no sample is missing.
     part = slice(there[0], there[-1] + 1) if there.size else slice(0, 0)
     boxes, speed = boxes[part], reading_of(recording, "speed")[part]
     metres = float(np.abs(speed).sum()) * PERIOD
     seconds = len(boxes) * PERIOD
     if seconds <= 2 * SPECTRAL.settling or metres <= SETTLED:
         raise EstimationError(
-            f"{name}: the {seconds:.1f} s and {metres:.0f} m that all sensors cover are too little; a run takes more "
-            f"than {2 * SPECTRAL.settling:g} s and {SETTLED:g} m, until filters have settled."
+            f"{name}: the {seconds:.1f} s and {metres:.0f} m that all sensors cover are too little; filters settle for "
+            f"{2 * SPECTRAL.settling:g} s and {SETTLED:g} m, record a longer run."
         )
-    return Readings(
-        left=boxes[:, :4], right=boxes[:, 4:8], lateral=boxes[:, 8:], speed=speed, backwards=backwards,
-        rate=SLOW.rate,
-    )  # fmt: skip
+    return Readings(boxes=boxes, speed=speed, backwards=backwards, rate=SLOW.rate)
 
 
 def _whole(name: str, box: str, record: FileRecording, longest_gap: float, flags: list[Flag]) -> Array:
-    """Return an acceleration without holes: short ones are bridged, NaN stands before and after all samples.
+    """Return an acceleration with short gaps interpolated, and NaN before and after all samples.
 
     Raises:
-        EstimationError: A hole is too long, or the sensor too slow.
+        EstimationError: A gap is too long, or the sensor too slow.
     """
     values, time = reading_of(record.recording, box), record.recording["time"].values
     finite = np.flatnonzero(np.isfinite(values))
@@ -233,7 +236,9 @@ def _whole(name: str, box: str, record: FileRecording, longest_gap: float, flags
     apart = np.diff(time[finite])
     spacing = float(np.median(apart))
     if spacing > 1 / SLOWEST:
-        raise EstimationError(f"{name}: {box} has {1 / spacing:.0f} samples a second; it takes {SLOWEST} or more.")
+        raise EstimationError(
+            f"{name}: {box} has {1 / spacing:.0f} samples a second; estimators need {SLOWEST} or more."
+        )
     worst = int(np.argmax(apart))
     if apart[worst] > max(longest_gap, 1.5 * spacing) + 0.5 * PERIOD:
         raise EstimationError(

@@ -1,6 +1,6 @@
-"""From what loggers wrote during a run to what estimators are trained on.
+"""Reduction of the recordings of loggers to the data that estimators are trained on.
 
-A run at the loggers' rate is some hundred megabytes; kept are only the block means of the paper's chain and the
+A run at the rate of the loggers has some hundred megabytes. A reduced run has the block means of the paper's chain and
 lateral and yaw acceleration at 128 samples a second, some hundred kilobytes.
 """
 
@@ -12,12 +12,12 @@ import numpy as np
 
 from railgrip.campaign.work import Work
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.preprocessing import BLOCKS, AntiAlias, Chain, Motion, forwards, motions
+from railgrip.estimators.learned.preprocessing import BLOCKS, AntiAlias, Chain, Motion, lateral_and_yaw, motions
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.accelerometer import AXLE_BOX, RATE, measure
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass, Ride, ride, slope
-from railgrip.studies.axle_box.instrumented_car import RATE as TWIN_RATE
+from railgrip.studies.axle_box.instrumented_car import RATE as CAR_RATE
 
 SLOW: Final = AntiAlias(rate=RATE, keep=40)
 SPECTRAL: Final = Spectral(rate=SLOW.slow_rate)
@@ -30,18 +30,16 @@ CHANNELS: Final[Mapping[Motion, slice]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Readings:
-    """What the loggers wrote during one run.
+    """Recording of the loggers in one run.
 
     Attributes:
-        left, right, lateral: m/s², shape (n, 4), in axes of the car.
+        boxes: Accelerations in the order of `BOXES`, m/s², shape (n, 12), in axes of the car.
         speed: m/s, shape (n,).
-        backwards: Whether the fourth wheelset led.
+        backwards: Whether the fourth wheelset leads.
         rate: Samples a second.
     """
 
-    left: Array
-    right: Array
-    lateral: Array
+    boxes: Array
     speed: Array
     backwards: bool
     rate: int
@@ -58,9 +56,9 @@ class Run:
         friction: The label.
         blocks: Of the paper's chain, columns as in `CHANNELS`, m/s², shape (n, 20).
         settled: The same with the high-pass started at the mean of the first second.
-        slow: Lateral and yaw acceleration at the rate of `SLOW`, in axes that point forwards, m/s², and the speed,
-            m/s, shape (m, 9).
-        slope: Of the creep curve over that of a clean contact, which only a simulated run knows.
+        slow: Lateral and yaw acceleration at the rate of `SLOW`, the leading wheelset first, m/s², and the speed, m/s,
+            shape (m, 9).
+        slope: Of the creep curve relative to that of a clean contact; known for simulated runs only.
     """
 
     name: str
@@ -77,14 +75,19 @@ def reduce(name: str, friction: float, readings: Readings) -> Run:
     """Return a run as estimators are trained on it."""
     speed = float(np.mean(np.abs(readings.speed)))
     group = speed_class(speed)
-    boxes = readings.left, readings.right, readings.lateral
-    raw = np.hstack([motions(*boxes, "longitudinal, lateral, yaw"), motions(*boxes, "left, right")])
+    combinations = ("longitudinal, lateral, yaw", "left, right")
+    raw = np.stack([channel for one in combinations for channel in motions(readings.boxes.T, one)], axis=-1)
     chain = Chain(rate=readings.rate, block=BLOCKS[group])
-    steady = Chain(rate=readings.rate, block=BLOCKS[group], start="first second")
+    lateral, yaw = lateral_and_yaw(SLOW, readings.boxes, backwards=readings.backwards)
     return Run(
-        name=name, group=group, speed=speed, friction=friction,
-        blocks=chain.process(raw), settled=steady.process(raw), slow=slow_signals(readings),
-    )  # fmt: skip
+        name=name,
+        group=group,
+        speed=speed,
+        friction=friction,
+        blocks=chain.process(raw),
+        settled=replace(chain, start="first second").process(raw),
+        slow=np.column_stack([lateral, yaw, SLOW.every(readings.speed)]),
+    )
 
 
 def speed_class(speed: float) -> int:
@@ -92,45 +95,34 @@ def speed_class(speed: float) -> int:
     return min(BLOCKS, key=lambda mph: abs(mph * MPH - speed))
 
 
-def slow_signals(readings: Readings) -> Array:
-    """Return lateral and yaw acceleration at the slow rate in axes that point forwards, and speed, shape (m, 9)."""
-    slow = SLOW(np.hstack([readings.lateral, readings.right - readings.left]))
-    lateral, yaw = forwards(slow[:, :4], slow[:, 4:], backwards=readings.backwards)
-    return np.column_stack([lateral, yaw, SLOW.every(readings.speed)])
-
-
 VEHICLE: Final = 7
-"""Seed of the sensors' own properties: one car carries the same accelerometers on every run."""
+"""Seed of the properties of the sensors: the car has the same accelerometers in every run."""
 
 
 def readings(run: Pass) -> Readings:
     """Simulate a run and measure it."""
     motion = ride(run)
-    return measured(run, motion, TWIN_RATE, float(motion.speed.mean()))
+    return measured(run, motion, CAR_RATE, float(motion.speed.mean()))
 
 
 def measured(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
-    """Measure the motion of a run, sampled at `rate` a second; rolling wheels shake the boxes as at `speed`, m/s."""
+    """Measure the motion of a run, sampled at `rate` a second; rolling wheels vibrate the boxes as at `speed`, m/s."""
     true = np.hstack([motion.longitudinal[:, :, 0], motion.longitudinal[:, :, 1], motion.lateral])
-    channels = measure(
-        true, rate, speed, AXLE_BOX,
-        vehicle=generator(VEHICLE, "sensors"), run=generator(run.seed, f"{run.name}.sensors"),
-    )  # fmt: skip
-    fine = np.arange(len(channels)) * (rate / RATE)
-    return Readings(
-        left=channels[:, :4], right=channels[:, 4:8], lateral=channels[:, 8:],
-        speed=np.interp(fine, np.arange(len(motion.speed)), motion.speed), backwards=run.backwards, rate=RATE,
-    )  # fmt: skip
+    sensors, noise = generator(VEHICLE, "sensors"), generator(run.seed, f"{run.name}.sensors")
+    boxes = measure(true, rate, speed, AXLE_BOX, vehicle=sensors, run=noise)
+    samples = np.arange(len(boxes)) * (rate / RATE)
+    travelled = np.interp(samples, np.arange(len(motion.speed)), motion.speed)
+    return Readings(boxes=boxes, speed=travelled, backwards=run.backwards, rate=RATE)
 
 
 EVERY: Final = 20.0
-"""m between the spectral features that are kept."""
+"""Distance between the spectral features that are kept, m."""
 SETTLED: Final = 60.0
-"""m before the first of them."""
+"""Distance before the first of them, m."""
 
 
 def spectral_features(run: Run) -> Array:
-    """Return features every `EVERY` metres once `SETTLED` metres are travelled, shape (m, features)."""
+    """Return features every `EVERY` metres after the first `SETTLED` metres, shape (m, features)."""
     speed = run.slow[:, 8]
     every = SPECTRAL.features(run.slow[:, :4], run.slow[:, 4:8], speed)
     metres = np.cumsum(np.abs(speed)) / SPECTRAL.rate
@@ -140,7 +132,7 @@ def spectral_features(run: Run) -> Array:
 
 def gather(passes: Sequence[Pass], work: Work) -> list[Run]:
     """Return the reduced runs of passes."""
-    # Longest first, so that no worker is left with a long one at the end.
+    # Longest first, so that no worker begins a long one at the end.
     order = sorted(passes, key=lambda one: one.speed / one.length)
     run_of_pass = dict(zip(order, work.map(run_of, order), strict=True))
     return [replace(run_of_pass[one], slope=slope(one)) for one in passes]

@@ -1,4 +1,4 @@
-"""The tables of the paper's study and of a user's own runs."""
+"""Tables and figures of the study, and tables of a user's own runs."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
@@ -17,19 +17,19 @@ from railgrip.studies.axle_box.training import PUBLISHED, Results, Rows
 READINGS_OF_EQUATION_4: Final = (
     "bias inside", "bias outside", "bias inside, weights kept small", "bias outside, weights kept small",
 )  # fmt: skip
-TAKES_APART: Final = ("bias inside, weights kept small", "labels exchanged", "first second is zero")
+EXPLAINING: Final = ("bias inside, weights kept small", "labels exchanged", "first second is zero")
 _FORM: Final = "{:.4f}"
 
 
 def tables_of(results: Results) -> dict[str, Any]:
-    """Return what the page of the paper's study names."""
+    """Return the values of the page of the study."""
     speeds = list(results.runs)
     return {
         "recipe": results.recipe,
         "table3": _table3(results.split, speeds),
         "decays": _scores({f"decay {name}": row for name, row in results.decays.items()}, speeds),
         "decay_starts": _starts(results.decays),
-        "apart": _scores({name: results.split[name] for name in TAKES_APART}, speeds),
+        "apart": _scores({name: results.split[name] for name in EXPLAINING}, speeds),
         "inputs": _scores(results.inputs, speeds),
         "input_starts": _starts(results.inputs),
         "honest": _scores(results.honest, speeds, beside=True),
@@ -40,12 +40,12 @@ def tables_of(results: Results) -> dict[str, Any]:
 def own_tables(
     recipe: Recipe, split: Mapping[int, Score], left_out: Mapping[int, Score], general: Score
 ) -> dict[str, Any]:
-    """Return what the page on a user's runs names; rows by speed class in mph.
+    """Return the values of the page on a user's runs; rows by speed class in mph.
 
     Args:
         split: Under the paper's split; empty where no speed class has two runs.
         left_out: The same networks, each run left out once.
-        general: Of the estimator for all speeds, each run left out once.
+        general: Of the general estimator, each run left out once.
     """
     rows = {"last 20 % of runs seen": split, "a run left out": left_out}
     return {
@@ -119,7 +119,7 @@ def draw(results: Results) -> dict[str, Figure]:
 
 
 def errors(results: Results) -> Figure:
-    """Mean absolute error of each way of judging, beside always saying the mean."""
+    """Mean absolute error of each judgement, beside that of the mean label."""
     published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, style.GREY)]
     for name, row, colour in (
@@ -141,7 +141,7 @@ def errors(results: Results) -> Figure:
 
 
 def campaign(results: Results) -> Figure:
-    """The estimator for all speeds on each run of the campaign: estimates every 20 m with interval, and the label."""
+    """The general estimator on each run of the campaign: estimates every 20 m with interval, and the label."""
     sheet = style.figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
         np.atleast_1d(sheet.subplots(1, len(results.runs), sharey=True)), results.runs.items(), strict=True
@@ -165,7 +165,7 @@ def campaign(results: Results) -> Figure:
 
 
 def processed(results: Results) -> Figure:
-    """What the paper's networks see of longitudinal acceleration, runs linked as in its figures 5 to 8."""
+    """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8."""
     sheet = style.figure(8.0, 1.7 * len(results.runs))
     rows = np.atleast_1d(sheet.subplots(len(results.runs), 1))
     colours = style.lead_to_trail(4)

@@ -1,6 +1,6 @@
-"""A ride of the instrumented car and a trained estimator that listens to it, sample by sample, as a TOML file.
+"""A ride of the instrumented car with a trained estimator beside it, sample by sample, as a TOML file.
 
-The estimator moves nothing: the whole ride is read first, and then listened to.
+The estimator has no effect on the car: the whole ride is simulated first, then the estimator runs over its readings.
 
 name = "wet-60mph"
 
@@ -15,8 +15,8 @@ length = "400 m"
 direction = 1                       # -1: the fourth wheelset leads
 
 [estimator]
-kind = "learned"                    # what `railgrip study axle_box` trained, in CasADi; or "fmu", any FMU alike
-file = "build/axle_box/friction.json"   # from here or from the folder of this file
+kind = "learned"                    # by `railgrip study axle_box`, in CasADi; or "fmu", an FMU with the same interface
+file = "build/axle_box/friction.json"   # from the working directory or the folder of this file
 """
 
 from collections.abc import Callable, Mapping
@@ -31,7 +31,7 @@ from pydantic import Field, StrictInt
 from railgrip.errors import FmuError, ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
-from railgrip.estimators.learned.online import BOXES
+from railgrip.estimators.learned.preprocessing import BOXES
 from railgrip.estimators.learned.trained import Trained, load
 from railgrip.fmu import Binding, Description, Signal, bind, describe, open_plant
 from railgrip.report.style import GREEN, band, dress, panels
@@ -44,11 +44,11 @@ from railgrip.track.irregularity import TRACKS
 
 LIBRARY = Path(__file__).parent / "library"
 INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}
-"""What an estimator may listen to, in order, and its unit; direction: +1 wheelset 1 leads, -1 wheelset 4 does."""
+"""Possible inputs of an estimator in order, and their units; direction: +1 wheelset 1 leads, -1 wheelset 4 does."""
 
 
 class CarTable(Table):
-    """[car]: everything that decides what is simulated."""
+    """[car]: inputs of the simulation."""
 
     speed: Speed
     condition: Annotated[str, one_of(SURFACES)]
@@ -61,7 +61,7 @@ class CarTable(Table):
 
 
 class EstimatorTable(Table):
-    """[estimator]: who listens."""
+    """[estimator]: the estimator beside the car."""
 
     kind: Literal["learned", "fmu"]
     file: str = Field(
@@ -71,17 +71,17 @@ class EstimatorTable(Table):
 
 
 class RideFile(Table):
-    """Everything that decides a ride."""
+    """Inputs of a ride."""
 
     name: Name
     car: CarTable
     estimator: EstimatorTable
 
     def run(self) -> Pass:
-        """Return what is simulated."""
+        """Return the simulated pass."""
         car = self.car
         return Pass(
-            # Not the name of the file: what is simulated hangs on the seeds alone.
+            # Not the name of the file, so that the simulation depends on the seeds alone.
             name="ride", speed=car.speed, condition=car.condition, friction=car.friction, track=car.track,
             track_seed=car.track_seed, seed=car.seed, backwards=car.direction < 0, length=car.length,
         )  # fmt: skip
@@ -91,7 +91,7 @@ def read_ride(file: Path) -> RideFile:
     """Return the ride that a TOML file describes.
 
     Raises:
-        ScenarioError: The file is missing or not a ride; each problem in one sentence.
+        ScenarioError: The file is missing or invalid; it lists all problems.
     """
     return validated(RideFile, read_toml(file), directory=file.parent, origin=file.name)
 
@@ -104,12 +104,13 @@ def ride_beside(
 ) -> tuple[xarray.Dataset, float | None]:
     """Run the car, and the estimator over its readings.
 
-    Truth, readings and belief on the grid of the loggers; and the largest difference in friction between the estimator
-    sample by sample and over all readings at once, None where it is not known but as an FMU.
+    Returns:
+        Truth, readings and belief on the grid of the loggers; and the largest difference in friction between the
+        estimator sample by sample and over all readings at once, None for an FMU.
 
     Args:
-        directory: Where the file of the estimator is, if not in the working directory.
-        notify: Gets a sentence for the user when an FMU runs in a process of its own.
+        directory: Folder of the file of the estimator, if it is not in the working directory.
+        notify: Called with a sentence for the user when an FMU runs in a process of its own.
 
     Raises:
         ScenarioError, EstimatorError, FmuError: The estimator cannot be used.
@@ -119,11 +120,11 @@ def ride_beside(
     file = Path(table.file) if Path(table.file).is_file() else directory / table.file
     trained = load(file) if table.kind == "learned" else None
     if trained is not None and trained.rate != RATE:
-        raise ScenarioError(f"{file}: it takes {trained.rate} samples a second, the loggers of the car write {RATE}.")
+        raise ScenarioError(f"{file}: it needs {trained.rate} samples a second, the loggers of the car have {RATE}.")
     fmu = None if trained else bound_estimator(file)
     motion = ride(run, rate=RATE, progress=progress)
     readings = measured(run, motion, RATE, held_speed(run))
-    boxes = np.hstack([readings.left, readings.right, readings.lateral])
+    boxes = readings.boxes
     direction = np.full(len(boxes), -1.0 if run.backwards else 1.0)
     samples = dict(zip(INPUTS, (*boxes.T, readings.speed, direction), strict=True))
     apart = None
@@ -149,28 +150,28 @@ def ride_beside(
 
 
 def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Array]:
-    """Return what a trained estimator says after each sample, by name; `samples` as for `outputs_of_fmu`."""
+    """Return the outputs of a trained estimator after each sample, by name; `samples` as for `outputs_of_fmu`."""
     online = trained.online()
     outputs = online.run(np.column_stack([samples[variable.name] for variable in online.inputs]))
     return {variable.name: column for variable, column in zip(online.outputs, outputs.T, strict=True)}
 
 
 def bound_estimator(file: Path) -> tuple[Description, Binding]:
-    """Return an FMU made by `railgrip study axle_box`, or by anybody, and the tie of its variables.
+    """Return an FMU by `railgrip study axle_box`, or of the same interface, and the binding of its variables.
 
     Args:
-        file: Co-simulation FMU with inputs out of `INPUTS`, and outputs `friction`, `known` and, if it gives an
-            interval, `lower` and `upper`.
+        file: Co-simulation FMU with inputs among `INPUTS`, and outputs `friction`, `known` and, with an interval,
+            `lower` and `upper`.
 
     Raises:
-        FmuError: It is no such FMU.
+        FmuError: Its interface is another one.
     """
     description = describe(file)
     inputs = [name for name in INPUTS if name in description.variables]
     outputs = [name for name in ("friction", "lower", "upper", "known") if name in description.variables]
     if not {"friction", "known"} <= set(outputs) or not inputs:
         raise FmuError(
-            f"{file}: is no estimator of friction; it wants outputs friction and known, and inputs among left[1] … "
+            f"{file}: is not an estimator of friction; it needs outputs friction and known, and inputs among left[1] … "
             "lateral[4], speed and direction."
         )
     return description, bind(
@@ -190,17 +191,17 @@ def outputs_of_fmu(
     trusted: bool = False,
     notify: Callable[[str], None] = lambda sentence: None,
 ) -> dict[str, Array]:
-    """Return what an FMU says after each sample, by name.
+    """Return the outputs of an FMU after each sample, by name.
 
     Args:
         description, binding: See `bound_estimator`.
-        rate: Samples a second that it is sent.
+        rate: Samples a second.
         samples: Of each of `INPUTS`, shape (n,).
-        trusted: Load it into this process; otherwise it runs in one of its own.
-        notify: Gets a sentence for the user when it does.
+        trusted: Load the FMU into this process; otherwise it runs in one of its own.
+        notify: Called with a sentence for the user when it does.
 
     Raises:
-        PlantFailed: It refuses a sample.
+        PlantFailed: The FMU rejects a sample.
     """
     rows = np.column_stack([samples[name] for name in binding.inputs.elements])
     context = open_plant(
@@ -214,13 +215,13 @@ def outputs_of_fmu(
 def belief_of(outputs: Mapping[str, Array]) -> tuple[Array, Array]:
     """Return friction and its standard deviation after each sample, each of shape (n,).
 
-    Before there is an estimate friction is NaN and the deviation infinite; without an interval that is NaN.
+    Before the first estimate friction is NaN and its deviation infinite; without an interval the deviation is NaN.
     """
     known = np.maximum.accumulate(np.where(outputs["known"] >= 0.5, np.arange(len(outputs["known"])), -1))
     latest = {name: values[known] for name, values in outputs.items()}
     friction, half = latest["friction"], np.full(len(known), np.nan)
     if "upper" in latest:
-        # Ends are cut off at 0 and 1; the longer half is the whole one.
+        # Ends are limited to 0 and 1, so the longer half is the complete one.
         half = np.maximum(latest["upper"] - friction, friction - latest["lower"])
     return np.where(known < 0, np.nan, friction), np.where(known < 0, np.inf, half / QUANTILE)
 

@@ -12,7 +12,7 @@ from typer import Argument, Option
 from railgrip.campaign.work import Work, call
 from railgrip.errors import ScenarioError
 from railgrip.estimators.learned.preprocessing import COMBINATIONS
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, as_fmu, save
+from railgrip.estimators.learned.trained import Trained, as_fmu, save
 from railgrip.files import replacing
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
@@ -26,14 +26,14 @@ from railgrip.studies.axle_box.training import FULL, QUICK, campaign, conducted,
 from railgrip.studies.study import Study
 
 _SPEED: Final = 60
-"""mph, the shortest runs."""
+"""Speed of the shortest runs, mph."""
 _LENGTH: Final = 200.0
-"""m, half of the paper's."""
+"""Length of a run, half of the paper's, m."""
 _TRAINED: Final = 0.5
-"""Relative tolerance of errors of networks: rounding sends training to another of its minima, some of them no better.
-A plant, filter or split that has changed moves them by more."""
+"""Relative tolerance of errors of networks, because rounding may lead training to another minimum; a changed plant,
+filter or split changes them by more."""
 _LEVEL: Final = 1e-3
-"""Relative tolerance of means over signals, which no training stands behind."""
+"""Relative tolerance of means over signals, without training."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class AxleBox(Study):
         Path | None, Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own.py.")
     ] = None
     inputs: Annotated[
-        str | None, Option(help="What the paper's networks listen to, as 'left, right'; longitudinal unless given.")
+        str | None, Option(help="Motions for the paper's networks, such as 'left, right'; longitudinal unless given.")
     ] = None
     quick: bool = False
 
@@ -53,11 +53,11 @@ class AxleBox(Study):
         if self.inputs is not None and self.inputs not in COMBINATIONS:
             raise ScenarioError(f"--inputs is '{self.inputs}'; there is {'; '.join(COMBINATIONS)}.")
         if self.file is not None and self.quick:
-            raise ScenarioError("--quick is of the paper's study; your own runs are taken as they are.")
+            raise ScenarioError("--quick is for the simulated runs of the study; leave it out with runs of your own.")
 
     @property
     def place(self) -> str:
-        """A folder for each file of a user's runs."""
+        """Folder of a user's runs, after their name."""
         return "" if self.file is None else read_own(self.file).name
 
     def page(self, work: Work) -> Page:
@@ -88,7 +88,7 @@ class AxleBox(Study):
         )
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return errors of the paper's networks at one speed, and levels and features of what they were trained on."""
+        """Return errors of the paper's networks at one speed, and levels and features of their training data."""
         recipe = Recipe(starts=3)
         runs = work.map(run_of, [run for run in campaign(length=_LENGTH) if run.speed == _SPEED * MPH])
         training = {
@@ -121,8 +121,8 @@ class AxleBox(Study):
 STUDY = AxleBox
 
 
-def _files(trained: Mapping[str, PaperEstimator | GeneralEstimator]) -> dict[str, Callable[[Path], object]]:
-    """Return what writes each estimator as a file of numbers and as an FMU."""
+def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]]:
+    """Return functions that write each estimator as a file of numbers and as an FMU."""
     files: dict[str, Callable[[Path], object]] = {}
     for name, one in trained.items():
         files[f"{name}.json"] = partial(_write_numbers, one)
@@ -130,6 +130,6 @@ def _files(trained: Mapping[str, PaperEstimator | GeneralEstimator]) -> dict[str
     return files
 
 
-def _write_numbers(one: PaperEstimator | GeneralEstimator, path: Path) -> None:
+def _write_numbers(one: Trained, path: Path) -> None:
     with replacing(path) as partial_file:
         save(one, partial_file)

@@ -1,4 +1,4 @@
-"""Which passes of the instrumented car are simulated, and what for."""
+"""Passes of the instrumented car that are simulated, training and judgement on them, and the results."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ import numpy as np
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.learned.ensemble import Ensemble, fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain
-from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
+from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, Trained
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.evaluate import (
     Recipe,
@@ -44,13 +44,13 @@ LABELS: Final[Mapping[int, tuple[tuple[str, float], ...]]] = {
 
 TRACK: Final = "erri-low"
 HOME: Final = 1
-"""Seed of the test track's irregularities; the 24 runs of the campaign share it."""
+"""Seed of the irregularities of the test track, common to the 24 runs of the campaign."""
 
 RANGES: Final[Mapping[str, tuple[float, float]]] = {
     "dry": (0.24, 0.45), "friction modifier": (0.12, 0.25), "wet": (0.14, 0.30), "detergent": (0.10, 0.26),
     "paper tape": (0.05, 0.24),
 }  # fmt: skip
-"""Friction that each condition spans in the design, around what Tables 1 and 2 of the paper report for it."""
+"""Range of friction of each condition in the design, around the values of Tables 1 and 2 of the paper."""
 
 
 def campaign(*, length: float = 400.0) -> tuple[Pass, ...]:
@@ -67,10 +67,10 @@ def campaign(*, length: float = 400.0) -> tuple[Pass, ...]:
 
 
 def abroad(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tuple[Pass, ...]]:
-    """Return the same runs repeated, and elsewhere: each set changes one thing and every noise.
+    """Return the same runs repeated under other circumstances: each set changes one of them and every noise.
 
-    On one surface for all, friction is what it was, but the slope of the creep curve no longer goes with it. An
-    estimator of friction has as much to tell there as elsewhere; one that knows which film lies on the rail, nothing.
+    With one surface for all, friction is unchanged but independent of the slope of the creep curve. An estimator of
+    friction works there as elsewhere; one that recognises the film on the rail does not.
     """
     return {
         "same track, another day": tuple(replace(p, length=length, seed=2) for p in passes),
@@ -82,9 +82,9 @@ def abroad(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tupl
 
 
 def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
-    """Return runs that span speed, friction, condition, track and direction, for the estimator that shall generalise.
+    """Return runs over the ranges of speed, friction, condition, track and direction, to train the general estimator.
 
-    Its tracks (ERRI low and FRA 6, seeds of their own) are none of those it is judged on; ERRI high is not among them.
+    No track (ERRI low and FRA 6, other seeds) is one of the judgement; ERRI high is not among them.
     """
     draw = generator(11, "learn.design")
     passes: list[Pass] = []
@@ -95,7 +95,7 @@ def design(count: int, *, length: float = 200.0) -> tuple[Pass, ...]:
         passes.append(
             Pass(
                 name=f"design {k}",
-                # Even in the logarithm, because 16 to 26 mph is as large a change as 37 to 60.
+                # Uniform in the logarithm, because 16 to 26 mph is as large a change as 37 to 60.
                 speed=float(np.exp(draw.uniform(np.log(15.0), np.log(63.0)))) * MPH,
                 condition=condition, friction=round(float(draw.uniform(low, high)), 3),
                 track=("erri-low", "fra-6")[k // len(conditions) % 2], track_seed=100 + k, seed=100 + k,
@@ -114,21 +114,21 @@ PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
 """Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
 
 DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
-"""Weights of the squared weights that are tried inside of the training part."""
+"""Weights of the squared weights compared inside of the training part."""
 
 Rows = Mapping[str, Mapping[int, Score]]
-"""What was judged → speed [mph] → score."""
+"""Row of a table → speed [mph] → score."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Size:
-    """How much is simulated and trained.
+    """Amount of simulation and training.
 
     Attributes:
         speeds: mph.
-        starts: Random starts of the paper's networks; honest_starts: where every run is left out once.
-        design: Runs for the estimator for all speeds; members: its networks.
-        length: m of the campaign's runs; away: of all others.
+        starts: Random starts of the paper's networks; honest_starts: with every run left out once.
+        design: Number of runs for the general estimator; members: of its networks.
+        length: Of the runs of the campaign, m; away: of all others, m.
     """
 
     speeds: tuple[int, ...]
@@ -142,22 +142,22 @@ class Size:
 
 FULL: Final = Size(speeds=SPEEDS, starts=15, honest_starts=3, design=80, members=20, length=400.0, away=200.0)
 QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3, length=200.0, away=200.0)
-"""Shows that everything works; its figures mean nothing."""
+"""Shows that the study runs; its numbers mean nothing."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Results:
-    """What came out.
+    """Results of the study.
 
     Attributes:
-        recipe: Of the paper's networks, all rows but those that say otherwise.
-        split: Rows of the paper's split, among them what takes the paper's networks apart.
-        decays: Trained on the first 64 % of each run, judged on the following 16 %: where `evaluate.DECAY` is from.
-        inputs: The paper's split with the other combinations of motions.
-        honest: Rows of the paper's networks on runs they have not seen.
-        general: Rows of the estimator for all speeds on the same runs.
-        ensemble: That estimator.
-        networks: By speed, the network that fits the training part best; exchanged: the same under other labels.
+        recipe: Of the paper's networks, unless a row has another.
+        split: Rows of the paper's split, with the variants that explain it.
+        decays: Trained on the first 64 % of each run, judged on the following 16 %: source of `evaluate.DECAY`.
+        inputs: The paper's split with each combination of motions.
+        honest: Rows of the paper's networks on runs outside of their training.
+        general: Rows of the general estimator on the same runs.
+        ensemble: The general estimator.
+        networks: Network with the best fit of the training part, by speed; exchanged: the same with exchanged labels.
         runs: The campaign, by speed.
     """
 
@@ -174,7 +174,7 @@ class Results:
 
 
 def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
-    """Return every run of the study by set; `campaign` and `design` are what estimators are trained on."""
+    """Return every run of the study by set; estimators are trained on `campaign` and `design`."""
     home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
     return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
 
@@ -191,7 +191,7 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
     few = replace(recipe, starts=size.honest_starts)
     by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
     away = {name: runs for name, runs in runs_of_part.items() if name not in ("campaign", "design")}
-    # The estimator for all speeds is one long piece and goes first.
+    # The general estimator is one long task, so it comes first.
     tasks: dict[tuple[str, str, int], Callable[[], Any]] = {
         ("all speeds", "", 0): partial(general, runs_of_part["design"], size.members)
     }
@@ -233,11 +233,11 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
 
 
 def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
-    """Return what is judged at each speed: table → row → function of the campaign's runs at that speed.
+    """Return the judgements at each speed: table → row → function of the campaign's runs at that speed.
 
     Args:
         recipe: With all random starts.
-        few: With those that suffice where a mean over speeds or runs counts.
+        few: With fewer starts, for means over speeds or runs.
     """
     free = replace(recipe, decay=0.0)
     return {
@@ -255,15 +255,15 @@ def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequen
     }
 
 
-def estimators_of(results: Results) -> dict[str, PaperEstimator | GeneralEstimator]:
-    """Return what was trained, by the name of the file it goes into."""
+def estimators_of(results: Results) -> dict[str, Trained]:
+    """Return the trained estimators by the name of their file."""
     general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=results.ensemble)
     papers = {f"friction_{s}mph": paper_estimator(one, s, results.recipe) for s, one in results.networks.items()}
     return {"friction": general, **papers}
 
 
 def paper_estimator(fitted: ScaledNetwork, speed: int, recipe: Recipe) -> PaperEstimator:
-    """Return a network with all that stands in front of it, for a speed class, mph."""
+    """Return a network with its filters and scaling, for a speed class, mph."""
     return PaperEstimator(
         chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
         scale=fitted.scale,
@@ -273,9 +273,9 @@ def paper_estimator(fitted: ScaledNetwork, speed: int, recipe: Recipe) -> PaperE
 
 
 def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
-    """Train the estimator for all speeds; return it and the mean label of its training.
+    """Train the general estimator; return it and the mean label of its training.
 
-    It has two stages where every run is simulated, which knows the slope of its creep curve.
+    It has two stages if the slope of the creep curve is known for every run, as in simulations.
     """
     features = [spectral_features(run) for run in runs]
     labels = np.concatenate([np.full(len(f), run.friction) for f, run in zip(features, runs, strict=True)])
@@ -289,9 +289,9 @@ def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
 
 
 def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]]:
-    """Return for each pass of each set the mean label of the design's passes on rails as dry, or not dry, as its own.
+    """Return for each pass of each set the mean label of the design's passes on dry, or on other rails.
 
-    It takes no estimator to tell a dry rail from a covered one: what an estimator is good for begins beyond this.
+    A dry rail is distinguished from a covered one without an estimator; an estimator must be better than this.
     """
     labels = {dry: [p.friction for p in sets["design"] if (p.condition == "dry") is dry] for dry in (True, False)}
     mean = {dry: float(np.mean(values)) for dry, values in labels.items()}
