@@ -1,4 +1,4 @@
-"""What Q and R of equation (20) make of a filter, from the stationary gain: the statements of the rig's report."""
+"""The stationary gain of the filter with Q and R of equation (20): the statements in the report of the rig."""
 
 import numpy as np
 import pytest

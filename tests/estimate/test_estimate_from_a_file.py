@@ -1,4 +1,4 @@
-"""The filter believes the same of a run that went through a user's file as of the run itself."""
+"""Estimates from a user's file equal those from the recording of the same signals."""
 
 from pathlib import Path
 
@@ -32,7 +32,7 @@ true_mu_b = { column = "mu", unit = "1" }
 
 @pytest.fixture
 def case(tmp_path: Path):
-    """Estimation, file, and what was written into it: a rig that coasts, then brakes."""
+    """Estimation, file, and recording of the same signals: a rig that coasts, then brakes."""
     random = np.random.default_rng(3)
     t = np.arange(1500) * 0.01
     v = 30.0 - 0.05 * t - np.where(t > 5.0, 1.0 * (t - 5.0), 0.0) + 1e-3 * random.standard_normal(t.size)
@@ -50,18 +50,18 @@ def case(tmp_path: Path):
     return toml, file, recording_of(signals, period=0.01)
 
 
-def test_a_file_gives_the_estimates_of_the_run_itself(case):
+def test_a_file_gives_the_estimates_of_the_run(case):
     toml, file, recording = case
     specification = load_specification(toml)
     prediction, settings = prediction_for(specification), settings_for(specification, 0.01)
     record = recording_for(specification, file)
     assert [flag.kind for flag in record.flags] == ["gap"]
     through, direct = (estimate(one, prediction, settings)["mean"] for one in (record.recording, recording))
-    # Units are converted there and back, which leaves rounding; the filter forgets it.
+    # Units are converted twice, with rounding.
     np.testing.assert_allclose(through.values, direct.values, rtol=1e-6, atol=1e-9)
 
 
-def test_the_command_line_says_what_was_mended_and_reports_as_for_a_simulated_one(case, tmp_path):
+def test_the_command_reports_repairs_and_errors(case, tmp_path):
     toml, file, _ = case
     result = CliRunner().invoke(app, ["estimate", str(toml), "--data", str(file), "--out", str(tmp_path / "out")])
     assert result.exit_code == 0, result.output
@@ -78,7 +78,7 @@ def test_the_command_line_says_what_was_mended_and_reports_as_for_a_simulated_on
         ("v", 3.6, "Filter: lost;"),
     ],
 )
-def test_a_recording_that_no_train_makes_is_no_success(case, tmp_path, column, factor, sentence):
+def test_an_implausible_recording_fails(case, tmp_path, column, factor, sentence):
     """Wheel speeds in a wrong unit, forces of a wrong sign, km/h converted twice."""
     toml, file, _ = case
     frame = pd.read_csv(file)
@@ -90,7 +90,7 @@ def test_a_recording_that_no_train_makes_is_no_success(case, tmp_path, column, f
     assert (tmp_path / "out" / "estimates.nc").exists()
 
 
-def test_a_mass_that_is_not_that_of_the_model_is_told():
+def test_masses_of_course_and_model_must_agree():
     other = load_specification(LIBRARY / "field.toml", ["course.mass='90 t'"])
     with pytest.raises(EstimationError, match=r"\[course\] mass is 90000 kg, m_wheelset .* add up to 84000 kg"):
         recording_of_estimation(other)
@@ -100,5 +100,5 @@ def test_a_mass_that_is_not_that_of_the_model_is_told():
 
 def test_an_estimation_without_a_map_cannot_read_a_file(case):
     _, file, _ = case
-    with pytest.raises(EstimationError, match=r"has no \[data\], which says what the columns of run\.csv are"):
+    with pytest.raises(EstimationError, match=r"has no \[data\], which maps the columns of run\.csv"):
         recording_for(load_specification(LIBRARY / "rig_own.toml"), file)

@@ -1,4 +1,4 @@
-"""A user's file becomes the recording that was written into it, and what is wrong with it is said."""
+"""Recordings from a user's file: formats, units, faults, and messages about invalid files."""
 
 from pathlib import Path
 from typing import Any
@@ -134,20 +134,43 @@ def test_decimal_commas_and_time_stamps_are_read_when_the_map_says_so(tmp_path):
     np.testing.assert_allclose(reading_of(result.recording, "speed"), frame["v"] / 3.6, rtol=1e-9)
 
 
-def test_a_spike_is_left_out_and_a_step_is_not(tmp_path):
+SPEED = {"column": "v", "unit": "km/h"}
+
+
+@pytest.mark.parametrize(
+    ("column", "values", "changes", "flag", "omitted"),
+    [
+        ("n", {500: 2000.0}, {}, ("wheelset_speed", "spike", 5.0, 1), range(500, 501)),
+        ("v", dict.fromkeys(range(300, 500), 61.2), {}, ("speed", "frozen", 3.01, 199), range(301, 500)),
+        ("n", dict.fromkeys(range(300, 500), 0.0), {}, ("wheelset_speed", "zero", 3.0, 200), range(0)),
+        (
+            "v",
+            dict.fromkeys(range(600, 610), 655.35),
+            {"speed": SPEED | {"range": ["0 km/h", "200 km/h"]}},
+            ("speed", "range", 6.0, 10),
+            range(600, 610),
+        ),
+        ("v", dict.fromkeys(range(200, 240), np.nan), {}, ("speed", "gap", 1.99, 0), range(200, 240)),
+        ("v", {700: np.nan}, {}, None, range(700, 701)),
+    ],
+    ids=["spike", "frozen", "zero", "range", "gap", "short gap"],
+)
+def test_a_fault_is_flagged_and_its_samples_omitted(tmp_path, column, values, changes, flag, omitted):
+    """No invented number reaches the filter; a wheel that reads zero may be locked, so it does reach the filter."""
     frame = stop()
-    frame.loc[500, "n"] = 2000.0
-    result = taken(csv(tmp_path, frame))
-    (flag,) = result.flags
-    assert (flag.signal, flag.kind, flag.begin, flag.samples) == ("wheelset_speed", "spike", 5.0, 1)
-    # The sensor has nothing new there, so that no made-up number reaches the filter.
-    assert np.flatnonzero(np.isnan(reading_of(result.recording, "wheelset_speed"))).tolist() == [500]
+    for row, value in values.items():
+        frame.loc[row, column] = value
+    result = taken(csv(tmp_path, frame), columns=changes)
+    flags = [(one.signal, one.kind, pytest.approx(one.begin), one.samples) for one in result.flags]
+    assert flags == ([] if flag is None else [flag])
+    signal = {"n": "wheelset_speed", "v": "speed"}[column]
+    assert np.flatnonzero(np.isnan(reading_of(result.recording, signal))).tolist() == list(omitted)
     # The pad force steps from 0 to 20 kN at 2 s and keeps every sample.
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), frame["F"] * 1e3)
 
 
 def test_white_noise_alone_is_not_thinned():
-    """Beyond 8σ a Gaussian has 1e-15 of its mass; the scale is estimated, which costs some of that margin."""
+    """A Gaussian has 1e-15 of its mass beyond 8σ; the estimated scale uses some of that margin."""
     noise = np.random.default_rng(1).standard_normal(20_000)
     time = 1e-2 * np.arange(noise.size)
     assert spikes(time, noise, 8.0).sum() == 0
@@ -156,10 +179,9 @@ def test_white_noise_alone_is_not_thinned():
 
 @pytest.fixture(scope="module")
 def valves():
-    """Cylinder pressure of a group whose valves open for 20 ms and more, a sample each millisecond [s], [Pa].
+    """Time [s] and cylinder pressure [Pa] of a group whose valves open for 20 ms and more, every millisecond.
 
-    A cylinder of first order, filled with 80 ms from 6 bar and vented with 60 ms: physics, no recording of ours, so
-    that every sample is known to be right.
+    A cylinder of first order, filled with 80 ms from 6 bar and vented with 60 ms, so every sample is valid.
     """
     period, seed = 1e-3, np.random.default_rng(3)
     pressure, supply, course = 3.0e5, 6.0e5, []
@@ -179,13 +201,13 @@ def valves():
 
 @pytest.mark.parametrize("noise", [100.0, 1000.0], ids="{:g} Pa".format)
 @pytest.mark.parametrize("every", [1, 2, 5, 10])
-def test_spikes_are_left_out_and_pulses_of_valves_are_not(valves, every, noise):
+def test_spikes_are_found_and_pulses_of_valves_are_not(valves, every, noise):
     """Not one sample of a pulse, and every spike of 1 bar."""
     seed = np.random.default_rng(every)
     time, pressure = valves[0][::every], valves[1][::every].copy()
     pressure += noise * seed.standard_normal(pressure.size)
     assert spikes(time, pressure, 8.0).sum() == 0
-    # Beside a pulse a spike may make a sample of it look like one: nobody could tell.
+    # Spikes beside a pulse cannot be distinguished from it.
     course = valves[1][::every]
     resting = np.convolve(np.abs(np.gradient(course)) > 0.0, np.ones(9), mode="same") == 0.0
     outliers = np.flatnonzero(resting[:-1])[5::37]
@@ -204,14 +226,14 @@ def test_a_spike_is_shorter_than_a_pulse_of_a_valve(period, length):
         assert np.flatnonzero(spikes(time, values, 8.0)).tolist() == expected
 
 
-def test_two_spikes_with_a_sample_between_them_are_found_and_the_ends_are_kept():
+def test_spikes_two_samples_apart_are_found_and_the_ends_are_kept():
     time = 1e-2 * np.arange(300)
     values = np.random.default_rng(5).standard_normal(time.size)
     values[[0, 100, 102, 299]] += 1e3
     assert np.flatnonzero(spikes(time, values, 8.0)).tolist() == [100, 102]
 
 
-def test_many_gaps_are_told_by_their_time_and_many_spikes_by_their_samples():
+def test_many_flags_are_summarised_by_time_or_samples():
     gaps = [Flag(signal="speed", kind="gap", begin=k, end=k + 0.5, samples=0) for k in range(7)]
     strikes = [Flag(signal="speed", kind="spike", begin=k, end=k, samples=1) for k in range(7)]
     sentences = summary([*gaps, *strikes])
@@ -219,44 +241,14 @@ def test_many_gaps_are_told_by_their_time_and_many_spikes_by_their_samples():
     assert sentences[11] == "speed: 2 more like these (spike), 7 samples in all."
 
 
-def test_a_frozen_sensor_is_left_out_after_its_last_reading(tmp_path):
-    frame = stop()
-    frame.loc[300:499, "v"] = frame.loc[300, "v"]
-    result = taken(csv(tmp_path, frame))
-    kinds = {flag.kind: flag for flag in result.flags}
-    frozen = kinds["frozen"]
-    assert (frozen.begin, frozen.end, frozen.samples) == (pytest.approx(3.01), pytest.approx(4.99), 199)
-    assert np.isnan(reading_of(result.recording, "speed")[301:500]).all()
-    assert np.isfinite(reading_of(result.recording, "speed")[[300, 500]]).all()
-
-
-def test_a_wheel_that_reads_zero_is_said_but_reaches_the_filter(tmp_path):
-    frame = stop()
-    frame.loc[300:499, "n"] = 0.0
-    result = taken(csv(tmp_path, frame))
-    assert [(flag.kind, flag.begin, flag.samples) for flag in result.flags] == [("zero", 3.0, 200)]
-    assert (reading_of(result.recording, "wheelset_speed")[300:500] == 0.0).all()
-
-
-def test_a_long_run_of_nan_in_a_reading_is_a_gap_and_a_short_one_is_not_invented(tmp_path):
-    frame = stop()
-    frame.loc[200:239, "v"] = np.nan
-    frame.loc[700, "v"] = np.nan
-    result = taken(csv(tmp_path, frame))
-    assert [flag.kind for flag in result.flags if flag.signal == "speed"] == ["gap"]
-    assert np.isnan(reading_of(result.recording, "speed")[200:240]).all()
-    assert np.isnan(reading_of(result.recording, "speed")[700])
-
-
-def test_a_short_gap_of_an_input_is_bridged_and_said_and_a_long_one_refused(tmp_path):
+def test_a_short_gap_of_an_input_is_interpolated_and_a_long_one_refused(tmp_path):
     frame = stop()
     frame["F"] = 20.0 + frame["t"] / 1e3
     whole = frame["F"].to_numpy() * 1e3
     frame.loc[400:405, "F"] = np.nan
     result = taken(csv(tmp_path, frame))
-    np.testing.assert_allclose(
-        reading_of(result.recording, "pad_force"), whole, rtol=1e-12
-    )  # a ramp is its own interpolation
+    # A ramp equals its linear interpolation.
+    np.testing.assert_allclose(reading_of(result.recording, "pad_force"), whole, rtol=1e-12)
     (flag,) = result.flags
     assert (flag.kind, flag.begin, flag.end) == ("bridged", pytest.approx(3.99), pytest.approx(4.06))
     frame.loc[400:450, "F"] = np.nan
@@ -264,29 +256,21 @@ def test_a_short_gap_of_an_input_is_bridged_and_said_and_a_long_one_refused(tmp_
         taken(csv(tmp_path, frame))
 
 
-def test_a_value_outside_its_range_is_left_out(tmp_path):
-    frame = stop()
-    frame.loc[600:609, "v"] = 655.35
-    speed = {"column": "v", "unit": "km/h", "range": ["0 km/h", "200 km/h"]}
-    result = taken(csv(tmp_path, frame), columns={"speed": speed})
-    assert [(flag.kind, flag.begin, flag.samples) for flag in result.flags] == [("range", 6.0, 10)]
-
-
 def test_a_signal_that_holds_its_value_is_new_only_when_it_changes(tmp_path):
     frame = stop()
     frame["v"] = frame["v"].to_numpy()[np.arange(1000) // 10 * 10]
-    result = taken(csv(tmp_path, frame), columns={"speed": {"column": "v", "unit": "km/h", "holds": True}})
+    result = taken(csv(tmp_path, frame), columns={"speed": SPEED | {"holds": True}})
     new = np.flatnonzero(np.isfinite(reading_of(result.recording, "speed")))
     assert new.tolist() == list(range(0, 1000, 10))
 
 
-def test_a_fast_signal_is_averaged_and_a_slow_one_is_not_invented():
+def test_a_fast_signal_is_averaged_and_a_slow_one_keeps_its_samples():
     grid = np.arange(100) * 0.01
     fast = np.arange(-5, 1000) * 1e-3
     noise = np.random.default_rng(2).standard_normal(fast.size)
     means, flags = on_grid("x", fast, 3.0 * fast + noise, grid, 0.01)
     assert not flags
-    # Ten samples to a mean: σ/√10; the estimate of a deviation from 100 means is good to 7 %, taken three times.
+    # Means of ten samples: σ/√10; a deviation estimated from 100 means is accurate to 7 %, times three.
     assert np.std(means - 3.0 * grid) == pytest.approx(1.0 / np.sqrt(10.0), rel=0.22)
     slow = np.arange(0.0, 1.0, 0.05) + 0.002
     samples_on_grid, flags = on_grid("x", slow, slow, grid, 0.01)
@@ -296,7 +280,7 @@ def test_a_fast_signal_is_averaged_and_a_slow_one_is_not_invented():
     np.testing.assert_allclose(bridged_samples, grid[1:90], atol=1e-12)
 
 
-def test_standing_is_counted_in_seconds():
+def test_constant_stretches_are_measured_in_seconds():
     time = np.arange(10) * 0.1
     values = np.array([0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0])
     assert np.flatnonzero(standing(time, values, 0.25)).tolist() == [1, 2, 3, 4]
@@ -325,21 +309,20 @@ REFUSALS = [
 
 
 @pytest.mark.parametrize(("columns", "sentence"), REFUSALS)
-def test_a_wrong_map_gets_a_sentence(tmp_path, columns, sentence):
+def test_an_invalid_map_is_refused(tmp_path, columns, sentence):
     with pytest.raises(EstimationError, match=sentence):
         taken(csv(tmp_path, stop()), columns=columns)
 
 
-def test_a_unit_in_the_header_that_contradicts_the_map_gets_a_sentence(tmp_path):
+def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
-    assert reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")[0] == pytest.approx(
-        20.0, abs=0.05
-    )
+    speed = reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
+    assert speed[0] == pytest.approx(20.0, abs=0.05)
     with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
         taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
 
 
-def test_time_that_goes_backwards_gets_a_sentence_and_repeated_instants_a_flag(tmp_path):
+def test_repeated_instants_are_flagged_and_decreasing_time_is_refused(tmp_path):
     frame = stop()
     frame.loc[100, "t"] = frame.loc[99, "t"]
     result = taken(csv(tmp_path, frame))
@@ -349,14 +332,14 @@ def test_time_that_goes_backwards_gets_a_sentence_and_repeated_instants_a_flag(t
         taken(csv(tmp_path, frame))
 
 
-def test_a_cell_that_is_no_number_gets_a_sentence(tmp_path):
+def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
     frame = stop().astype({"v": object})
     frame.loc[41, "v"] = "71,2"
     with pytest.raises(EstimationError, match=r"column 'v' wants numbers, sample 42 of 1000 is '71,2'.*decimal sign"):
         taken(csv(tmp_path, frame))
 
 
-def test_a_file_of_another_format_or_none_gets_a_sentence(tmp_path):
+def test_missing_damaged_and_unknown_files_are_refused(tmp_path):
     (tmp_path / "run.xls").write_text("")
     with pytest.raises(EstimationError, match=r"'\.xls' is no format that is read here"):
         taken(tmp_path / "run.xls")
@@ -369,8 +352,8 @@ def test_a_file_of_another_format_or_none_gets_a_sentence(tmp_path):
 
 
 @pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
-def test_a_damaged_mdf_file_ends_in_a_sentence_wherever_the_damage_is(tmp_path):
-    """Cut off, and with a block of zeros or of ones, everywhere: what can still be read may be."""
+def test_a_damaged_mdf_file_is_refused_without_a_traceback(tmp_path):
+    """Truncated, or with a block of zeros or ones, at many places; files that are still readable are accepted."""
     write_mf4(tmp_path / "whole.mf4", stop().iloc[:50])
     whole = (tmp_path / "whole.mf4").read_bytes()
     path, refusals = tmp_path / "run.mf4", list[str]()

@@ -1,3 +1,5 @@
+"""Recordings as data sets: time, units, truth, and messages about invalid ones."""
+
 import numpy as np
 import pytest
 
@@ -16,43 +18,46 @@ def test_time_is_counted_from_the_start():
     assert period_of(late) == 0.1
 
 
-def test_columns_have_the_order_of_the_names():
+def test_columns_are_in_the_requested_order():
     columns = samples(recorded(), ["pad_force", "speed"], ["N", "m/s"])
     assert columns.shape == (5, 2)
     assert columns[:, 1].tolist() == np.linspace(20.0, 19.0, 5).tolist()
 
 
-def test_samples_are_converted_to_the_requested_unit():
+@pytest.mark.parametrize(
+    ("change", "names", "sentence"),
+    [
+        ({}, ["wheelset_speed"], r"'short' has no signal wheelset_speed; it has speed, pad_force\."),
+        ({"speed": (np.zeros(5), "bar")}, ["speed"], r"speed is in 'bar', the prediction wants 'm/s'"),
+    ],
+)
+def test_a_missing_signal_and_another_quantity_are_refused(change, names, sentence):
+    with pytest.raises(EstimationError, match=sentence):
+        samples(recorded(**change), names, ["m/s"])
+
+
+def test_samples_are_converted_to_the_given_unit():
     assert samples(recorded(speed=(np.full(5, 36.0), "km/h")), ["speed"], ["m/s"])[:, 0] == pytest.approx(10.0)
 
 
 @pytest.mark.parametrize(
-    ("read", "sentence"),
+    ("rows", "sentence"),
     [
-        (
-            lambda: samples(recorded(), ["wheelset_speed"], ["rad/s"]),
-            r"'short' has no signal wheelset_speed; it has speed, pad_force\.",
-        ),
-        (
-            lambda: samples(recorded(speed=(np.zeros(5), "bar")), ["speed"], ["m/s"]),
-            r"speed is in 'bar', the prediction wants 'm/s'",
-        ),
-        (
-            lambda: period_of(recorded().isel(time=[0, 1, 3, 4])),
-            r"uneven, 0\.2 s after 0\.1 s where 0\.1 s is the rule",
-        ),
-        (lambda: period_of(recorded().isel(time=[0, 1, 2, 1, 2])), r"uneven, -0\.1 s after 0\.2 s"),
-        (
-            lambda: recording_of({"a": (np.zeros(3), "1"), "b": (np.zeros(4), "1")}, period=0.1),
-            r"one sample at every instant each, got a \(3,\), b \(4,\)",
-        ),
-        (lambda: truth_of(recorded(), "mu_b"), "does not know the true mu_b"),
+        ([0, 1, 3, 4], r"uneven, 0\.2 s after 0\.1 s where 0\.1 s is the rule"),
+        ([0, 1, 2, 1, 2], r"uneven, -0\.1 s after 0\.2 s"),
     ],
 )
-def test_signals_that_are_missing_or_do_not_fit_are_refused(read, sentence):
+def test_an_uneven_grid_is_refused(rows, sentence):
     with pytest.raises(EstimationError, match=sentence):
-        read()
+        period_of(recorded().isel(time=rows))
 
 
-def test_a_simulation_knows_the_truth():
+def test_signals_of_different_lengths_are_refused():
+    with pytest.raises(EstimationError, match=r"one sample at every instant each, got a \(3,\), b \(4,\)"):
+        recording_of({"a": (np.zeros(3), "1"), "b": (np.zeros(4), "1")}, period=0.1)
+
+
+def test_only_recorded_truth_is_available():
     assert truth_of(recorded(), "v")[0] == 20.0
+    with pytest.raises(EstimationError, match="does not know the true mu_b"):
+        truth_of(recorded(), "mu_b")

@@ -1,4 +1,4 @@
-"""The predictions of rig and wagon keep the contract, as functions and as FMUs, with either law of the pads."""
+"""The predictions of rig and wagon satisfy the contract, as functions and as FMUs, with either law of the pads."""
 
 import numpy as np
 import pytest
@@ -16,13 +16,13 @@ POINTS = {
 
 @pytest.mark.parametrize("relaxes", [0.0, 1.0])
 @pytest.mark.parametrize("name", POINTS)
-def test_the_function_keeps_the_contract(name, relaxes):
+def test_the_function_satisfies_the_contract(name, relaxes):
     prediction_contract(prediction_of(name, {"mu_b_relaxes": relaxes}), *POINTS[name])
 
 
 @pytest.mark.parametrize("relaxes", [0.0, 1.0])
 @pytest.mark.parametrize("name", POINTS)
-def test_the_fmu_is_the_function(name, relaxes):
+def test_the_fmu_equals_the_function(name, relaxes):
     model, function = model_of(name), prediction_of(name, {"mu_b_relaxes": relaxes})
     x, u = (np.array(values) for values in POINTS[name])
     prediction = FmuPrediction(

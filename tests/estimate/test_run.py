@@ -1,3 +1,5 @@
+"""Filters over recordings: against closed forms and reference filters, and with invalid data."""
+
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +26,7 @@ MODEL = "RollerRigPrediction"
 
 
 def braked(samples=60, force=2e4, alpha=0.08, mu_b=0.35, seed=3):
-    """A rig that slides under constant force, adhesion and friction, without drag: its closed form, read with noise."""
+    """Return the closed form of a rig that slides under constant force, adhesion and friction, read with noise."""
     time = np.arange(samples) * PERIOD
     resistance = 0.0004 / 0.46 + 1 / np.sqrt((0.46 / (0.0018 * 0.065)) ** 2 * (1 + 0.0018**2) - 1)
     rate = (0.46 * 98.1e3 * (alpha - resistance) - 2 * mu_b * 0.25 * force) / 130
@@ -51,8 +53,8 @@ def undragged():
     return prediction_of(MODEL, {"A_drag": 0.0})
 
 
-def test_without_drag_the_filter_is_the_plain_kalman_filter_with_q_and_r_as_printed(undragged):
-    """The rig is linear in its states then; Q of equation (20) is added once a step."""
+def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(undragged):
+    """Without drag the rig is linear in its states; Q of equation (20) is added in every step."""
     recording = braked()
     estimates = estimate(recording, undragged, SETTINGS, units=units_of(MODEL))
     force = 2e4
@@ -68,19 +70,18 @@ def test_without_drag_the_filter_is_the_plain_kalman_filter_with_q_and_r_as_prin
     for k in range(1, len(y)):
         mean, P = phi @ mean + drift, phi @ P @ phi.T + Q
         residual = y[k] - H @ mean
-        # Innovations are what the filter did not expect, before it learned of them.
         assert estimates["innovation"].values[k] == pytest.approx(residual, abs=1e-9)
         gain = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
         mean = mean + gain @ residual
         remainder = np.eye(4) - gain @ H
         P = remainder @ P @ remainder.T + gain @ R @ gain.T
-        # R is ten decimals below Q, so the update cancels nine of sixteen digits.
+        # R is ten orders below Q, so the update cancels nine of sixteen digits.
         assert estimates["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
         assert estimates["sd"].values[k] == pytest.approx(np.sqrt(np.diag(P)), rel=5e-6, abs=1e-12)
 
 
 def test_compiled_and_numpy_filters_agree(undragged):
-    """Pads that are pressed in the second half only are held still in the first."""
+    """With a gate: the pads are applied in the second half only."""
     recording = braked()
     recording["reading_pad_force"].values[:30] = 0.0
     gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
@@ -102,7 +103,7 @@ def test_compiled_and_numpy_filters_agree(undragged):
 
 @pytest.mark.parametrize("parameters", [{}, {"mu_b_relaxes": 1.0}])
 def test_the_prediction_fmu_gives_the_estimates_of_its_equations(parameters):
-    """R is ten decimals below Q, so an update cancels nine of sixteen digits of what rounding left."""
+    """R is ten orders below Q, so an update cancels nine of sixteen digits."""
     recording = braked()
     by_fmu, by_equations = (
         estimate(recording, prediction_of(MODEL, parameters, kind=kind), SETTINGS) for kind in ("fmu", "compiled")
@@ -111,23 +112,8 @@ def test_the_prediction_fmu_gives_the_estimates_of_its_equations(parameters):
     np.testing.assert_allclose(by_fmu["sd"].values, by_equations["sd"].values, rtol=5e-6)
 
 
-def test_normalised_innovations_are_those_of_the_reference(undragged):
-    recording = braked(samples=20)
-    estimates = estimate(recording, undragged, SETTINGS)
-    process = by_name("process", SETTINGS.process, undragged.states)
-    reference = ExtendedKalmanFilter(undragged, process, [1e-9, 1e-7], PERIOD)
-    belief = reference.start(estimates["mean"].values[0], by_name("s", SETTINGS.start_deviation, undragged.states) ** 2)
-    y = np.stack([recording["reading_wheelset_speed"].values, recording["reading_speed"].values], axis=1)
-    for k in range(1, 20):
-        prediction = reference.predict(belief, np.array([2e4]))
-        innovation = reference.innovation(prediction, np.array([2e4]), y[k])
-        assert estimates["nis"].values[k] == pytest.approx(innovation.nis, rel=1e-6, abs=1e-12)
-        assert estimates["readings"].values[k] == 2
-        belief = reference.condition(prediction, np.array([2e4]), innovation)
-
-
-def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
-    """Constant states and noise as told: the squared normalised error of each state is 1 on average over runs."""
+def test_a_filter_with_true_noises_is_consistent(undragged):
+    """With constant states the squared normalised error of each state is 1 on average over runs."""
     honest = replace(
         SETTINGS,
         process={"w": 1e-12, "v": 1e-12, "mu_b": 1e-14, "alpha": 1e-14},
@@ -137,7 +123,7 @@ def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
     last = []
     for seed in range(60):
         recording = braked(seed=seed)
-        # A start that is off as the start says: 1 of its standard deviations on average.
+        # The error of the start has the standard deviation of the start.
         off = np.random.default_rng(1000 + seed).standard_normal(4) * [0.3, 0.1, 0.04, 0.02]
         start = dict(zip(("w", "v", "mu_b", "alpha"), np.array([60.0, 30.0, 0.35, 0.08]) + off, strict=True))
         estimates = estimate(recording, undragged, replace(honest, start=start))
@@ -147,7 +133,7 @@ def test_a_filter_told_the_truth_about_its_noise_knows_its_error(undragged):
 
 
 def test_inputs_may_be_held_or_averaged(undragged):
-    """A ramp of the pad force: half a period of delay is what holding costs, and averaging saves."""
+    """With a ramp of the pad force, held inputs are delayed by half a period, averaged ones are not."""
     recording = braked()
     ramp = recording["reading_pad_force"].values + 1e5 * recording["time"].values
     rate = np.gradient(recording["reading_wheelset_speed"].values, PERIOD).mean()
@@ -163,17 +149,13 @@ def test_inputs_may_be_held_or_averaged(undragged):
     assert errors["mean"] < 0.2 * errors["held"]
 
 
-def test_a_reading_that_is_missing_is_not_used(undragged):
+def test_a_missing_reading_is_left_out_and_a_missing_input_refused(undragged):
     recording = braked()
     recording["reading_speed"].values[20:30] = np.nan
     estimates = estimate(recording, undragged, SETTINGS)
     assert estimates["readings"].values[20:30].tolist() == [1.0] * 10
     assert np.isnan(estimates["innovation"].values[20:30, 1]).all()
     assert np.isfinite(estimates["mean"].values).all()
-
-
-def test_an_input_that_is_missing_is_refused(undragged):
-    recording = braked()
     recording["reading_pad_force"].values[7] = np.nan
     with pytest.raises(EstimationError, match=r"input pad_force is not a number at 0\.070 s"):
         estimate(recording, undragged, SETTINGS)
@@ -190,10 +172,10 @@ def test_a_filter_that_diverges_ends_with_a_reason(undragged):
 
 
 @pytest.mark.parametrize("limit", [None, 5.0])
-def test_a_filter_that_is_lost_says_since_when(undragged, limit):
-    """From 1.5 s on both sensors show noise, as finite as before; a gate of outliers does not hide it.
+def test_a_lost_filter_reports_the_instant(undragged, limit):
+    """From 1.5 s on the noise of both sensors is far larger; with a limit of outliers it is noticed as well.
 
-    Claims are honest, so that up to there nothing is said.
+    Before that the filter is consistent, so nothing is reported.
     """
     honest = replace(
         SETTINGS,
@@ -213,7 +195,7 @@ def test_a_filter_that_is_lost_says_since_when(undragged, limit):
     assert np.isfinite(estimates["mean"].values).all()
 
 
-def test_settings_name_what_is_missing_and_what_is_strange(undragged):
+def test_missing_and_unknown_names_are_refused(undragged):
     with pytest.raises(EstimationError, match="process lacks alpha; it has w, v, mu_b"):
         estimate(braked(), undragged, replace(SETTINGS, process={"w": 1.0, "v": 1.0, "mu_b": 1.0}))
     with pytest.raises(EstimationError, match="readings has acceleration, the model has wheelset_speed, speed"):
@@ -224,7 +206,9 @@ def test_settings_name_what_is_missing_and_what_is_strange(undragged):
         estimate(braked(), undragged, replace(SETTINGS, readings={"wheelset_speed": 0.0, "speed": 1.0}))
     with pytest.raises(EstimationError, match="RollerRigPrediction has no parameter mass"):
         prediction_of(MODEL, {"mass": 1.0})
+    with pytest.raises(EstimationError, match="RollerRigPrediction has no output yaw; it has wheelset_speed, speed"):
+        prediction_of(MODEL, outputs=("speed", "yaw"))
 
 
-def test_an_element_goes_before_its_array():
+def test_an_element_takes_precedence_over_its_array():
     assert by_name("start", {"w": 1.0, "w[2]": 3.0}, ("w[1]", "w[2]")).tolist() == [1.0, 3.0]

@@ -1,3 +1,5 @@
+"""Estimations as TOML files: the library, units, noises and messages about invalid files."""
+
 import numpy as np
 import pytest
 
@@ -24,7 +26,7 @@ def test_every_file_of_the_library_makes_a_filter(path):
     specification = load_specification(path)
     settings = settings_for(specification, 0.01)
     prediction = prediction_for(specification)
-    # One noise for every state, by its name or its array's, and none that no state has.
+    # One noise for every state, by its name or that of its array, and no other.
     assert by_name("process", settings.process, prediction.states).shape == (len(prediction.states),)
 
 
@@ -35,7 +37,7 @@ def test_equation_20_is_exactly_as_printed():
     assert noise.readings == {"wheelset_speed": 1e-9, "speed": 1e-7}
 
 
-def test_what_a_step_adds_does_not_depend_on_the_period_where_a_table_says_so():
+def test_noise_per_step_does_not_depend_on_the_period():
     paper = load_specification(LIBRARY / "rig_paper.toml")
     for period in (1e-3, 2e-2):
         assert settings_for(paper, period).process["w"] * period == pytest.approx(10.0, rel=1e-15)
@@ -47,8 +49,7 @@ def test_units_are_converted_and_checked(tmp_path):
         p=('class = "RollerRigPrediction"', 'class = "RollerRigPrediction"\nparameters = { load = "98.1 kN" }'),
     )
     specification = load_specification(path)
-    names = [v for v in equations_for(specification).parameters]
-    assert 98.1e3 in names
+    assert 98.1e3 in equations_for(specification).parameters
     assert settings_for(specification, 0.01).gate.threshold == 1500.0
     path = written(tmp_path, p=('threshold = "1.5 kN"', 'threshold = "1.5 bar"'))
     with pytest.raises(ScenarioError, match=r"\[gate\] threshold is '1.5 bar', but 'bar' cannot be converted to 'N'"):
@@ -64,19 +65,19 @@ def test_units_are_converted_and_checked(tmp_path):
         ('between = "mean"', 'between = "linear"', r"between is 'linear'; there is 'held' or 'mean'"),
     ],
 )
-def test_a_file_that_is_wrong_gets_a_sentence(tmp_path, old, new, sentence):
+def test_an_invalid_file_is_refused(tmp_path, old, new, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         load_specification(written(tmp_path, change=(old, new)))
 
 
-def test_a_source_that_is_not_there_gets_a_sentence():
+def test_a_missing_source_is_refused():
     with pytest.raises(ScenarioError, match="snow: there is no such file; name a scenario"):
         recording_of_estimation(load_specification(LIBRARY / "wagon.toml"), scenario="snow")
     with pytest.raises(ScenarioError, match=r"wagon\.toml: \[source\] has no key 'kind'"):
         load_specification(LIBRARY / "wagon.toml", ["source.kind=field"])
 
 
-def test_noises_may_stand_in_the_file_that_a_search_wrote(tmp_path):
+def test_noises_may_come_from_a_file(tmp_path):
     (tmp_path / "tuned.toml").write_text("[noise]" + TEXT.partition("[noise]")[2].partition("[start]")[0])
     before, _, after = TEXT.partition("[noise]")
     path = tmp_path / "mine.toml"
@@ -90,7 +91,7 @@ def test_noises_may_stand_in_the_file_that_a_search_wrote(tmp_path):
         load_specification(path)
 
 
-def test_laws_of_the_paper_are_a_parameter_away():
+def test_the_laws_of_the_paper_are_selected_by_parameters():
     """The wagon as printed in (5), (4) and (12), and pads that relax as in (9): from one file, by `--set`."""
     overrides = ("model.parameters.adhesion_share=0.5", "model.parameters.mu_b_relaxes=1", "noise.process.v=1e-3")
     specification = load_specification(LIBRARY / "wagon.toml", overrides)
@@ -105,7 +106,7 @@ def test_laws_of_the_paper_are_a_parameter_away():
     assert not consistent.derivative(x, u)[3:5].any()
 
 
-def test_track_force_is_made_or_mapped_but_not_both(tmp_path):
+def test_track_force_is_computed_or_mapped_but_not_both(tmp_path):
     text = (LIBRARY / "field.toml").read_text()
     path = tmp_path / "mine.toml"
     path.write_text(text + 'track_force = { value = "0 N" }\n')

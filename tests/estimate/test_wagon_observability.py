@@ -41,7 +41,7 @@ def test_the_closed_form_inverts_readings_and_rates(variant):
     wagon = equations_of("WagonPrediction", variant)
     u = np.array([2e4, 1.5e4, -800.0, -50.0, -60.0])
     z, _ = readings_and_rates(wagon, 1, X, u)
-    # Torques of 1e4 N.m cancel to what a pad is worth: three digits of sixteen.
+    # Differences of torques of 1e4 N.m lose three of sixteen digits.
     assert inverse(z, u, variant) == pytest.approx(X, rel=1e-12)
 
 
@@ -64,23 +64,23 @@ def test_the_printed_factor_is_half_the_force_balance():
         ((0.0, 0.0), ("mu_b[1]", "mu_b[2]")),
     ],
 )
-def test_a_pad_without_force_is_all_that_is_lost(variant, forces, lost):
+def test_only_pads_without_force_are_undetermined(variant, forces, lost):
     wagon = equations_of("WagonPrediction", variant)
     information = observability(wagon, X, np.array([*forces, -800.0, 0.0, 0.0]), SCALE)
     assert (information.complete, information.rank, information.undetermined) == (not lost, 6 - len(lost), lost)
     assert lost or information.order == 1
 
 
-def test_a_relaxing_pad_is_lost_without_force_too():
-    """Equation (9) gives friction a dynamics of its own, which no reading sees."""
+def test_a_relaxing_pad_without_force_is_undetermined_too():
+    """Equation (9) gives friction dynamics of its own, on which no reading depends."""
     wagon = equations_of("WagonPrediction", CORRECTED | {"mu_b_relaxes": 1.0})
     information = observability(wagon, X, np.array([0.0, 1.5e4, 0.0, 0.0, 0.0]), SCALE)
     assert information.undetermined == ("mu_b[1]",)
 
 
-def test_windows_lose_the_pad_where_it_is_released():
+def test_windows_without_pad_force_do_not_determine_pad_friction():
     samples, period = 300, 0.01
-    force = np.where(np.arange(samples) < 150, 50.0, 2e4)  # a load cell that shows 50 N of noise and offset
+    force = np.where(np.arange(samples) < 150, 50.0, 2e4)  # 50 N of noise and offset of a load cell
     steady = {"w": (60.0, "rad/s"), "v": (30.0, "m/s"), "mu_b": (0.35, "1"), "alpha": (0.08, "1")}
     recording = recording_of(
         {

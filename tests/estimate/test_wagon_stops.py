@@ -1,4 +1,4 @@
-"""The goods wagon of Schwarz and Keck (2020): its stops as recordings, and what its filter makes of them."""
+"""The goods wagon of Schwarz and Keck (2020): recordings of its stops, and estimates of its filter."""
 
 import numpy as np
 import pytest
@@ -35,18 +35,17 @@ def believed(recorded, **parameters):
 
 
 def test_load_moves_to_the_front_by_inertia():
-    """±m|a| h/L, once the suspension has handed it on."""
+    """By ±m|a| h/L, after the lag of the suspension."""
     changes = {"demand": {"phases": [{"pressure": "1.5 bar"}]}, "start.speed": 20.0, "limits.horizon": "3 s"}
     trace = rg.run(rg.Scenario.load("wagon_stop", changes | {"adhesion.mu0": 0.3})).trace
     load, speed = trace["wheelset_load"].values, trace["speed"].values
     acceleration = (speed[-1] - speed[-11]) / 0.1
     assert load.sum(axis=1) == pytest.approx(40e3 * 9.81, rel=1e-12)
-    # Friction still creeps up, so loads lag by T_pitch times their rate, and the difference quotient by 50 ms.
+    # Friction still increases, so loads lag by T_pitch times their rate, and the difference quotient by 50 ms.
     assert load[-1, 0] - load[-1, 1] == pytest.approx(-2 * 1.5 / 9 * 40e3 * acceleration, rel=0.01)
 
 
-# Of the recording that a loop of its own gave before it was a scenario of the one loop, bit by bit. Five digits are
-# what two compilers of the plant share.
+# By a former loop of the wagon alone. Two compilers of the plant agree to five digits.
 @pytest.mark.parametrize(
     ("name", "count", "speeds"),
     [
@@ -61,8 +60,8 @@ def test_the_truth_is_that_of_the_former_loop(name, count, speeds, seed):
     assert truth_of(recording, "v")[[450, 1100, 1600, -1]] == pytest.approx(speeds, rel=1e-5)
 
 
-def test_instruments_read_the_truth_with_white_noise_of_their_own(stop):
-    """Deviations of 5000 samples are known to 1 %; four of these are 4 %. What one reads says nothing of the others."""
+def test_readings_are_the_truth_with_independent_white_noise(stop):
+    """Standard deviations of 5000 samples are accurate to 1 %, times four; correlations of instruments to 1.4 %."""
     noise = {key: reading_of(stop, key) - truth_of(stop, state) for key, state in READ.items()}
     for values in noise.values():
         assert np.std(values) == pytest.approx(1e-2, rel=0.04)
@@ -78,13 +77,13 @@ def test_instruments_read_the_truth_with_white_noise_of_their_own(stop):
 READ = {"speed": "v", "wheelset_speed[1]": "w[1]", "wheelset_speed[2]": "w[2]"}
 
 
-def test_bearings_and_rolling_hold_every_wheelset_back(stop):
+def test_bearings_and_rolling_decelerate_every_wheelset(stop):
     """−(μ r + e) F_z: their sum is that of the wagon's weight."""
     both = reading_of(stop, "wheel_torque[1]") + reading_of(stop, "wheel_torque[2]")
     assert both == pytest.approx(-(0.0018 * 0.065 + 0.0004) * 40e3 * 9.81, rel=1e-6)
 
 
-def test_what_the_plant_does_not_show_cannot_be_read():
+def test_only_signals_of_the_plant_can_be_read():
     with pytest.raises(ScenarioError, match=r"wagon_stop: \[source.noise\] has no parameter 'yaw_rate'"):
         run(noise=NOISE | {"yaw_rate": NOISE["speed"]})
 
@@ -97,17 +96,17 @@ def test_the_corrected_factor_finds_the_adhesion_and_the_printed_one_twice_as_mu
     assert printed == pytest.approx(2 * truth, rel=0.01)
 
 
-def test_the_printed_factor_puts_the_rest_on_the_pads(stop):
+def test_the_printed_factor_biases_pad_friction(stop):
     braking = (stop["time"].values > 6.0) & (stop["time"].values < 9.5)
     for pads in ("mu_b[1]", "mu_b[2]"):
-        # Better than what it started from; pads that hardly move within the window are no test of more.
+        # Better than the start; pad friction hardly changes within the window.
         baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
         assert judge(stop, believed(stop), pads, braking).rmse < 0.8 * baseline_error
     assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
 
 
 def test_one_adhesion_for_wheelsets_that_brake_unequally_is_a_bias_of_their_pads():
-    """A limit of the six-state model itself: rolling wheelsets use as much adhesion as their brakes ask for."""
+    """A limit of the six-state model: rolling wheelsets use as much adhesion as their brakes demand."""
     unequal = run("wagon_unequal")
     braking = (unequal["time"].values > 6.0) & (unequal["time"].values < 9.5)
     estimated = believed(unequal)
