@@ -94,7 +94,7 @@ def validation(
     page: Annotated[Path, typer.Option(help="The file with the table.")] = Path("docs/validation.md"),
     baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
 ) -> None:
-    """Write the accepted braking distances into docs/validation.md."""
+    """Write the accepted distances into docs/validation.md."""
     accepted = load_baseline(baseline)
     if accepted.campaign is None:
         raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")

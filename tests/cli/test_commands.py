@@ -52,8 +52,14 @@ def test_help_cites_no_file_of_the_repository(path, capsys):
 
 @pytest.mark.parametrize(
     ("old", "new"),
-    [("k-factors", "study k_factors"), ("rig", "study roller_rig"), ("monitor-study", "study pad_monitor")]
-    + [(path[-1], " ".join(path)) for path in ALL if path[0] == "maintain" and len(path) == 2],
+    [
+        ("k-factors", "study k_factors"),
+        ("rig", "study roller_rig"),
+        ("monitor-study", "study pad_monitor"),
+        ("readme", "maintain validation"),
+        *((name, f"maintain {name}") for name in ("accept", "bench", "calibrate", "conditioning", "regress", "tune")),
+        ("tune-control", "maintain tune-control"),
+    ],
 )
 def test_a_former_spelling_is_refused_with_the_new_one(old, new, capsys):
     with pytest.raises(SystemExit) as end:
