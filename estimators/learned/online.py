@@ -113,7 +113,8 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
         means.append((total + size) / chain.block)
     memory.after["count"] = ca.if_else(full, 0, counted + 1)
     entries = scale(np.array(means, dtype=object))
-    latest = sum(_network(network, list(entries)) for network in networks) / len(networks)
+    outputs = [_network(network, list(entries)) for network in networks]
+    latest = sum(outputs[1:], outputs[0]) / len(networks)
     friction, known = memory.held("held", latest, full), memory.held("blocks", SX(1), full)
     return memory.online(
         "Friction from axle boxes after Abduraxman", chain.rate, _boxes(), boxes, {_FRICTION: friction, _KNOWN: known}
