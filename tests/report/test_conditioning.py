@@ -103,8 +103,9 @@ def test_a_chaotic_stop_is_accepted_as_the_range_of_its_repeats_and_kept_anywher
     assert load_baseline(tmp_path / "b.toml") == after
     # Repeats that are not known keep it a range; ones that no longer spread make it a number.
     assert accept(after, finding(310.0), "Again.").accepted["x"].is_range
+    # Repeats that stay within 2 cm give the tolerance of a smooth stop, 2 cm in place of 0.1 %.
     firm = accept(after, finding(280.0, FIRM), "No longer chaotic.").accepted["x"]
-    assert (firm.is_range, firm.value, firm.tolerance) == (False, 280.0, 0.28)
+    assert (firm.is_range, firm.value, firm.tolerance) == (False, 280.0, 0.02)
 
 
 def test_half_a_range_is_refused(tmp_path):
