@@ -65,7 +65,7 @@ validation: $(READY)  ## write the accepted braking distances into docs/validati
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) maintain regress
 
-mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (an hour; STOPS='sine_sweep-*')
+mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (hours; STOPS='sine_sweep-*')
 	$(RUN) tests/mutants.py $(if $(STOPS),--stops '$(STOPS)')
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'

@@ -48,10 +48,6 @@ def first_line(documented: object) -> str:
     return (inspect.getdoc(documented) or "").partition("\n")[0]
 
 
-# ---------------------------------------------------------------------------------------------------------------------
-# Scenario file
-
-
 @dataclass
 class Key:
     """The type of a key, collected from its annotation.
@@ -230,9 +226,6 @@ def scenario_page() -> None:
         *page.sections,
     )
 
-
-# ---------------------------------------------------------------------------------------------------------------------
-# Signals, metrics, commands, Python, creep curves
 
 SIGNALS = {
     "Plant outputs": signals.PLANT,

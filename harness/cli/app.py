@@ -117,8 +117,8 @@ class _Main(Commands):
         "Estimation and monitoring": {
             "estimate": Command("estimation:estimate", "Run the filter of an estimation over its recording."),
             "observability": Command("estimation:observability", "Show what a recording determines of each state."),
-            "ride": Command("rides:ride", "Run the instrumented car with a trained friction estimator."),
-            "monitor": Command("rides:monitor", "Follow the pad friction of each brake group from stop to stop."),
+            "ride": Command("monitoring:ride", "Run the instrumented car with a trained friction estimator."),
+            "monitor": Command("monitoring:monitor", "Follow the pad friction of each brake group from stop to stop."),
         },
         "Development": {
             "maintain": Command("maintain:maintain", "Commands for those who change railgrip itself."),

@@ -65,5 +65,7 @@ def quantile_interval(values: Sequence[float], share: float) -> tuple[float, flo
     if len(values) < 2:
         return None
     draws = np.random.default_rng(_SEED).choice(values, (_RESAMPLES, len(values)))
-    low, high = np.quantile(np.quantile(draws, share, axis=1, method="inverted_cdf"), (0.025, 0.975))
+    of_draws = np.quantile(draws, share, axis=1, method="inverted_cdf")
+    # Not interpolated either: between two endless distances there is no number.
+    low, high = np.quantile(of_draws, (0.025, 0.975), method="inverted_cdf")
     return float(low), float(high)

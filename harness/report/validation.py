@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from railgrip.errors import RecordError
-from railgrip.files import write_text
 from railgrip.report.baseline import Accepted, Baseline
+from railgrip.report.marked import write_tables
 from railgrip.report.reference import label, references
 from railgrip.report.table import Table, percent
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -78,15 +77,7 @@ def write_table(path: Path, campaign: Campaign, baseline: Baseline) -> None:
     Raises:
         RecordError: The file cannot be read, or lacks one of the marks.
     """
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as problem:
-        raise RecordError(f"{path}: cannot be read: {problem.strerror}") from problem
-    before, begin, rest = text.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise RecordError(f"{path}: lacks a line that encloses the table; add '{BEGIN}' and '{END}'")
-    write_text(path, f"{before}{BEGIN}\n{table(campaign, baseline)}\n{END}{after}")
+    write_tables(path, {BEGIN: table(campaign, baseline)}, END)
 
 
 def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:

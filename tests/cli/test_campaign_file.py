@@ -142,7 +142,7 @@ def test_some_stops_are_repeated_again_and_the_others_stay(railgrip, project):
     assert railgrip("maintain", "conditioning", "pair.toml", "--repeats", 3, "--stops", min(before)).code == 0
     after = json.loads(file.read_text(encoding="utf-8"))["stops"]
     assert {name: len(stop["distances"]) for name, stop in after.items()} == dict.fromkeys(before, 2) | {min(before): 3}
-    wrong = railgrip("maintain", "conditioning", "pair.toml", "--stops", "nobody")
+    wrong = railgrip("maintain", "conditioning", "pair.toml", "--stops", "no-such-stop")
     assert (wrong.code, "pair.toml has no such stop" in wrong.err) == (2, True)
     wrong = railgrip("maintain", "conditioning", "pair.toml", "--stops", min(before), "--relative", "1e-6")
     assert (wrong.code, "was moved by 1e-07" in wrong.err) == (2, True)

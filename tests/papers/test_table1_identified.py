@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from railgrip.report.marked import with_tables
 from railgrip.scenario.polach import named_set
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
-from railgrip.studies.papers.pages import with_tables
-from railgrip.studies.papers.study import PAGE, tables_of
-from railgrip.studies.papers.table1 import REPEATS, SCENARIOS, median_distance, read_fits
+from railgrip.studies.papers.study import END, PAGE, begin, tables_of
+from railgrip.studies.papers.table1 import SCENARIOS, median_distance, read_fits
 
 PROJECT = Path(__file__).parents[2]
 
@@ -20,19 +20,19 @@ def identified():
 
 @pytest.fixture(scope="module")
 def tables(identified):
-    return tables_of(read_fits(FITS), identified)
+    return {begin(name): table for name, table in tables_of(read_fits(FITS), identified).items()}
 
 
 def test_the_page_says_what_the_files_of_results_say(tables):
     text = (PROJECT / PAGE).read_text(encoding="utf-8")
-    assert with_tables(text, tables) == text
+    assert with_tables(text, tables, END) == text
 
 
 def test_a_stale_number_is_found(tables):
     text = (PROJECT / PAGE).read_text(encoding="utf-8")
     assert "382.9 m" in text
     stale = text.replace("382.9 m", "382.8 m")
-    assert with_tables(stale, tables) == text != stale
+    assert with_tables(stale, tables, END) == text != stale
 
 
 def test_the_named_curve_is_the_identified_one(identified):
@@ -47,5 +47,5 @@ def test_all_six_distances_are_within_one_per_cent(identified):
 @pytest.mark.parametrize("controller", ["sbc", "abc"])
 def test_stops_repeat_what_the_file_says(identified, name, controller):
     """Single stops of twelve stray by 1.6 % at most, on the trapezoid; their medians by 0.1 %."""
-    distance = median_distance(name, identified.candidate, identified.levels[name], controller, REPEATS)
+    distance = median_distance(name, identified.candidate, identified.levels[name], controller, repeats=3)
     assert distance == pytest.approx(getattr(identified, controller)[name], rel=5e-3)

@@ -13,6 +13,7 @@ from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.row import Row
+from railgrip.report.statistics import quantile_interval
 
 DRAWS = """
 name = "drawn"
@@ -70,6 +71,12 @@ def test_the_interval_of_the_median_holds_what_it_says():
         misses += not low <= math.log(2) <= high
     assert misses <= stats.binom.ppf(0.999, 400, 0.05)
     assert misses > 0  # an interval that never misses says nothing
+
+
+def test_an_interval_of_a_quantile_may_end_in_endless_distances():
+    """The quantile of five at 95 % is their largest: within 1.1 with probability 0.4^5 = 1 %, within 1.2 with 7.8 %."""
+    assert quantile_interval([1.0, 1.1, 1.2, math.inf, math.inf], 0.95) == (1.2, math.inf)
+    assert quantile_interval([math.inf] * 5, 0.95) == (math.inf, math.inf)
 
 
 def test_a_draw_without_a_standstill_is_longer_than_any_other():

@@ -31,9 +31,10 @@ ABC = {"trapezoid": 333.4, "sine_sweep": 286.6, "random": 309.6}
 """Table 1, braking distances of adhesion-based control [m]."""
 
 PERTURBATION = 1e-7
-REPEATS = 3
-"""Repeats of a stop in the search; `FINAL_REPEATS` of the result."""
-FINAL_REPEATS = 20
+SEARCHED: Mapping[str, int] = {"sbc": 1, "abc": 3}
+"""Repeats of a stop in the search: rounding moves slip-based control by 0.1 %, the law as printed by up to 2 %."""
+FINAL: Mapping[str, int] = {"sbc": 20, "abc": 20}
+"""Repeats of a stop of the result."""
 
 LEVELS = (0.5, 2.5)
 """Where a level is looked for, a factor on the friction of the scenario file."""
@@ -133,25 +134,24 @@ def median_distance(name: str, candidate: Candidate, level: float, controller: s
     return float(np.median([math.inf if one is None else one for one in distances]))
 
 
-def fit(candidate: Candidate, repeats: int = REPEATS) -> Fitted:
+def fit(candidate: Candidate) -> Fitted:
     """Solve for the levels, and return both controllers' distances at them."""
     levels: dict[str, float] = {}
     for name in SCENARIOS:
         levels[name] = level = _level(name, candidate)
         if math.isnan(level):
             return Fitted(candidate=candidate, levels=levels | dict.fromkeys(SCENARIOS, math.nan), sbc=_NONE, abc=_NONE)
-    return at_levels(candidate, levels, repeats)
+    return at_levels(candidate, levels, SEARCHED)
 
 
 _NONE: Mapping[str, float] = {str(name): math.nan for name in SCENARIOS}
 
 
-def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: int) -> Fitted:
-    """Return both controllers' distances at given levels."""
+def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mapping[str, int]) -> Fitted:
+    """Return both controllers' distances at given levels, medians of so many repeats of each controller."""
     sbc, abc = (
         {name: median_distance(name, candidate, levels[name], controller, count) for name in SCENARIOS}
-        # Rounding moves slip-based control by 0.1 %, the law as printed by up to 2 %: one will do in a search.
-        for controller, count in (("sbc", 1 if repeats == REPEATS else repeats), ("abc", repeats))
+        for controller, count in repeats.items()
     )
     return Fitted(candidate=candidate, levels=levels, sbc=sbc, abc=abc)
 
@@ -196,12 +196,12 @@ def search(work: Work, stages: Sequence[int] = STAGES, seed: int = 1) -> list[Fi
 
 
 def refined(work: Work, fits: Sequence[Fitted], count: int = 6) -> Fitted:
-    """Return the best of the first few fits by the medians of `FINAL_REPEATS` repeats."""
-    again = work.map(_at_levels, [(one.candidate, dict(one.levels), FINAL_REPEATS) for one in fits[:count]])
+    """Return the best of the first few fits by the medians of `FINAL` repeats."""
+    again = work.map(_at_levels, [(one.candidate, dict(one.levels), FINAL) for one in fits[:count]])
     return min(again, key=lambda one: one.largest)
 
 
-def _at_levels(case: tuple[Candidate, Mapping[str, float], int]) -> Fitted:
+def _at_levels(case: tuple[Candidate, Mapping[str, float], Mapping[str, int]]) -> Fitted:
     return at_levels(*case)
 
 

@@ -350,8 +350,7 @@ def _quantile(values: Sequence[float], share: float) -> float | None:
 
 def _interval(values: Sequence[float], share: float) -> tuple[float | None, float | None]:
     """Return the interval of a quantile; None for an end that is infinite, and for both with too few values."""
-    with np.errstate(invalid="ignore"):  # between two endless values there is no difference
-        low, high = quantile_interval(values, share) or (math.nan, math.nan)
+    low, high = quantile_interval(values, share) or (math.nan, math.nan)
     return finite(low), finite(high)
 
 

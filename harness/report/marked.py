@@ -1,0 +1,45 @@
+"""Tables that commands write between two marks of a page, so that its numbers agree with the results."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from railgrip.errors import RecordError
+from railgrip.files import write_text
+from railgrip.report.table import Table
+
+
+def with_tables(text: str, tables: Mapping[str, Table | str], end: str) -> str:
+    """Return the text of a page with these tables between their marks.
+
+    Args:
+        text: Of the page.
+        tables: By the mark before each.
+        end: Mark after each.
+
+    Raises:
+        RecordError: The page lacks one of the marks; the sentence begins with a verb.
+    """
+    for begin, table in tables.items():
+        before, mark, rest = text.partition(begin)
+        _, closing, after = rest.partition(end)
+        if not mark or not closing:
+            raise RecordError(f"lacks a line that encloses the table; add '{begin}' and '{end}'")
+        text = f"{before}{begin}\n{table}\n{end}{after}"
+    return text
+
+
+def write_tables(path: Path, tables: Mapping[str, Table | str], end: str) -> None:
+    """Write tables between the marks of a page; see `with_tables`.
+
+    Raises:
+        RecordError: The page cannot be read, or lacks one of the marks.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as problem:
+        raise RecordError(f"{path}: cannot be read: {problem.strerror}") from problem
+    try:
+        written = with_tables(text, tables, end)
+    except RecordError as problem:
+        raise RecordError(f"{path}: {problem}") from problem
+    write_text(path, written)
