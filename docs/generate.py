@@ -19,8 +19,6 @@ from pydantic.fields import FieldInfo
 
 import railgrip
 from railgrip import registry, signals
-from railgrip.assemble.contact import compiled_contact
-from railgrip.assemble.files import lowered
 from railgrip.cli.main import app
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
@@ -28,6 +26,8 @@ from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import ONE_OR_EACH
+from railgrip.simulate.contact import compiled_contact
+from railgrip.simulate.files import lowered
 from railgrip.trace.metrics import meanings
 
 TYPES = {float: "number", int: "integer", str: "text", bool: "true or false", NamedFile: "path", Any: "any"}

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.errors import EstimatorError, FilterDiverged
+from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.design import Design, Gate
 from railgrip.estimators.discretisation import ORDER, Order
@@ -112,7 +112,7 @@ class CompiledFilter(StepInC):
 
     Raises:
         EstimatorError: The parts do not fit each other.
-        railgrip.errors.CompilerMissing: There is no C compiler on this machine.
+        railgrip.base.errors.CompilerMissing: There is no C compiler on this machine.
     """
 
     def __init__(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Vector
 
 UNDECIDED = -1

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaincinv
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 
 
 def _chi_square(probability: ArrayLike, degrees: ArrayLike) -> NDArray[np.float64]:

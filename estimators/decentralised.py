@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Matrix
 from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
@@ -50,7 +50,7 @@ class DecentralisedFilter(StepInC):
 
     Raises:
         EstimatorError: The arguments do not fit each other.
-        railgrip.errors.CompilerMissing: There is no C compiler on this machine.
+        railgrip.base.errors.CompilerMissing: There is no C compiler on this machine.
 
     Sources: Friedland, Treatment of Bias in Recursive Filtering, IEEE Trans. Automatic Control 14 (1969), for what is
     common; Pnevmatikakis, Rahnama Rad, Huggins, Paninski, Fast Kalman Filtering and Forward–Backward Smoothing via a

@@ -7,7 +7,7 @@ from typing import Self, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.prediction import Variables

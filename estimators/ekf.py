@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
-from railgrip.errors import FilterDiverged
+from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.design import Design, Gate
 from railgrip.estimators.discretisation import ORDER, Order, advance, transition

@@ -45,5 +45,5 @@ class FilterKind:
 
     @classmethod
     def start(cls, task: Task) -> Any:
-        """Return the filter with its first belief, a `railgrip.loop.parts.Filter`."""
+        """Return the filter with its first belief, a `railgrip.simulate.loop.parts.Filter`."""
         raise NotImplementedError

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from itertools import pairwise
 
 import casadi as ca
@@ -108,4 +109,16 @@ def model_in_c(
         parameters=p.numel(),
         sizes=tuple(sizes.items()),
         text=text + _CALLS,
+    )
+
+
+def addressed_model(*, derivative_pattern: Pattern, output_pattern: Pattern, inputs: int, parameters: int) -> ModelInC:
+    """Return the C that calls two functions of a loaded library, whose addresses are the prediction's parameters."""
+    return ModelInC(
+        derivative_pattern=derivative_pattern,
+        output_pattern=output_pattern,
+        inputs=inputs,
+        parameters=parameters,
+        sizes=(),
+        text=(files("railgrip.estimators") / "kernel" / "addressed.h").read_text(encoding="utf-8"),
     )

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.design import noise_matrix, positive_definite
 from railgrip.estimators.discretisation import transition

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import casadi as ca
 import numpy as np
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.model_in_c import ModelInC, model_in_c
 from railgrip.fmus.native import Model

@@ -7,7 +7,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Vector
 from railgrip.estimators.design import Gate
 

@@ -10,9 +10,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from railgrip import cache
-from railgrip.errors import CompilerMissing, InputError, RailgripError
-from railgrip.files import scratch
+from railgrip.base import cache
+from railgrip.base.errors import CompilerMissing, InputError, RailgripError
+from railgrip.base.files import scratch
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import confined, toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest

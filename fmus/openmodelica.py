@@ -7,8 +7,8 @@ import warnings
 from functools import lru_cache
 from pathlib import Path
 
-from railgrip.errors import BuildFailed, CompilerMissing
-from railgrip.files import scratch
+from railgrip.base.errors import BuildFailed, CompilerMissing
+from railgrip.base.files import scratch
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 

@@ -9,7 +9,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from railgrip.errors import InputError
+from railgrip.base.errors import InputError
 from railgrip.fmus.native.library import MODELICA
 
 RECIPES = Path(__file__).with_name("recipes.toml")

@@ -13,25 +13,53 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     __version__: str
     from railgrip import testing
-    from railgrip.api import Scenario, estimate, open, run, sweep
-    from railgrip.controllers.observation import Observation
-    from railgrip.custom import Controller, Estimate, Estimator, Plant, Sensors
-    from railgrip.errors import RailgripError
-    from railgrip.trace.outcome import Outcome
-    from railgrip.trace.stop import Stop
-    from railgrip.vehicle.formation import Formation
+    from railgrip.api import (
+        Controller,
+        ControllerFailed,
+        Estimate,
+        EstimationError,
+        Estimator,
+        EstimatorFailed,
+        FilterDiverged,
+        FmuError,
+        Formation,
+        InputError,
+        Observation,
+        Outcome,
+        Plant,
+        PlantFailed,
+        RailgripError,
+        Scenario,
+        ScenarioError,
+        Sensors,
+        SensorsFailed,
+        Stop,
+        estimate,
+        open,
+        run,
+        sweep,
+    )
 
 __all__ = [
     "Controller",
+    "ControllerFailed",
     "Estimate",
+    "EstimationError",
     "Estimator",
+    "EstimatorFailed",
+    "FilterDiverged",
+    "FmuError",
     "Formation",
+    "InputError",
     "Observation",
     "Outcome",
     "Plant",
+    "PlantFailed",
     "RailgripError",
     "Scenario",
+    "ScenarioError",
     "Sensors",
+    "SensorsFailed",
     "Stop",
     "__version__",
     "estimate",
@@ -41,26 +69,15 @@ __all__ = [
     "testing",
 ]
 
-_PLACES = {
-    "railgrip.api": ("Scenario", "estimate", "open", "run", "sweep"),
-    "railgrip.controllers.observation": ("Observation",),
-    "railgrip.custom": ("Controller", "Estimate", "Estimator", "Plant", "Sensors"),
-    "railgrip.errors": ("RailgripError",),
-    "railgrip.vehicle.formation": ("Formation",),
-    "railgrip.trace.outcome": ("Outcome",),
-    "railgrip.trace.stop": ("Stop",),
-}
-
 
 def __getattr__(name: str) -> Any:
-    """Import a name when it is used: a command line that only prints its help must not wait for CasADi (PEP 562)."""
+    """Import a name when it is used: a command line that only prints its help must not wait for pydantic (PEP 562)."""
     if name == "__version__":
         return version("railgrip")
     if name == "testing":
         return import_module("railgrip.testing")
-    for module, names in _PLACES.items():
-        if name in names:
-            return getattr(import_module(module), name)
+    if name in __all__:
+        return getattr(import_module("railgrip.api"), name)
     raise AttributeError(f"module 'railgrip' has no attribute '{name}'; it has {', '.join(__all__)}")
 
 

@@ -2,7 +2,7 @@
 
 import sys
 
-from railgrip.interrupted import Interrupted, listen, stop_listening
+from railgrip.base.interrupted import Interrupted, listen, stop_listening
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -2,28 +2,77 @@
 
 import copy
 from collections.abc import Callable, Collection, Iterable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import PrivateAttr
 
-from railgrip.custom import foreign
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import (
+    ControllerFailed,
+    EstimationError,
+    EstimatorFailed,
+    FilterDiverged,
+    FmuError,
+    InputError,
+    PlantFailed,
+    RailgripError,
+    ScenarioError,
+    SensorsFailed,
+)
+from railgrip.base.units import cut, place, short
+from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
 from railgrip.scenario.file import installed, is_file, is_folder
 from railgrip.scenario.load import read_toml, require_kind, validated
 from railgrip.scenario.merge import merged, nested, parts_of
-from railgrip.units import cut, place, short
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sensors, foreign
+from railgrip.vehicle.formation import Formation
 
 if TYPE_CHECKING:
     # CasADi and the FMU loader take a second; whoever only reads scenarios does without.
     import xarray
 
-    from railgrip.assemble import OwnParts
-    from railgrip.assemble.by_hand import Bench
     from railgrip.campaign.sweep import Sweep
-    from railgrip.custom import Controller, Estimator, Plant, Sensors
+    from railgrip.simulate.by_hand import Bench
+    from railgrip.simulate.parts import OwnParts
     from railgrip.trace.stop import Stop
+
+
+__all__ = [
+    "Controller",
+    "ControllerFailed",
+    "Estimate",
+    "EstimationError",
+    "Estimator",
+    "EstimatorFailed",
+    "FilterDiverged",
+    "FmuError",
+    "Formation",
+    "InputError",
+    "Observation",
+    "Outcome",
+    "Plant",
+    "PlantFailed",
+    "RailgripError",
+    "Scenario",
+    "ScenarioError",
+    "Sensors",
+    "SensorsFailed",
+    "Stop",
+    "estimate",
+    "open",
+    "run",
+    "sweep",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what loads xarray and CasADi when it is used."""
+    if name == "Stop":
+        return import_module("railgrip.trace.stop").Stop
+    raise AttributeError(f"module 'railgrip.api' has no attribute '{name}'")
 
 
 class Scenario(schema.Scenario):
@@ -105,8 +154,8 @@ def run(
         ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
-    from railgrip.assemble import run_stop
     from railgrip.campaign.one_stop import with_sources
+    from railgrip.simulate.run import run_stop
 
     written = isinstance(plant, _WRITTEN)
     own = _parts(
@@ -124,7 +173,7 @@ def open(
     import_from: Iterable[str | Path] = (),
 ) -> "Bench":
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
-    from railgrip.assemble.by_hand import Bench
+    from railgrip.simulate.by_hand import Bench
 
     own = _parts(
         import_from, estimator=estimator, sensors=sensors, plant=None if isinstance(plant, _WRITTEN) else plant
@@ -187,7 +236,6 @@ def estimate(
         ScenarioError: The file is no estimation.
         EstimationError: The recording does not fit it.
     """
-    from railgrip.errors import EstimationError
     from railgrip.estimation.sources import completed, recording_of_estimation
     from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 
@@ -229,8 +277,8 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
     Raises:
         ScenarioError: A class does not take its parameters, an object has some, or a folder is none.
     """
-    from railgrip.assemble import OwnParts
-    from railgrip.assemble.importing import made
+    from railgrip.simulate.importing import made
+    from railgrip.simulate.parts import OwnParts
 
     objects: dict[str, Any] = {}
     for name, part in parts.items():

@@ -16,10 +16,17 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.assemble.plant import NEEDED
-from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, findings, tried
+from railgrip.base.errors import (
+    ContractBroken,
+    ControllerFailed,
+    EstimatorFailed,
+    PlantFailed,
+    ScenarioError,
+    SensorsFailed,
+)
+from railgrip.base.units import short
 from railgrip.controllers.observation import Observation
-from railgrip.custom import (
+from railgrip.simulate.custom import (
     Controller,
     CustomController,
     CustomEstimator,
@@ -31,12 +38,12 @@ from railgrip.custom import (
     Sensors,
     foreign,
 )
-from railgrip.errors import ContractBroken, ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed
-from railgrip.loop.plausible import slowing_of
-from railgrip.signals import layout_of
-from railgrip.units import short
+from railgrip.simulate.loop.plausible import slowing_of
+from railgrip.simulate.plant import NEEDED
+from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, findings, tried
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation, carried_mass
+from railgrip.vehicle.signals import layout_of
 
 T = TypeVar("T")
 Row = tuple[float, ...]

@@ -3,8 +3,8 @@
 import numpy as np
 from synthetic import LAYOUT
 
-from railgrip.loop.library import kernel
-from railgrip.loop.sensors import BLOCK, IdealSensors, ServiceSensors, _encoder
+from railgrip.simulate.loop.library import kernel
+from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, _encoder
 
 KERNEL = kernel(LAYOUT)
 

@@ -24,12 +24,12 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 import railgrip
-from railgrip.assemble import run_stop
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import kept_result, write_description
 from railgrip.report.baseline import compare, findings_of, load_baseline
 from railgrip.report.results import read_results
 from railgrip.scenario.campaign import load_campaign
+from railgrip.simulate.run import run_stop
 
 ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "build/mutants"

@@ -2,8 +2,9 @@
 
 from dataclasses import replace
 
-from railgrip.assemble import assembled, run_stop
-from railgrip.loop.parts import StateEstimator
+from railgrip.simulate.loop.parts import StateEstimator
+from railgrip.simulate.parts import assembled
+from railgrip.simulate.run import run_stop
 
 
 class _Plant:

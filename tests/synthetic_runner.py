@@ -5,9 +5,9 @@ from pathlib import Path
 
 from synthetic import stop_of
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.outcome import Outcome
 
 DECELERATION = {
     "full_brake": 0.5,

@@ -11,7 +11,7 @@ import pytest
 import xarray
 
 import railgrip as rg
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 
 PAGE = Path(__file__).parents[1] / "docs" / "api.md"
 SHORT = {"limits.horizon": "0.5 s", "start.speed": "30 km/h"}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from railgrip import cache
-from railgrip.errors import InputError
+from railgrip.base import cache
+from railgrip.base.errors import InputError
 from railgrip.fmus.native.toolchain import shared_library
 
 ONE = {"one.c": '__attribute__((visibility("default"))) int one(void) { return 1; }'}
@@ -115,8 +115,8 @@ def test_what_lies_in_the_current_folder_is_not_loaded(tmp_path, own_cache):
             (tmp_path / place).mkdir(parents=True, exist_ok=True)
             (tmp_path / place / f"{name}.so").write_bytes(content)
     code = (
-        "from railgrip.loop.library import kernel; from railgrip.fmu.cosimulation import _library;"
-        "from railgrip.vehicle.formation import Formation; from railgrip.signals import layout_of;"
+        "from railgrip.simulate.loop.library import kernel; from railgrip.fmi.cosimulation import _library;"
+        "from railgrip.vehicle.formation import Formation; from railgrip.vehicle.signals import layout_of;"
         "kernel(layout_of(Formation((1,)))); _library()"
     )
     root = str(Path(cache.__file__).parents[1])

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.signals import PLANT, READINGS, SENT, layout_of
 from railgrip.vehicle.formation import Formation, formation_of
+from railgrip.vehicle.signals import PLANT, READINGS, SENT, layout_of
 
 COUNTS = st.lists(st.integers(1, 5), min_size=1, max_size=12).map(tuple)
 

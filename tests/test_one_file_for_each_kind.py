@@ -7,7 +7,7 @@ from textwrap import dedent
 import pytest
 
 import railgrip as rg
-from railgrip import registry
+from railgrip.base import registry
 
 LAW = '''
     """A share of full pressure."""
@@ -41,7 +41,7 @@ SENSORS = '''
 
     import numpy as np
 
-    from railgrip.sensors.ideal import Ideal
+    from railgrip.simulate.sensors.ideal import Ideal
 
 
     class Coarse(Ideal):
@@ -66,7 +66,7 @@ FAULT = '''
 
     from typing import Literal
 
-    from railgrip.loop.faults import ReadingFault
+    from railgrip.simulate.loop.faults import ReadingFault
     from railgrip.scenario.faults import Fault
 
 

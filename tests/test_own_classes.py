@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip as rg
-from railgrip import registry
+from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
 from railgrip.cli.main import app, main
-from railgrip.errors import ScenarioError
 from railgrip.estimation.spec import LIBRARY
 
 

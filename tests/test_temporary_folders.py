@@ -7,8 +7,8 @@ import tempfile
 
 import pytest
 
+from railgrip.base.files import locked, scratch
 from railgrip.campaign.workers import workers
-from railgrip.files import locked, scratch
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the locks are POSIX")
 
@@ -40,7 +40,7 @@ KILLED = """
 import sys, time
 from pathlib import Path
 from railgrip.campaign.workers import workers
-from railgrip.files import scratch
+from railgrip.base.files import scratch
 
 if __name__ == "__main__":
     with workers(1) as pool, scratch("build"), scratch("study"):

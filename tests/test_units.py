@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.errors import UnitError
+from railgrip.base.errors import UnitError
+from railgrip.base.units import GRAVITY, Unit, conversion, to_si, unit
 from railgrip.fmus.recipe import MODELICA
-from railgrip.units import GRAVITY, Unit, conversion, to_si, unit
 
 
 @pytest.mark.parametrize(

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 import railgrip.scenario
-from railgrip.assemble import braking_distance
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged, read_overrides
+from railgrip.simulate.run import braking_distance
 
 SCENARIOS = Path(railgrip.scenario.__file__).parent
 LAWS = {"slope_seeking": "compiled", "adhesion_based": "compiled", "slip_three_state": "none"}

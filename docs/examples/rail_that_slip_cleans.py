@@ -5,17 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.assemble.vehicle import VehicleData
-from railgrip.loop.rail import Field, TabulatedRail
 from railgrip.report.style import BLUE, GREEN, VERMILION, figure
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.load import load
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
-from railgrip.scenario.track import Track, track_force_of
-from railgrip.signals import layout_of
+from railgrip.scenario.track.table import Track, track_force_of
+from railgrip.simulate.loop.rail import Field, TabulatedRail
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import layout_of
 
 CLEAN = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1.9e-4)
 LOAD = 137e3  # N, of a wheelset

@@ -36,7 +36,7 @@ class CLibrary:
             constants: Lines `#define NAME integer` that they use for sizes.
 
         Raises:
-            railgrip.errors.CompilerMissing: There is no C compiler.
+            railgrip.base.errors.CompilerMissing: There is no C compiler.
         """
         self.path = shared_library(sources, name, flags=flags)
         self._ffi: Any = FFI()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import rumoca
 
-from railgrip.errors import InputError
+from railgrip.base.errors import InputError
 from railgrip.fmus.native.library import present_name
 
 _MOST = 3

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
-from railgrip.errors import InputError, TranslationError
+from railgrip.base.errors import InputError, TranslationError
 
 _TASKS: Final = {"translate": "railgrip.fmus.build", "lower": "railgrip.fmus.native.equations"}
 """Functions that the process calls, by the module that has them; arguments and result are JSON."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import rumoca
 
-from railgrip.errors import InputError, TranslationError
+from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native.complaint import places, require_readable, short
 from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest

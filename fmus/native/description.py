@@ -8,12 +8,12 @@ from xml.sax.saxutils import escape
 
 import casadi as ca
 
-from railgrip.errors import UnitError
+from railgrip.base.errors import UnitError
+from railgrip.base.units import BASE, unit
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
 from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.variables import Scalar
-from railgrip.units import BASE, unit
 
 TYPE = {"integer": "Integer", "boolean": "Boolean", "enumeration": "Integer"}
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 from importlib.metadata import version
 from pathlib import Path
 
-from railgrip import units
+from railgrip.base import units
 
 
 def digest(parts: Iterable[str]) -> str:

@@ -10,7 +10,7 @@ from importlib.metadata import version
 
 import casadi as ca
 
-from railgrip.errors import InputError
+from railgrip.base.errors import InputError
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.ctext import string_literal, table
 from railgrip.fmus.native.description import Writer, document

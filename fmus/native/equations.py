@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from railgrip import cache
+from railgrip.base import cache
 from railgrip.fmus.native import confined
 from railgrip.fmus.native.digest import compiler_digest, digest
 from railgrip.fmus.native.library import LIBRARY, is_own, require_class_name, sources_digest

@@ -12,7 +12,7 @@ import casadi as ca
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
-from railgrip.errors import TranslationError
+from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.structure import Equation
 

@@ -13,7 +13,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from railgrip.errors import TranslationError
+from railgrip.base.errors import TranslationError
 
 DECLARATIONS = Path(__file__).parent / "declarations"
 

@@ -5,8 +5,8 @@ import os
 import re
 from pathlib import Path
 
-from railgrip import cache
-from railgrip.errors import InputError
+from railgrip.base import cache
+from railgrip.base.errors import InputError
 
 MODELICA = Path(__file__).parents[2] / "modelica"
 LIBRARY = MODELICA / "RailBraking"

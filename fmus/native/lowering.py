@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import casadi as ca
 
-from railgrip.errors import TranslationError
+from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.model import Model, Variable
 from railgrip.fmus.native.system import System, column

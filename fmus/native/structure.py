@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components, maximum_bipartite_matching
 
-from railgrip.errors import TranslationError
+from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, is_number
 
 LARGEST_LOOP = 24

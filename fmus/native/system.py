@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import casadi as ca
 
-from railgrip.errors import TranslationError
+from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
 from railgrip.fmus.native.conditions import Conditions, Relations, find_relations
 from railgrip.fmus.native.dae import Dae, Node

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from railgrip.cache import find, keep
-from railgrip.errors import BuildFailed, CompilerMissing
-from railgrip.files import scratch
+from railgrip.base.cache import find, keep
+from railgrip.base.errors import BuildFailed, CompilerMissing
+from railgrip.base.files import scratch
 
 # -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine. gnu99 is C99
 # without trigraphs, by which `??/` would be a backslash, also inside a string literal.

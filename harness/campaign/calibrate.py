@@ -11,10 +11,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from railgrip.assemble import braking_distance
+from railgrip.base.files import write_text
 from railgrip.campaign.workers import workers
-from railgrip.files import write_text
 from railgrip.scenario.load import load
+from railgrip.simulate.run import braking_distance
 
 TARGETS = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}
 """Braking distance of slip-based control [m]: Schwarz, Posielek and Goetjes (2021), Table 1."""

@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
+from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.campaign.sources import sources_digest
-from railgrip.errors import RecordError, ScenarioError
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import FILES, Stop, clear_stop, write_stop
 
@@ -26,7 +26,7 @@ def silently(sentence: str) -> None:
 
 
 class Runner(Protocol):
-    """Runs a scenario; `railgrip.assemble.run_stop` is the one."""
+    """Runs a scenario; `railgrip.simulate.run.run_stop` is the one."""
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = silently) -> Stop:
         """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""

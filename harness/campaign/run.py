@@ -6,20 +6,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
+from railgrip.base.errors import InputError, RailgripError, RecordError
+from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
 from railgrip.campaign.sources import sources_digest
-from railgrip.console import remark
-from railgrip.errors import InputError, RailgripError, RecordError
-from railgrip.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
+from railgrip.report.console import remark
 from railgrip.report.results import OURS, clear_campaign, makers
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.kinds import Custom
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.vehicle import PythonClass
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, clear_stop, read_stop
 
 State = Literal["found", "done", "unexpected", "refused", "failed"]

@@ -2,14 +2,12 @@
 
 import hashlib
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 
-import railgrip
-import railgrip.controllers
-import railgrip.estimators
-import railgrip.fmus
 from railgrip.fmus.recipe import MODELICA
 
+_PACKAGES = ("railgrip", "railgrip.controllers", "railgrip.estimators", "railgrip.fmus")
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".txt", ".jinja"}
 _UNCONCERNED = ("railgrip/cli/", "railgrip/report/", "railgrip/studies/", "railgrip.fmus/lock.toml")
 """They read results or make other ones, or follow from the rest."""
@@ -24,8 +22,7 @@ def sources_digest(study: str | None = None) -> str:
     With the name of a study, of every source that its results depend on: its own module or folder and all questions as
     well.
     """
-    packages = (railgrip, railgrip.controllers, railgrip.estimators, railgrip.fmus)
-    roots = {package.__name__: Path(package.__file__ or "").parent for package in packages} | {"modelica": MODELICA}
+    roots = {name: Path(import_module(name).__path__[0]) for name in _PACKAGES} | {"modelica": MODELICA}
     digest = hashlib.sha256()
     for name, root in roots.items():
         for path in sorted(file for file in root.rglob("*") if file.suffix in _KINDS):

@@ -10,14 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray
 
-from railgrip.assemble import OwnParts, run_stop
+from railgrip.base.errors import InputError, RailgripError, ScenarioError
+from railgrip.base.units import short
 from railgrip.campaign.workers import answer, ended
 from railgrip.campaign.workers import workers as processes
-from railgrip.console import progress
-from railgrip.errors import InputError, RailgripError, ScenarioError
+from railgrip.report.console import progress
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.parts import OwnParts
+from railgrip.simulate.run import run_stop
 from railgrip.trace.metrics import Metrics, meanings
-from railgrip.units import short
 
 if TYPE_CHECKING:
     import pandas

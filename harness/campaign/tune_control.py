@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import Bounds, differential_evolution
 from scipy.stats.qmc import Sobol
 
-from railgrip import registry
-from railgrip.assemble import braking_distance
+from railgrip.base import registry
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.law import Ranges as LawRanges
 from railgrip.controllers.tuned import SEARCHED, TYPE_TEST, SlipSource, file_of
@@ -29,6 +28,7 @@ from railgrip.controllers.tuned import values as tuned_values
 from railgrip.scenario.campaign import PlannedStop, load_campaign
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.run import braking_distance
 
 RAILS = Path(__file__).parents[1] / "scenario" / "campaigns" / "training.toml"
 EQUIPMENT = {"ideal": "ideal", "pneumatic": "service"}

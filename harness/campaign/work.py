@@ -16,14 +16,14 @@ import numpy as np
 import xarray
 from pydantic import BaseModel
 
-from railgrip import cache
+from railgrip.base import cache
+from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import Runner
 from railgrip.campaign.run import CampaignRun, Report, State, run_campaigns
 from railgrip.campaign.sources import sources_digest
-from railgrip.console import Progress, complain, progress
-from railgrip.errors import InputError, RailgripError
 from railgrip.fmus.build import choose
+from railgrip.report.console import Progress, complain, progress
 from railgrip.scenario.schema import Scenario
 
 C = TypeVar("C")

@@ -16,10 +16,10 @@ from typing import Any, Final, ParamSpec, TypeVar
 
 import pebble
 
-from railgrip.console import remark
-from railgrip.errors import InputError, RailgripError, for_user
-from railgrip.files import scratch
-from railgrip.interrupted import Interrupted, ignore_sigint
+from railgrip.base.errors import InputError, RailgripError, for_user
+from railgrip.base.files import scratch
+from railgrip.base.interrupted import Interrupted, ignore_sigint
+from railgrip.report.console import remark
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
 

@@ -14,9 +14,9 @@ import typer
 from typer.core import TyperGroup
 
 from railgrip import __version__
-from railgrip.console import complain, say, show_messages
-from railgrip.errors import InputError
-from railgrip.registry import shelf
+from railgrip.base.errors import InputError
+from railgrip.base.registry import shelf
+from railgrip.report.console import complain, say, show_messages
 
 RUN_FAILED = 3
 """Exit code of a run that ended badly; errors bring their own."""

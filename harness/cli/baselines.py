@@ -7,13 +7,12 @@ from typing import Annotated
 
 import typer
 
+from railgrip.base.errors import ScenarioError
+from railgrip.base.files import write_text
 from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
 from railgrip.campaign.run import CampaignRun
 from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Workers
 from railgrip.cli.campaigns import run_campaigns
-from railgrip.console import complain, say, show_table
-from railgrip.errors import ScenarioError
-from railgrip.files import write_text
 from railgrip.report.baseline import (
     Baseline,
     Findings,
@@ -26,6 +25,7 @@ from railgrip.report.baseline import (
     write_findings,
 )
 from railgrip.report.baseline import accept as accept_numbers
+from railgrip.report.console import complain, say, show_table
 from railgrip.report.results import read_results
 from railgrip.report.table import Table, yes_no
 from railgrip.report.validation import write_table

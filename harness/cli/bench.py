@@ -1,9 +1,9 @@
 """Timing of everything that is measured."""
 
-from railgrip.bench import Row, machine
-from railgrip.bench.cases import CASES
-from railgrip.console import progress, show_table
+from railgrip.report.console import progress, show_table
 from railgrip.report.table import Table
+from railgrip.studies.bench import Row, machine
+from railgrip.studies.bench.cases import CASES
 
 
 def bench() -> None:

@@ -6,13 +6,13 @@ from typing import Annotated
 
 import typer
 
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.cli.app import Campaigns, Fresh, ImportFrom, Overrides, Workers
 from railgrip.cli.runs import runner
-from railgrip.console import complain, progress, say, show_table
-from railgrip.errors import ScenarioError
 from railgrip.report.baseline import beyond_accepted
+from railgrip.report.console import complain, progress, say, show_table
 from railgrip.report.distances import rows_of, tables_of
 from railgrip.report.index import write_report
 from railgrip.report.results import by_compiler, read_results

@@ -6,14 +6,14 @@ from typing import Annotated
 import typer
 import xarray
 
+from railgrip.base.files import remove, write_bytes
 from railgrip.cli.app import ImportFrom, Overrides, fail
-from railgrip.console import progress, say, show_table
 from railgrip.estimation.judge import judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.plausible import strange_estimates, strange_signals
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
-from railgrip.files import remove, write_bytes
+from railgrip.report.console import progress, say, show_table
 from railgrip.report.estimation import estimated, information
 from railgrip.report.table import Form, Table, share
 from railgrip.trace.samples import knows

@@ -5,24 +5,24 @@ from typing import Annotated
 
 import typer
 
-from railgrip.assemble.export import controller_fmu
-from railgrip.assemble.files import parameters_of
-from railgrip.assemble.plant import plant_signals
-from railgrip.assemble.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
-from railgrip.assemble.vehicle import catalogue_brakes, catalogue_counts
+from railgrip.base.errors import PlantFailed
 from railgrip.campaign.one_stop import make_folder
 from railgrip.cli.app import RUN_FAILED, File, Overrides
-from railgrip.console import say
-from railgrip.errors import PlantFailed
-from railgrip.fmu import Signal, bind, describe, open_plant
-from railgrip.fmu.description import Causality
-from railgrip.fmu.draft import drafted
+from railgrip.fmi import Signal, bind, describe, open_plant
+from railgrip.fmi.description import Causality
+from railgrip.fmi.draft import drafted
 from railgrip.fmus.native.package import pack
-from railgrip.loop.plausible import slowing_of
+from railgrip.report.console import say
 from railgrip.scenario.load import load
-from railgrip.signals import layout_of
+from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.files import parameters_of
+from railgrip.simulate.loop.plausible import slowing_of
+from railgrip.simulate.plant import plant_signals
+from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
+from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import counts_of
+from railgrip.vehicle.signals import layout_of
 
 
 def export(

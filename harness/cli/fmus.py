@@ -6,13 +6,13 @@ from typing import Annotated, cast
 
 import typer
 
+from railgrip.base.errors import InputError
 from railgrip.cli.app import fail
-from railgrip.console import progress, say, show_table
-from railgrip.errors import InputError
-from railgrip.fmu.comparison import validation_problems
+from railgrip.fmi.comparison import validation_problems
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from railgrip.fmus.recipe import read_recipes
+from railgrip.report.console import progress, say, show_table
 from railgrip.report.table import Table
 
 

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from railgrip.console import progress, remark, say, show_table
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
+from railgrip.base.files import remove, write_bytes
 from railgrip.estimation.spec import load_specification
-from railgrip.files import remove, write_bytes
+from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.style import save
 from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 from railgrip.studies.pad_monitor.folder import stops_in

@@ -8,11 +8,11 @@ from typing import Annotated
 
 import typer
 
+from railgrip.base.errors import InputError
 from railgrip.campaign.one_stop import Runner
 from railgrip.campaign.one_stop import run as run_scenario
 from railgrip.cli.app import File, ImportFrom, Overrides, fail
-from railgrip.console import progress, remark, say
-from railgrip.errors import InputError
+from railgrip.report.console import progress, remark, say
 from railgrip.scenario.load import load
 
 
@@ -59,10 +59,10 @@ def run(
 def runner(import_from: Sequence[Path] = ()) -> Runner:
     """Return what runs a scenario; picklable."""
     # Here, not above: CasADi and the FMU loader take a second, and a wrong scenario is refused without them.
-    from railgrip.assemble import run_stop
+    from railgrip.simulate.run import run_stop
 
     if not import_from:
         return run_stop
-    from railgrip.assemble import OwnParts
+    from railgrip.simulate.parts import OwnParts
 
     return partial(run_stop, own=OwnParts(folders=tuple(import_from)))

@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from railgrip.base.errors import EstimationError, ScenarioError
+from railgrip.base.files import write_text
 from railgrip.campaign import tune_control as laws
 from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.calibrate import calibrate as fit_levels
@@ -16,10 +18,8 @@ from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, set_of, t
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import workers as processes
 from railgrip.cli.app import ImportFrom, Workers
-from railgrip.console import progress, say
 from railgrip.controllers.tuned import SlipSource, file_of
-from railgrip.errors import EstimationError, ScenarioError
-from railgrip.files import write_text
+from railgrip.report.console import progress, say
 from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, save_noise, task_of
 from railgrip.studies.field_test.runs import TUNING, runs
 from railgrip.studies.field_test.runs import cases as field_cases

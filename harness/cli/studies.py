@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers
-from railgrip.console import say, show_table
+from railgrip.report.console import say, show_table
 from railgrip.studies import names, summary
 from railgrip.studies.study import conduct, study_named
 

@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
+from railgrip.base.errors import InputError
+from railgrip.base.files import write_text
 from railgrip.cli.app import complete
-from railgrip.console import remark, say, show_table
-from railgrip.errors import InputError
-from railgrip.files import write_text
+from railgrip.report.console import remark, say, show_table
 from railgrip.report.style import save
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.drawing import drawing

@@ -6,7 +6,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimators.belief import Array, Vector
 from railgrip.trace.samples import truth_of
 

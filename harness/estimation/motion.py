@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimation.spec import LowPass, Trust
 from railgrip.estimators.belief import Array
 

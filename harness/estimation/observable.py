@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimation.run import by_name, units_of
 from railgrip.estimation.spec import ObservabilityTable, Specification, equations_for, estimate_of, settings_for
 from railgrip.estimators.belief import Matrix

@@ -10,13 +10,13 @@ import casadi as ca
 import numpy as np
 import xarray
 
-from railgrip.errors import EstimationError, FilterDiverged
+from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.native.library import LIBRARY
@@ -83,7 +83,7 @@ def prediction_of(
 
     Raises:
         EstimationError: There is no such parameter or output.
-        railgrip.errors.InputError: There is no such class.
+        railgrip.base.errors.InputError: There is no such class.
     """
     equations = equations_of(model, parameters, outputs)
     if kind == "compiled":

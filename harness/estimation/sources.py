@@ -13,8 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 
-from railgrip.assemble import trace_of
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimation.braking import braking_of
 from railgrip.estimation.run import model_of, units_of
 from railgrip.estimation.spec import Specification, check_mass
@@ -23,6 +22,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.simulate.run import trace_of
 from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.recorder import thinned

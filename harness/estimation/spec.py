@@ -40,7 +40,7 @@ from typing import Annotated, Any, Literal, Self
 import xarray
 from pydantic import Field, model_validator
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
@@ -48,7 +48,7 @@ from railgrip.scenario.load import read_toml, require_kind, validated
 from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
-from railgrip.scenario.track import CurveLaw
+from railgrip.scenario.track.table import CurveLaw
 from railgrip.trace.samples import period_of
 from railgrip.trace.table import DataTable
 

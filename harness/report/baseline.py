@@ -36,8 +36,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, FiniteFloat, NonNegativeInt, model_validator
 
-from railgrip.errors import RecordError, ScenarioError
-from railgrip.files import write_json, write_text
+from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.files import write_json, write_text
 from railgrip.report import table
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Results, from_elsewhere

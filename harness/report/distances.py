@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from railgrip.files import write_json
+from railgrip.base.files import write_json
 from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.page import write_page
 from railgrip.report.reference import controller_of, label, references, setting_of
@@ -18,7 +18,7 @@ from railgrip.report.statistics import finite
 from railgrip.report.table import Form, Table, change, names, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import Repeated
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
 
 STALE = "stale: other repeats"
 

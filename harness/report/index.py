@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from railgrip.errors import RecordError
+from railgrip.base.errors import RecordError
 from railgrip.report import style
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.distances import rows_of, tables_of, write_table
@@ -19,8 +19,8 @@ from railgrip.report.reference import is_published
 from railgrip.report.results import Result, Results, from_elsewhere, read_results
 from railgrip.report.table import names
 from railgrip.scenario.campaign import DRAW, Panels
+from railgrip.scenario.outcome import Outcome
 from railgrip.trace.metrics import meanings
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, read_stop
 
 _REFERENCES = (

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from pathlib import Path
 
-from railgrip.errors import RecordError
-from railgrip.files import write_text
+from railgrip.base.errors import RecordError
+from railgrip.base.files import write_text
 from railgrip.report.table import Table
 
 

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from railgrip.files import write_json, write_text
+from railgrip.base.files import write_json, write_text
 from railgrip.report.table import Table
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
-from railgrip.units import to_si
+from railgrip.base.units import to_si
 
 CONTROLLERS = {
     "full_brake": "full brake",

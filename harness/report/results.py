@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from railgrip.errors import RecordError
-from railgrip.files import remove
+from railgrip.base.errors import RecordError
+from railgrip.base.files import remove
 from railgrip.scenario.conditioning import Repeated
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, read_stop
 

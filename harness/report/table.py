@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
-from railgrip.files import replacing
+from railgrip.base.files import replacing
 
 TEXT_COLUMNS = frozenset(
     {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "stop", "figure", "state", "unit"}

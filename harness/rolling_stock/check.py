@@ -6,7 +6,7 @@ from itertools import groupby
 
 import numpy as np
 
-from railgrip.errors import InputError
+from railgrip.base.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from railgrip.errors import InputError
+from railgrip.base.errors import InputError
+from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.schema import TrackBrake, Train
 from railgrip.scenario.table import Table
-from railgrip.units import GRAVITY
 
 Vector = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ from typing import assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import Curve
 from railgrip.scenario.profile import Conditioning, Constant, FromTable, Patch, Points, Random, SineSweep, Trapezoid
 from railgrip.scenario.schema import Scenario

@@ -11,15 +11,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import cut, place
 from railgrip.scenario.file import installed, is_file
 from railgrip.scenario.load import read_toml, require_kind, scenario_of, validated
 from railgrip.scenario.merge import merged, nested, read_overrides
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Table, broken
-from railgrip.trace.outcome import Outcome
-from railgrip.units import cut, place
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255

@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat, NonNegativeFloat
 from scipy.special import stdtrit
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import validated
 from railgrip.scenario.table import Table
 

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import read_columns
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken, optional
-from railgrip.scenario.track import LARGEST_FORCE
+from railgrip.scenario.track.table import LARGEST_FORCE
 
 _PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
 

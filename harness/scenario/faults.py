@@ -6,12 +6,12 @@ from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, StrictInt, model_validator
 
-from railgrip import registry
-from railgrip.errors import ScenarioError
+from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.kinds import by_kind
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, broken, optional
-from railgrip.scenario.track import STEEPEST
+from railgrip.scenario.track.table import STEEPEST
 
 READ_BY: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -31,8 +31,8 @@ Place = Annotated[StrictInt, Field(ge=1, le=256)]
 class Fault(Table):
     """Something that is broken for a while.
 
-    Each kind is a class of its own in a module of `railgrip.faults`, with its keys and, by the methods here, what it
-    does.
+    Each kind is a class of its own in a module of `railgrip.simulate.faults`, with its keys and, by the methods
+    here, what it does.
     """
 
     part: Any  # the names that each class says as literals
@@ -60,7 +60,7 @@ class Fault(Table):
         return {"begin": begin, "end": max(round(end / period), begin + 1)}
 
     def of_readings(self, site: Any) -> Iterable[Any]:
-        """Return what it does to single readings, `ReadingFault`s; the site is a `railgrip.faults.Site`."""
+        """Return what it does to single readings, `ReadingFault`s; the site is a `railgrip.simulate.faults.Site`."""
         return ()
 
     def of_commands(self, site: Any) -> Iterable[Any]:

@@ -7,8 +7,8 @@ from typing import Any, Literal, cast
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from railgrip.base.units import cut, place, short
 from railgrip.fmus.native.library import library_digest, library_of
-from railgrip.units import cut, place, short
 
 DIRECTORY = "directory"
 """Key of the validation context that holds the folder of the scenario file."""

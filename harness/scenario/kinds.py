@@ -7,14 +7,14 @@ from typing import Any, cast, get_args
 from pydantic import BaseModel, Field, GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from railgrip import registry
+from railgrip.base import registry
 from railgrip.scenario.table import Table
 
 
 class Custom(Table):
-    """A class of the user's own; see `railgrip.custom` for what it is asked.
+    """A class of the user's own; see `railgrip.simulate.custom` for what it is asked.
 
-    `railgrip.assemble.importing` says from where it is imported.
+    `railgrip.simulate.importing` says from where it is imported.
     """
 
     kind: str = Field(description="module:Class, or the name of an entry point in the group railgrip.<table>s")

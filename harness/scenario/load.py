@@ -12,12 +12,12 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import cut, place, short
 from railgrip.scenario.file import DIRECTORY, installed
 from railgrip.scenario.kinds import ByKind, kinds_of
 from railgrip.scenario.merge import merged, parsed, read_overrides
 from railgrip.scenario.schema import Scenario
-from railgrip.units import cut, place, short
 
 Kind = Literal["scenario", "campaign", "estimation"]
 _MARKS: Mapping[Kind, tuple[str, ...]] = {

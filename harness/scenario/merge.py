@@ -5,8 +5,8 @@ import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
 
-from railgrip.errors import ScenarioError
-from railgrip.units import cut, short
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import cut, short
 
 _DEEPEST = 12
 """Levels of tables and lists; the deepest file of ours has five."""

@@ -5,13 +5,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_validator, model_validator
 
-from railgrip import registry
-from railgrip.limits import FMU_LIMITS, FmuLimits
+from railgrip.base import registry
+from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind, Custom
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
-from railgrip.units import short
 
 
 class Actuation(Table):
@@ -169,7 +169,7 @@ Count = Annotated[StrictInt, Field(gt=0)]
 
 
 class ForeignFmus(Table):
-    """What an FMU from outside may take of this machine: `railgrip.limits` says what each means."""
+    """What an FMU from outside may take of this machine: `railgrip.base.limits` says what each means."""
 
     files: Count = FMU_LIMITS.files
     unpacked_mib: Count = FMU_LIMITS.unpacked_mib

@@ -12,10 +12,10 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from railgrip import registry
+from railgrip.base import registry
+from railgrip.base.units import short
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import broken
-from railgrip.units import short
 
 
 def named_set(name: str) -> Mapping[str, float]:

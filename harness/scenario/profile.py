@@ -23,8 +23,8 @@ class Conditioning(Table):
 class Recovery(Table):
     """What the energy of slip makes of the rail, for the wheel that slips and for those behind it.
 
-    Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128; `railgrip.loop.rail.Field` has the
-    law.
+    Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128; the law is in
+    `railgrip.simulate.loop.rail.Field`.
     """
 
     mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")

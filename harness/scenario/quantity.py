@@ -9,9 +9,9 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from railgrip import units
-from railgrip.errors import ScenarioError
-from railgrip.units import quantity, short, to_si, unit
+from railgrip.base import units
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import quantity, short, to_si, unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

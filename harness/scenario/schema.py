@@ -23,7 +23,7 @@ from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken, optional
-from railgrip.scenario.track import Track
+from railgrip.scenario.track.table import Track
 from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")

@@ -3,7 +3,7 @@
 from collections.abc import Collection
 from typing import Annotated, Any
 
-from railgrip import registry
+from railgrip.base import registry
 from railgrip.scenario.kinds import ByKind, Custom, by_kind
 from railgrip.scenario.table import Period, Table, optional
 

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from railgrip.assemble import run_stop
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge
 from railgrip.estimation.run import estimate, units_of
@@ -29,7 +28,8 @@ from railgrip.report.page import Page
 from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
-from railgrip.sensors.white import White
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.sensors.white import White
 from railgrip.studies.study import Study
 from railgrip.trace.samples import evenly, period_of, reading_of, truth_of, with_signals
 

@@ -5,9 +5,9 @@ from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 
+from railgrip.base.errors import InputError
 from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.work import Work, work
-from railgrip.errors import InputError
 from railgrip.report.baseline import Finding, Findings
 from railgrip.report.page import Page
 from railgrip.studies import module_of, names

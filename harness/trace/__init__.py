@@ -1,7 +1,8 @@
 """A trace: the signals of a run on one even time grid, whether a stop gave it or a train's recorder.
 
 It is an xarray data set with the dimension `time` [s] and, where a signal has one value each, `group` or `wheelset`,
-both counted from 1, lead to trail. Every variable has its unit. The prefix says who says it, as in `railgrip.signals`:
+both counted from 1, lead to trail. Every variable has its unit. The prefix says who says it, as in
+`railgrip.vehicle.signals`:
 
     reading_wheelset_speed   what a sensor showed, NaN where it had nothing new; all that a filter may see
     wheelset_speed           what it really was, or what the plant was given; of a recorder only where somebody knows

@@ -11,10 +11,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.signals import CURVE
 from railgrip.trace.contact import Contact, peak
 from railgrip.trace.recorder import formation_in
 from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.signals import CURVE
 
 Array = NDArray[np.float64]
 

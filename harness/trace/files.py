@@ -23,10 +23,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.io import loadmat
 
-from railgrip.errors import EstimationError, UnitError
+from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.units import conversion, cut, place, short, unit
 from railgrip.scenario.file import is_file
 from railgrip.trace.table import DataTable
-from railgrip.units import conversion, cut, place, short, unit
 
 Vector = NDArray[np.float64]
 

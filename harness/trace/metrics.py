@@ -8,8 +8,8 @@ import numpy as np
 import xarray
 
 from railgrip.estimators.consistency import FAR
+from railgrip.scenario.outcome import Outcome
 from railgrip.trace import adhesion_use, estimation, motion, slide
-from railgrip.trace.outcome import Outcome
 
 Each = tuple[float, ...]
 

@@ -8,8 +8,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.errors import RecordError
-from railgrip.files import write_bytes
+from railgrip.base.errors import RecordError
+from railgrip.base.files import write_bytes
 
 FILE_NAME = "trace.nc"
 

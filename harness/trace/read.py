@@ -11,7 +11,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.errors import EstimationError, UnitError
+from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.units import Unit, conversion, short, unit
 from railgrip.scenario.quantity import Magnitude
 from railgrip.trace.cleaning import Treatment, cleaned
 from railgrip.trace.files import Series, read_series
@@ -19,7 +20,6 @@ from railgrip.trace.flag import Flag, flags_of, summary
 from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
 from railgrip.trace.samples import recording_of
 from railgrip.trace.table import Column, DataTable
-from railgrip.units import Unit, conversion, short, unit
 
 Vector = NDArray[np.float64]
 

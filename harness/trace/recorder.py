@@ -7,8 +7,8 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.signals import Signal, length, places
 from railgrip.vehicle.formation import Formation, formation_of
+from railgrip.vehicle.signals import Signal, length, places
 
 _GROUPS = "group_of_wheelset"
 

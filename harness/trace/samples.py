@@ -8,9 +8,9 @@ import numpy as np
 import xarray
 from numpy.typing import ArrayLike, NDArray
 
-from railgrip import signals as tables
-from railgrip.errors import EstimationError, UnitError
-from railgrip.units import conversion, unit
+from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.units import conversion, unit
+from railgrip.vehicle import signals as tables
 
 Vector = NDArray[np.float64]
 Signals = Mapping[str, tuple[ArrayLike, str]]

@@ -12,13 +12,13 @@ from typing import Any
 
 import xarray
 
-from railgrip.errors import RecordError, Unwritten
-from railgrip.files import finite, remove, write_json
+from railgrip.base.errors import RecordError, Unwritten
+from railgrip.base.files import finite, remove, write_json
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import thinned
 
 STOP_FILE = "stop.json"

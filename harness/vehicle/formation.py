@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.units import GRAVITY
+from railgrip.base.units import GRAVITY
 from railgrip.vehicle.brake import Brake, Values
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Formation, axle_load
 

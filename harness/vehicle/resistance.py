@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from railgrip.units import GRAVITY
+from railgrip.base.units import GRAVITY
 
 Values = Any
 """A number or an array."""

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 # As `python -m railgrip`, but that a stop comes from tests/synthetic_runner.py.
 PROGRAM = """
 import sys, synthetic_runner
-sys.modules["railgrip.assemble"] = synthetic_runner
+sys.modules["railgrip.simulate.run"] = synthetic_runner
 from railgrip.__main__ import main
 if __name__ == "__main__":
     main()
@@ -52,7 +52,7 @@ def project(tmp_path):
 def railgrip(project, monkeypatch, capfd):
     """Run a command in the project, in this process; campaigns start theirs all the same."""
     monkeypatch.chdir(project)
-    monkeypatch.setattr("railgrip.assemble.run_stop", synthetic_runner.run_stop)
+    monkeypatch.setattr("railgrip.simulate.run.run_stop", synthetic_runner.run_stop)
     monkeypatch.setenv("COLUMNS", "200")
 
     def run(*arguments):

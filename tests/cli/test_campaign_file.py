@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
 
 

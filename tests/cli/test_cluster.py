@@ -15,10 +15,10 @@ sys.path.append(str(Path(sys.prefix) / "cluster"))
 from distributed import LocalCluster
 from synthetic_runner import run_stop
 
+from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import cluster
-from railgrip.errors import InputError, RailgripError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.trace.stop import read_stop
 

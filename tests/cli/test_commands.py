@@ -12,10 +12,10 @@ from test_console import HEAVY
 from typer.main import get_command
 
 import railgrip as rg
-from railgrip import console
 from railgrip.cli.app import Command, Commands, app
 from railgrip.cli.main import main
 from railgrip.cli.maintain import maintain
+from railgrip.report import console
 
 
 def commands(group: Commands, *prefix: str) -> dict[tuple[str, ...], Command]:

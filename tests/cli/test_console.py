@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from railgrip import console
+from railgrip.report import console
 from railgrip.report.table import Table
 
 HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
@@ -66,7 +66,7 @@ def test_what_is_done_before_the_first_line_leaves_none(capfd):
 
 
 WATCHED = """
-from railgrip import console
+from railgrip.report import console
 from railgrip.report.table import Table
 with console.progress("stop :x:", 4, is_count=True) as shown:
     shown.advance("[red]drawing")

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from one_process import one_process
 
+from railgrip.base.errors import EstimationError, InputError
 from railgrip.campaign.work import work
 from railgrip.cli.main import main
-from railgrip.errors import EstimationError, InputError
 from railgrip.scenario.load import load
 from railgrip.studies import names, summary
 from railgrip.studies.study import study_named

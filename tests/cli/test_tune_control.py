@@ -9,18 +9,18 @@ import numpy as np
 import pytest
 from one_process import Here, one_process
 
-from railgrip import registry
-from railgrip.assemble.controller import controller_of
-from railgrip.assemble.vehicle import VehicleData
+from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, parameters_of, search, set_of, text_of
 from railgrip.cli.main import main
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.laws.slip_two_state import SlipLevels
 from railgrip.controllers.tuned import TYPE_TEST, file_of
-from railgrip.errors import ScenarioError
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.simulate.controller import controller_of
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.entrants import entrants, training
 
 CAMPAIGNS = Path(__file__).parents[2] / "harness" / "scenario" / "campaigns"

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import railgrip as rg
-from railgrip import registry
+from railgrip.base import registry
+from railgrip.base.errors import ContractBroken
 from railgrip.controllers.law import GroupLaw
-from railgrip.errors import ContractBroken
 from railgrip.testing import check_controller, check_estimator, check_sensors
 
 

@@ -14,10 +14,10 @@ import pytest
 import typer
 
 import railgrip
-from railgrip import registry
+from railgrip.base import registry
 from railgrip.cli.main import app
-from railgrip.signals import ESTIMATES, EXTRA, PLANT, READINGS, SENT
 from railgrip.trace.metrics import meanings
+from railgrip.vehicle.signals import ESTIMATES, EXTRA, PLANT, READINGS, SENT
 
 ROOT = Path(__file__).parents[2]
 FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}

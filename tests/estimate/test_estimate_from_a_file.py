@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from railgrip.base.errors import EstimationError
 from railgrip.cli.main import app
-from railgrip.errors import EstimationError
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import recording_for, recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for

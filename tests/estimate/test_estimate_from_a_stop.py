@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 import railgrip as rg
+from railgrip.base.errors import EstimationError, InputError
 from railgrip.cli.main import app
-from railgrip.errors import EstimationError, InputError
 from railgrip.estimation.spec import LIBRARY
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.trace.netcdf import read_trace, write_trace

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.scenario.load import validated
 from railgrip.trace.cleaning import spikes, standing
 from railgrip.trace.flag import Flag, summary

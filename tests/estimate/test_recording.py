@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.trace.samples import period_of, recording_of, samples, truth_of
 
 

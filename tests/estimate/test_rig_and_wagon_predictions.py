@@ -5,7 +5,7 @@ import pytest
 from contracts.prediction import prediction_contract
 
 from railgrip.estimation.run import model_of, prediction_of
-from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.build import fmu
 
 POINTS = {

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import xarray
 
-from railgrip.bench.filters import rig_step
 from railgrip.estimation.judge import judge
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
 from railgrip.scenario.load import load
+from railgrip.studies.bench.filters import rig_step
 from railgrip.studies.roller_rig import excursions, outside_events, recording_of_rig
 from railgrip.trace.samples import reading_of, recording_of, truth_of
 

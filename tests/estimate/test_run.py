@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from railgrip.errors import EstimationError, EstimatorError
+from railgrip.base.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import Settings, by_name, estimate, per_step, prediction_of, units_of
 from railgrip.estimators.design import Gate

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.errors import EstimationError, ScenarioError
+from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.estimation.run import by_name
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import LIBRARY, equations_for, load_specification, prediction_for, settings_for

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import railgrip as rg
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import estimate, prediction_of, units_of
 from railgrip.estimation.sources import recording_of_stop

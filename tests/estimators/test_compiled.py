@@ -14,7 +14,7 @@ from small_models import (
     wheelset,
 )
 
-from railgrip.errors import FilterDiverged
+from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter

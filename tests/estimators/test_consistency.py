@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from spread import chi_square_bounds, nees
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.consistency import FAR, WINDOW, delay, loss_step, nis_ratio
 

@@ -13,8 +13,7 @@ import pytest
 from small_models import runge_kutta
 from spread import chi_square_bounds, nees
 
-from railgrip.assemble.prediction import WholeTrain, consist_of, start_of, whole_of
-from railgrip.errors import EstimatorError, FilterDiverged
+from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist, Part, part_equations
@@ -23,6 +22,7 @@ from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
+from railgrip.simulate.prediction import WholeTrain, consist_of, start_of, whole_of
 from railgrip.vehicle.formation import Formation
 
 PERIOD, RUNS, STEPS = 1e-3, 40, 400

@@ -3,7 +3,7 @@ import pytest
 from scipy.linalg import expm
 from small_models import DENSITY, FIRST_MEAN, FIRST_VARIANCE, OSCILLATOR, PERIOD, READING, oscillator
 
-from railgrip.errors import EstimatorError, FilterDiverged
+from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.design import Gate
 from railgrip.estimators.discretisation import advance, transition

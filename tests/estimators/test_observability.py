@@ -3,7 +3,7 @@ import pytest
 from scipy.linalg import expm
 from small_models import OSCILLATOR, oscillator, small_model
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.observability import along, gramian, observability, readings_and_rates
 from railgrip.estimators.prediction import CasadiPrediction
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from small_models import OSCILLATOR, WHEELSET, Name, SmallModel, oscillator, small_model, wheelset
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.prediction import CasadiPrediction
 
 

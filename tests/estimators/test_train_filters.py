@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from contracts.prediction import prediction_contract
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consistency import delay
 from railgrip.estimators.discretisation import advance

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.campaign.work import work
-from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimation.braking import braked, braking_of, driven
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.run import prediction_of

@@ -7,7 +7,7 @@ import fmpy
 import numpy as np
 from test_train_fmus import HELD, held
 
-from railgrip.fmu import CoSimulation, Description, Signal, bind
+from railgrip.fmi import CoSimulation, Description, Signal, bind
 
 STOP, STEP = 3.0, 0.015
 AT_REST = 1e-12

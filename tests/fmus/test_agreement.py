@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from agreement import Pair, disagreement, integrated, nudged, stepped, turns
 
-from railgrip.fmu import describe
+from railgrip.fmi import describe
 
 MODEL = """
 model M

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from agreement import AT_REST, HELD, Pair, disagreement, held, integrated, nudged, stepped, turns
 
-from railgrip.fmu import FmuPrediction, describe
+from railgrip.fmi import FmuPrediction, describe
 from railgrip.fmus.build import build_one
 from railgrip.fmus.recipe import Cookbook, read_recipes
 

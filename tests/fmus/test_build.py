@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from small_fmus import FEATURES
 
-from railgrip.errors import CompilerMissing, InputError, TranslationError
+from railgrip.base.errors import CompilerMissing, InputError, TranslationError
 from railgrip.fmus import build as building
 from railgrip.fmus.build import build_one, choose
 from railgrip.fmus.lock import differences, read_lock, write_lock

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.errors import BuildFailed, InputError
+from railgrip.base.errors import BuildFailed, InputError
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import confined, lower, toolchain
 from railgrip.fmus.native.library import LIBRARY

@@ -7,7 +7,7 @@ from fmpy import extract, read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Slave
 from fmpy.validation import validate_fmu
 
-from railgrip.errors import InputError
+from railgrip.base.errors import InputError
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import pack

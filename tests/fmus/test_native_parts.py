@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from small_fmus import FEATURES
 
-from railgrip.errors import BuildFailed, CompilerMissing
+from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import equations, lower, toolchain
 from railgrip.fmus.native.code import RUNTIME
 from railgrip.fmus.native.elimination import MOST_ENTRIES, MOST_PRODUCTS, eliminate

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.errors import BuildFailed, CompilerMissing
+from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.fmus import openmodelica
 from railgrip.fmus.build import build_one
 from railgrip.fmus.recipe import Cookbook, Recipe

@@ -2,7 +2,7 @@
 
 import pytest
 
-from railgrip.errors import InputError, TranslationError
+from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native import lower
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit

@@ -5,7 +5,7 @@ import re
 import casadi as ca
 import pytest
 
-from railgrip.errors import InputError, TranslationError
+from railgrip.base.errors import InputError, TranslationError
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.native.system import column, explicit

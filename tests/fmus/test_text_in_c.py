@@ -12,7 +12,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from railgrip.errors import InputError, TranslationError
+from railgrip.base.errors import InputError, TranslationError
 from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native import lower

@@ -17,12 +17,12 @@ from scipy.io import savemat
 from synthetic import LAYOUT, TWO_PART_TRAIN
 
 import railgrip.scenario
-from railgrip.assemble.sensors import sensors_of
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of, validated
 from railgrip.scenario.merge import merged
-from railgrip.scenario.track import track_force_of
+from railgrip.scenario.track.table import track_force_of
+from railgrip.simulate.instruments import sensors_of
 from railgrip.trace.read import recorded
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import DataTable

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railgrip.assemble import braking_distance, run_stop
+from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.studies.k_factors import brake as brake_module
 from railgrip.studies.k_factors.k_dry import brake_of_scenario, quasi_static, scenario_of_draw
 from railgrip.studies.k_factors.rare import estimates

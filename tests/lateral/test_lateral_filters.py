@@ -4,7 +4,7 @@ import mal
 import numpy as np
 import pytest
 
-from railgrip.errors import EstimatorError, FmuError
+from railgrip.base.errors import EstimatorError, FmuError
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction

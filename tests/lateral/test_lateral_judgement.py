@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from railgrip.base.errors import EstimatorError
 from railgrip.campaign.work import work
-from railgrip.errors import EstimatorError
 from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
 from railgrip.studies.lateral.run import Case
 from railgrip.studies.lateral.study import Plan, page_of

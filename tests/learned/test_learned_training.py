@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import approx_fprime, least_squares
 
-from railgrip.errors import EstimatorError
+from railgrip.base.errors import EstimatorError
 from railgrip.estimators.learned import network as nn
 from railgrip.estimators.learned.ensemble import fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, motions

@@ -6,8 +6,8 @@ import pytest
 from one_process import one_process
 from scipy.io import savemat
 
+from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.campaign.work import work
-from railgrip.errors import EstimationError, ScenarioError
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.report.page import rendered

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from railgrip.errors import EstimatorError, FmuError, ScenarioError
+from railgrip.base.errors import EstimatorError, FmuError, ScenarioError
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import AntiAlias, Chain, Scale
 from railgrip.estimators.learned.spectral import Spectral
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, as_fmu, load, save
-from railgrip.fmu import describe
+from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride

@@ -3,9 +3,9 @@
 import numpy as np
 from synthetic import LAYOUT
 
-from railgrip.loop.rail import TabulatedRail
 from railgrip.scenario.adhesion import Profile
-from railgrip.scenario.track import TrackForce
+from railgrip.scenario.track.table import TrackForce
+from railgrip.simulate.loop.rail import TabulatedRail
 
 STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
 

@@ -9,11 +9,11 @@ import numpy as np
 from kernel_calls import drive, holds, read, show, transmit
 from synthetic import LAYOUT
 
+from railgrip.base.errors import PlantFailed
 from railgrip.controllers.observation import Observation
-from railgrip.errors import PlantFailed
-from railgrip.loop.plausible import Plausibility
-from railgrip.signals import BELIEVED, INNOVATION, SPREAD
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.loop.plausible import Plausibility
+from railgrip.vehicle.signals import BELIEVED, INNOVATION, SPREAD
 
 AT, READ = LAYOUT.output, LAYOUT.reading
 

@@ -5,8 +5,8 @@ import pytest
 from kernel_calls import drive
 from synthetic import FULL, LAYOUT
 
-from railgrip.loop.driver import Driver
 from railgrip.scenario.demand import DemandedPhase
+from railgrip.simulate.loop.driver import Driver
 
 PERIOD = 0.01
 NONE = (0.0,) * 4

@@ -6,8 +6,8 @@ from kernel_calls import Encoder, show, transmit
 from synthetic import LAYOUT
 from test_sensors import PERIOD, encoder_readings, instruments
 
-from railgrip.loop.faults import FREE, CommandFault, Faults, ReadingFault
-from railgrip.loop.sensors import MissingTeeth
+from railgrip.simulate.loop.faults import FREE, CommandFault, Faults, ReadingFault
+from railgrip.simulate.loop.sensors import MissingTeeth
 
 SPEED = LAYOUT.reading["speed"].start
 

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
-from railgrip import signals
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.loop.driver import Driver
-from railgrip.loop.loop import Loop
-from railgrip.loop.parts import Clock, Parts, StateEstimator
-from railgrip.loop.plausible import UNBOUNDED
-from railgrip.loop.rail import TabulatedRail
-from railgrip.loop.sensors import IdealSensors
 from railgrip.scenario.adhesion import Profile
-from railgrip.scenario.track import TrackForce
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.scenario.track.table import TrackForce
+from railgrip.simulate.loop.driver import Driver
+from railgrip.simulate.loop.loop import Loop
+from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
+from railgrip.simulate.loop.plausible import UNBOUNDED
+from railgrip.simulate.loop.rail import TabulatedRail
+from railgrip.simulate.loop.sensors import IdealSensors
 from railgrip.trace.recorder import Recorder
+from railgrip.vehicle import signals
 
 PERIOD = 0.01
 

@@ -11,20 +11,25 @@ from kernel_calls import holds
 from reference import brake
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
-from railgrip import signals
+from railgrip.base.errors import Failure, LoopError, PlantFailed
 from railgrip.controllers.law import Law, law
 from railgrip.controllers.laws.slip_three_state import SlipThreeState
 from railgrip.controllers.laws.slip_two_state import SlipTwoState
 from railgrip.controllers.sampled import choose
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.errors import Failure, LoopError, PlantFailed
-from railgrip.loop.driver import Driver
-from railgrip.loop.faults import CommandFault, Faults, ReadingFault
-from railgrip.loop.loop import Loop
-from railgrip.loop.parts import Clock, Parts, StateEstimator
-from railgrip.loop.plausible import Plausibility, Slowing, slowing_of
-from railgrip.loop.rail import Field, TabulatedRail
-from railgrip.loop.sensors import (
+from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.demand import DemandedPhase
+from railgrip.scenario.outcome import Outcome
+from railgrip.scenario.polach import Polach
+from railgrip.scenario.profile import Recovery
+from railgrip.scenario.track.table import TrackForce
+from railgrip.simulate.loop.driver import Driver
+from railgrip.simulate.loop.faults import CommandFault, Faults, ReadingFault
+from railgrip.simulate.loop.loop import Loop
+from railgrip.simulate.loop.parts import Clock, Parts, StateEstimator
+from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
+from railgrip.simulate.loop.rail import Field, TabulatedRail
+from railgrip.simulate.loop.sensors import (
     BLOCK,
     Course,
     IdealSensors,
@@ -33,13 +38,8 @@ from railgrip.loop.sensors import (
     ServiceSensors,
     WhiteSensors,
 )
-from railgrip.scenario.adhesion import Profile
-from railgrip.scenario.demand import DemandedPhase
-from railgrip.scenario.polach import Polach
-from railgrip.scenario.profile import Recovery
-from railgrip.scenario.track import TrackForce
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder
+from railgrip.vehicle import signals
 from railgrip.vehicle.brake import Brake
 
 RADIUS = (0.38,) * 4

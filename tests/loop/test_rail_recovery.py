@@ -14,13 +14,14 @@ from PIL import Image
 from rails import constant_rail, outputs
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
-from railgrip.assemble import assembled, run_stop
-from railgrip.errors import ScenarioError
-from railgrip.loop.rail import Field
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import position_of
 from railgrip.scenario.load import load
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.profile import Recovery
-from railgrip.trace.outcome import Outcome
+from railgrip.simulate.loop.rail import Field
+from railgrip.simulate.parts import assembled
+from railgrip.simulate.run import run_stop
 
 Falling = namedtuple("Falling", "A B")
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT
 
-from railgrip.loop.rail import TabulatedRail
 from railgrip.scenario.adhesion import Profile
+from railgrip.simulate.loop.rail import TabulatedRail
 
 Sections = namedtuple("Sections", "begins forces rates")
 VALUES = np.array([0.10, 0.11, 0.12, 0.13])

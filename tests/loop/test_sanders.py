@@ -5,11 +5,12 @@ import pytest
 from rails import constant_rail, outputs
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
-from railgrip.assemble import assembled, run_stop
-from railgrip.errors import ScenarioError
-from railgrip.loop.rail import SandedRail, Sander
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.loop.rail import SandedRail, Sander
+from railgrip.simulate.parts import assembled
+from railgrip.simulate.run import run_stop
 
 KG_PER_MIN = 1 / 60
 SAND = {"mu0": 0.2, "density": 6e-3, "left": 0.8}

@@ -5,7 +5,14 @@ import pytest
 from kernel_calls import Encoder, read
 from synthetic import LAYOUT
 
-from railgrip.loop.sensors import Course, IdealSensors, MissingTeeth, ServiceInstruments, ServiceSensors, WhiteSensors
+from railgrip.simulate.loop.sensors import (
+    Course,
+    IdealSensors,
+    MissingTeeth,
+    ServiceInstruments,
+    ServiceSensors,
+    WhiteSensors,
+)
 
 PERIOD = 1e-3
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from railgrip.fmu import Binding, CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import Binding, CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.vehicle.parameters import DESCRIPTIVE
 

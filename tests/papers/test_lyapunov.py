@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from railgrip.assemble import assembled, trace_of
+from railgrip.simulate.parts import assembled
+from railgrip.simulate.run import trace_of
 from railgrip.studies.papers.adhesion_based import IDENTIFIED
 from railgrip.studies.papers.table1 import read_fits, stop_of
 

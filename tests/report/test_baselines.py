@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import (
     Accepted,
     Baseline,
@@ -24,7 +24,7 @@ from railgrip.report.baseline import (
 )
 from railgrip.report.results import by_compiler, read_results
 from railgrip.scenario.conditioning import Repeated
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
 SBC, FULL = "trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"

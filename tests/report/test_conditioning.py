@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
 from railgrip.campaign.run import write_description
-from railgrip.errors import ScenarioError
 from railgrip.report.baseline import (
     Accepted,
     Baseline,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railgrip.errors import RecordError
+from railgrip.base.errors import RecordError
 from railgrip.report import style
 from railgrip.report.distances import rows_of
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure

@@ -9,7 +9,7 @@ import pytest
 from synthetic_runner import DECELERATION, run_stop
 
 import railgrip.scenario
-from railgrip.errors import RecordError
+from railgrip.base.errors import RecordError
 from railgrip.report.distances import rows_of, write_table
 from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results

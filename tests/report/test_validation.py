@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.errors import RecordError
+from railgrip.base.errors import RecordError
 from railgrip.report.baseline import Accepted, Baseline, load_baseline
 from railgrip.report.validation import BEGIN, END, table, write_table
 from railgrip.scenario.campaign import load_campaign

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.files import NAMED, load_train, train_of
 
 

@@ -8,11 +8,11 @@ import pytest
 import synthetic
 from synthetic import LAYOUT, LIBRARY
 
-from railgrip.errors import ScenarioError
-from railgrip.loop.driver import Driver
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.simulate.loop.driver import Driver
 
 FULL = (3.4e5, 3.0e5)
 

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 from kernel_calls import show
 from synthetic import LIBRARY
 
-from railgrip.assemble.vehicle import VehicleData
-from railgrip.errors import ScenarioError
-from railgrip.faults.site import faults_of
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import kinds_of_faults
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.simulate.faults.site import faults_of
+from railgrip.simulate.vehicle import VehicleData
 
 EQUIPMENT = LIBRARY.parent / "equipment"
 TABLES = kinds_of_faults()

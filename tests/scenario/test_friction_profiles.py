@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.seed import generator

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import to_si
 from railgrip.scenario.merge import merged, nested, parts_of, read_overrides
 from railgrip.scenario.quantity import Magnitude, in_units
-from railgrip.units import to_si
 
 # Factors to SI from the definitions of the units (BIPM brochure; bar, hour and foot are exact).
 FACTORS = [

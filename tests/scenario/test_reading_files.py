@@ -7,7 +7,7 @@ import pytest
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.estimation.spec import load_specification
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import load_campaign

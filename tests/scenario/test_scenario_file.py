@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 from railgrip.scenario.load import load, scenario_of

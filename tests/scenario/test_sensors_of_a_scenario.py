@@ -5,14 +5,14 @@ import pytest
 from kernel_calls import read
 from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
-from railgrip.assemble.sensors import readings_of, sensors_of
-from railgrip.errors import ScenarioError, SensorsFailed
+from railgrip.base.errors import ScenarioError, SensorsFailed
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.sensors import sampled_every
-from railgrip.signals import EXTRA, PLANT, READINGS, layout_of
-from railgrip.track.geodesy import local
-from railgrip.track.irregularity import RIDE, spectrum
+from railgrip.scenario.track.geodesy import local
+from railgrip.scenario.track.irregularity import RIDE, spectrum
+from railgrip.simulate.instruments import readings_of, sensors_of
+from railgrip.vehicle.signals import EXTRA, PLANT, READINGS, layout_of
 
 OUTPUTS = [signal.name for signal in PLANT]
 PLAN = {

@@ -10,17 +10,18 @@ import xarray
 from PIL import Image
 
 from railgrip.__main__ import main
-from railgrip.assemble import OwnParts, assembled, run_stop
-from railgrip.assemble.export import controller_fmu
-from railgrip.assemble.vehicle import VehicleData
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import installed, load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.parts import OwnParts, assembled
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.metrics import Metrics
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import Stop, read_stop
 
 ROOT = Path(__file__).parents[2]

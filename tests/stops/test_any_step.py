@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 from synthetic import LIBRARY
 
-from railgrip.assemble import braking_distance
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged, read_overrides
+from railgrip.simulate.run import braking_distance
 
 SERVICE = load(LIBRARY / "degraded.toml").resolved()["sensors"]
 

@@ -9,12 +9,13 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import files, run_stop
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import kept_result
 from railgrip.fmus.build import fmu
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
+from railgrip.simulate import files
+from railgrip.simulate.run import run_stop
 from railgrip.trace.stop import read_stop
 
 TRAPEZOID = Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml"

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from python_parts import same_stop
 
-from railgrip.assemble import run_stop
-from railgrip.assemble.vehicle import VehicleData
-from railgrip.errors import RailgripError, ScenarioError
+from railgrip.base.errors import RailgripError, ScenarioError
 from railgrip.scenario.load import load, scenario_of
-from railgrip.signals import CURVE
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.vehicle.signals import CURVE
 
 LEAF = "{ begin = '20 m', length = '30 m', mu0 = 0.07, polach = 'leaf' }"
 PATCH = f"adhesion.patch=[{LEAF}]"

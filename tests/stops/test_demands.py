@@ -6,9 +6,9 @@ from python_parts import same_stop
 from synthetic import LIBRARY
 
 import railgrip as rg
-from railgrip.assemble import run_stop
 from railgrip.scenario.load import load
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.run import run_stop
 
 GRIPPY = {
     "adhesion": {"kind": "constant", "polach": "dry", "mu0": 0.3},

@@ -6,15 +6,15 @@ from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
-from railgrip.assemble import run_stop
-from railgrip.assemble.export import controller_fmu
-from railgrip.assemble.parts import OwnParts
-from railgrip.assemble.vehicle import VehicleData
+from railgrip.base.errors import ScenarioError
 from railgrip.cli.main import main
-from railgrip.errors import ScenarioError
-from railgrip.fmu import CoSimulation, Signal, bind, describe
+from railgrip.fmi import CoSimulation, Signal, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
+from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.parts import OwnParts
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle import VehicleData
 
 PLAIN = LIBRARY / "plain.toml"
 SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")

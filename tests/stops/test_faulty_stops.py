@@ -5,11 +5,11 @@ import pytest
 from python_parts import same_stop
 from synthetic import LIBRARY
 
-from railgrip.assemble import run_stop
-from railgrip.loop.faults import FREE
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.loop.faults import FREE
+from railgrip.simulate.run import run_stop
 
 HEALTHY = {"faults": [], "truth": {"load": 1, "wheel_radius": 1, "pad_friction": 1, "gradient": 0}}
 SHORT = {"start": {"speed": "25 km/h"}, "limits": {"horizon": "20 s"}}

@@ -7,15 +7,15 @@ import pytest
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
-from railgrip.assemble import run_stop
-from railgrip.assemble.export import controller_fmu
-from railgrip.errors import FmuError, ScenarioError
+from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.fmus.build import fmu
 from railgrip.fmus.native import Variable
 from railgrip.fmus.native.discrete import Discrete, sources
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.run import run_stop
 
 PLAIN = LIBRARY / "plain.toml"
 SHORT = ("limits.horizon=3 s",)

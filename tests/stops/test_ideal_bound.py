@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import run_stop
-from railgrip.assemble.ideal import ideal_stop
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.simulate.ideal import ideal_stop
+from railgrip.simulate.run import run_stop
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from synthetic import LIBRARY
 
-from railgrip.assemble import run_stop
 from railgrip.campaign.one_stop import run
 from railgrip.scenario.load import load
+from railgrip.simulate.run import run_stop
 
 FIRST, STOPS = 20, 80
 MOST = 20e3

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from railgrip.assemble.files import description_of, parameters_of, recipe_file
-from railgrip.assemble.plant import nudged
 from railgrip.scenario.vehicle import Nudge
+from railgrip.simulate.files import description_of, parameters_of, recipe_file
+from railgrip.simulate.plant import nudged
 
 
 def test_every_real_parameter_is_moved_by_less_than_was_asked_and_the_same_seed_moves_it_the_same():

@@ -9,18 +9,18 @@ import pytest
 
 import railgrip
 from railgrip.__main__ import main
-from railgrip.assemble import run_stop
-from railgrip.assemble.controller import valve_logic_of
-from railgrip.assemble.files import is_trusted, plant_description
-from railgrip.assemble.ideal import _Tracking
-from railgrip.assemble.vehicle import VehicleData
+from railgrip.base.errors import InputError, ScenarioError
 from railgrip.controllers.valves import ValveLogic
-from railgrip.errors import InputError, ScenarioError
 from railgrip.fmus.build import build_class
 from railgrip.scenario.load import load, scenario_of
-from railgrip.signals import PLANT, SENT
+from railgrip.simulate.controller import valve_logic_of
+from railgrip.simulate.files import is_trusted, plant_description
+from railgrip.simulate.ideal import _Tracking
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.trains.stops import dry_scenario
 from railgrip.trace.recorder import Recorder
+from railgrip.vehicle.signals import PLANT, SENT
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs" / "examples"

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import run_stop
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import load
+from railgrip.simulate.run import run_stop
 
 TRAPEZOID = (Path(railgrip.scenario.__file__).parent / "library" / "trapezoid.toml").read_text()
 OURS = 'kind = "fmu"\nmodel = "TrainPrediction"\n'

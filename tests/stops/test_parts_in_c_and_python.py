@@ -6,13 +6,14 @@ from python_parts import hidden, same_stop
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
-from railgrip.assemble import assembled, braking_distance, run_stop
 from railgrip.fmus.build import fmu
-from railgrip.loop.loop import Loop
 from railgrip.scenario.load import load
 from railgrip.scenario.merge import merged
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.outcome import Outcome
+from railgrip.simulate.loop.loop import Loop
+from railgrip.simulate.parts import assembled
+from railgrip.simulate.run import braking_distance, run_stop
 
 WITHOUT = ("estimator.kind=none",)
 SHORT = ("limits.horizon=4 s",)

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import run_stop
-from railgrip.assemble.files import lowered
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.filters import compiled
 from railgrip.estimators.prediction import CasadiPrediction
-from railgrip.fmu import FmuPrediction
+from railgrip.fmi import FmuPrediction
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.campaign import load_campaign
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.files import lowered
+from railgrip.simulate.run import run_stop
 
 CAMPAIGN = load_campaign(Path(railgrip.scenario.__file__).parent / "campaigns" / "table1.toml")
 STOPS = {stop.name: stop.scenario for stop in CAMPAIGN.stops if stop.scenario.estimator.kind == "fmu"}

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.assemble import plant, run_stop
-from railgrip.errors import FmuError
+from railgrip.base.errors import FmuError
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.scenario.load import load
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate import plant
+from railgrip.simulate.run import run_stop
 
 SHORT = ("limits.horizon=0.1 s", "estimator.kind=none", "controller.kind=full_brake")
 
@@ -49,7 +50,7 @@ def wrong(tmp_path_factory):
 def lose(wrong, monkeypatch):
     """Return a function that replaces the recipe of the two-part train by an FMU that lost something."""
     monkeypatch.setattr(plant, "_read_back", set())
-    return lambda lost: monkeypatch.setattr("railgrip.assemble.files.recipe_file", lambda name, lost=lost: wrong(lost))
+    return lambda lost: monkeypatch.setattr("railgrip.simulate.files.recipe_file", lambda name, lost=lost: wrong(lost))
 
 
 @pytest.mark.parametrize(

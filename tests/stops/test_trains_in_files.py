@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import braking_distance, run_stop
-from railgrip.assemble.files import plant_description
-from railgrip.assemble.vehicle import VehicleData
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.rolling_stock.files import beginning, load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.files import plant_description
+from railgrip.simulate.run import braking_distance, run_stop
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.trains.stops import filling_of
-from railgrip.trace.outcome import Outcome
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
 

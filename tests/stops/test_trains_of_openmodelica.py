@@ -6,11 +6,12 @@ from pathlib import Path
 import pytest
 
 import railgrip.scenario
-from railgrip.assemble import files, run_stop
 from railgrip.report.baseline import ACROSS_COMPILERS
 from railgrip.report.results import OURS, makers
 from railgrip.scenario.load import load, scenario_of
-from railgrip.trace.outcome import Outcome
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate import files
+from railgrip.simulate.run import run_stop
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 TRAINS = sorted(path.stem for path in (Path(railgrip.scenario.__file__).parent / "trains").glob("*.toml"))

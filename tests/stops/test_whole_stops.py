@@ -8,13 +8,13 @@ from skill import error_95_of_constant
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
 
-from railgrip.assemble import run_stop
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.run import run_stop
 from railgrip.studies.pad_monitor.evidence import pressure_spread
 from railgrip.trace.estimation import SLOWEST
-from railgrip.trace.outcome import Outcome
 
 SCENARIOS = ("trapezoid", "sine_sweep", "random")
 WITHOUT = ("estimator.kind=none",)

@@ -16,9 +16,9 @@ import xarray
 from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
+from railgrip.base.errors import Unwritten, for_user
+from railgrip.base.files import replacing, write_text
 from railgrip.campaign.run import kept_result
-from railgrip.errors import Unwritten, for_user
-from railgrip.files import replacing, write_text
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
@@ -95,7 +95,7 @@ PROGRAM = """
 import resource, sys
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
 import synthetic_runner
-sys.modules["railgrip.assemble"] = synthetic_runner
+sys.modules["railgrip.simulate.run"] = synthetic_runner
 from railgrip.__main__ import main
 main()
 """

@@ -7,10 +7,10 @@ import pytest
 from scipy.stats import chi2
 from synthetic import BRAKES, LOAD, parabola, uniform_stop
 
+from railgrip.scenario.outcome import Outcome
 from railgrip.trace import adhesion_use, estimation, motion, slide
 from railgrip.trace.bound import brake_limit, with_bound
 from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
-from railgrip.trace.outcome import Outcome
 
 
 def test_uniform_braking_has_the_textbook_figures():

@@ -4,8 +4,8 @@ import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from railgrip.assemble.contact import compiled_contact
-from railgrip.assemble.files import lowered
+from railgrip.simulate.contact import compiled_contact
+from railgrip.simulate.files import lowered
 from railgrip.trace.contact import peak
 
 STIFFNESS = 10e6  # N, G·π·a·b·c11/… of the order of a wheel of 7 t; only the shape matters here

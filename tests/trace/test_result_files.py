@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
+from railgrip.base.errors import RecordError
+from railgrip.base.files import replacing, write_text
 from railgrip.campaign.sweep import Result, Sweep
-from railgrip.errors import RecordError
-from railgrip.files import replacing, write_text
 from railgrip.scenario.load import load
-from railgrip.signals import PLANT, SENT
+from railgrip.scenario.outcome import Outcome
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.recorder import Recorder, thinned
 from railgrip.trace.stop import read_stop, write_stop
+from railgrip.vehicle.signals import PLANT, SENT
 
 COARSE = load(
     LIBRARY / "trapezoid.toml", [f"periods.{who}=10 ms" for who in ("communication", "estimator", "controller")]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from railgrip.track.geodesy import Place, local
-from railgrip.track.laid import LaidTrack, Linear, course_of, grades_of
+from railgrip.scenario.track.alignment import LaidTrack, Linear, course_of, grades_of
+from railgrip.scenario.track.geodesy import Place, local
 
 MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
 FLAT = Linear(np.array([0.0]), np.array([0.0]))

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimation.motion import course_of, motion_of, smooth
 from railgrip.estimation.spec import LowPass, Trust
-from railgrip.track.geodesy import Place
-from railgrip.track.laid import LaidTrack, grades_of
-from railgrip.track.laid import course_of as laid_course
+from railgrip.scenario.track.alignment import LaidTrack, grades_of
+from railgrip.scenario.track.alignment import course_of as laid_course
+from railgrip.scenario.track.geodesy import Place
 
 LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
 TRACK = LaidTrack(

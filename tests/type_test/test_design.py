@@ -4,7 +4,8 @@ from collections import Counter
 
 import pytest
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.studies.type_test.design import (
@@ -20,7 +21,6 @@ from railgrip.studies.type_test.design import (
     cases,
 )
 from railgrip.studies.type_test.entrants import train_of
-from railgrip.units import GRAVITY
 
 
 @pytest.mark.parametrize("count", [QUICK, CASES, 12])

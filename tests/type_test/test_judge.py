@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.report.results import Result
+from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.judge import judgements, limits_of, summaries
 from railgrip.trace.metrics import Metrics, meanings
-from railgrip.trace.outcome import Outcome
 from railgrip.trace.stop import StopRecord
 
 EACH = {"longest_lock_fast", "locked_distance", "tread_energy", "actuations"}

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from one_process import one_process
 
+from railgrip.base.errors import ScenarioError
 from railgrip.cli.main import main
-from railgrip.errors import ScenarioError
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
 from railgrip.studies.type_test.study import compared
 

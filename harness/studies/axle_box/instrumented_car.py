@@ -13,10 +13,10 @@ import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from railgrip.estimators.belief import Array
-from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.seed import generator
-from railgrip.track.irregularity import KINDS, TRACKS, Irregularity, realise
+from railgrip.scenario.track.irregularity import KINDS, TRACKS, Irregularity, realise
 
 RATE: Final = 1280
 """Samples a second. Irregularities end at 21 Hz and the wheelsets bounce at 42 Hz: four times as many samples change
@@ -135,7 +135,7 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
 
     Raises:
         PlantFailed: The FMU failed.
-        railgrip.errors.FmuError: It cannot be built.
+        railgrip.base.errors.FmuError: It cannot be built.
     """
     speed, surface = held_speed(run), _surface(run)
     inputs, lead_in = _inputs(run, speed, rate)

@@ -17,8 +17,8 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 from pydantic import Field, StrictInt
 
+from railgrip.base.errors import EstimationError
 from railgrip.campaign.work import Work, call
-from railgrip.errors import EstimationError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS

@@ -28,19 +28,19 @@ import xarray
 from matplotlib.figure import Figure
 from pydantic import Field, StrictInt
 
-from railgrip.errors import FmuError, ScenarioError
+from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.preprocessing import BOXES
 from railgrip.estimators.learned.trained import Trained, load
-from railgrip.fmu import Binding, Description, Signal, bind, describe, open_plant
+from railgrip.fmi import Binding, Description, Signal, bind, describe, open_plant
 from railgrip.report.style import GREEN, band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
+from railgrip.scenario.track.irregularity import TRACKS
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
 from railgrip.studies.axle_box.reduction import measured
-from railgrip.track.irregularity import TRACKS
 
 LIBRARY = Path(__file__).parent / "library"
 INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}

@@ -9,11 +9,11 @@ from typing import Annotated, Final
 import numpy as np
 from typer import Argument, Option
 
+from railgrip.base.errors import ScenarioError
+from railgrip.base.files import replacing
 from railgrip.campaign.work import Work, call
-from railgrip.errors import ScenarioError
 from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.estimators.learned.trained import Trained, as_fmu, save
-from railgrip.files import replacing
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page

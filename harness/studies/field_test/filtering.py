@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
+from railgrip.base.files import replacing
 from railgrip.estimation.braking import Braking
 from railgrip.estimation.run import FilterData, by_name, filter_data, units_of
 from railgrip.estimation.spec import (
@@ -23,7 +24,6 @@ from railgrip.estimators.belief import Array, Estimate
 from railgrip.estimators.compiled import CompiledFilter, Estimates
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.files import replacing
 from railgrip.scenario.load import read_toml, validated
 from railgrip.trace.samples import knows, period_of, truth_of
 

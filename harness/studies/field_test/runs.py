@@ -7,15 +7,15 @@ from pathlib import Path
 
 import xarray
 
+from railgrip.base.errors import EstimationError
 from railgrip.campaign.work import Work
-from railgrip.errors import EstimationError
 from railgrip.estimation.braking import Braking, braking_of
 from railgrip.estimation.sources import stop_read
 from railgrip.estimation.spec import CourseTable
 from railgrip.estimators.belief import Array
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.track import Plan
+from railgrip.scenario.track.table import Plan
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from railgrip.base.errors import EstimationError
 from railgrip.campaign.work import Work
-from railgrip.errors import EstimationError
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter, Estimates

@@ -9,12 +9,13 @@ from typing import Annotated, Any
 import numpy as np
 from typer import Option
 
+from railgrip.base.units import GRAVITY
 from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import Table
-from railgrip.scenario.track import CurveLaw, curve_coefficient
+from railgrip.scenario.track.table import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
     degeneracy_figure,
     friction_figure,
@@ -49,7 +50,6 @@ from railgrip.studies.field_test.score import (
 )
 from railgrip.studies.study import Study
 from railgrip.trace.samples import truth_of
-from railgrip.units import GRAVITY
 
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 

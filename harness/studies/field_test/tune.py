@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
+from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.campaign.work import Work
-from railgrip.errors import EstimationError, FilterDiverged
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.studies.field_test.filtering import NAMES, PHYSICAL, Noise, Task, equations, filter_of, follow

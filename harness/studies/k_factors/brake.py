@@ -10,7 +10,7 @@ from typing import get_args
 
 import numpy as np
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
 from railgrip.vehicle.brake import BRAKE, pad_force

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from scipy.special import ndtri
 
-from railgrip.assemble import braking_distance
-from railgrip.assemble.vehicle import VehicleData
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
-from railgrip.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
+from railgrip.simulate.run import braking_distance
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.k_factors import rare
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.rare import Rates, Sample, State

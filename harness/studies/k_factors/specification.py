@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StrictInt, model_validator
 from scipy.special import ndtr, ndtri
 
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.scenario.load import load, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides

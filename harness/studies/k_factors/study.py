@@ -9,16 +9,16 @@ import numpy as np
 from matplotlib.figure import Figure
 from typer import Argument, Option
 
-from railgrip.assemble import braking_distance
-from railgrip.assemble.files import plant_description
-from railgrip.assemble.parts import versions
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work
-from railgrip.errors import ScenarioError
 from railgrip.report.page import Page
 from railgrip.report.style import band, dress, figure, lead_to_trail, legend
 from railgrip.report.table import Table
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.files import plant_description
+from railgrip.simulate.parts import versions
+from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (
     PROBABILITIES,

@@ -15,7 +15,7 @@ from typing import Final, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.errors import FilterDiverged
+from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import Kind, prediction_of
 from railgrip.estimators.belief import Array, Estimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
@@ -204,7 +204,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     """Run the plant with filters beside it.
 
     Raises:
-        railgrip.fmu.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
+        railgrip.fmi.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
     vehicle = PLANTS[case.plant]
     realisation = course(case.test, case.seed, vehicle.sensors)

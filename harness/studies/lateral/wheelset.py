@@ -11,7 +11,7 @@ import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
 from railgrip.estimators.belief import Array
-from railgrip.fmu import CoSimulation, Description, Signal, bind, describe
+from railgrip.fmi import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.polach import named_set
 from railgrip.scenario.seed import generator

@@ -11,13 +11,13 @@ import xarray
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from railgrip.assemble.vehicle import catalogue_counts
-from railgrip.errors import EstimationError, FilterDiverged
+from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.estimation.run import equations_of, model_of, units_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
+from railgrip.simulate.vehicle import catalogue_counts
 from railgrip.trace.samples import period_of, samples
 from railgrip.vehicle.brake import pad_force, piston_force, pressure_of
 from railgrip.vehicle.formation import Formation

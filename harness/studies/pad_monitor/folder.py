@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.errors import EstimationError
+from railgrip.base.errors import EstimationError
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import Specification, parameters_for
 from railgrip.studies.pad_monitor.evidence import MODEL, Evidence, evidence_of, formation

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 import xarray
 
-from railgrip.assemble import trace_of
+from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Vector
-from railgrip.fmu import describe
+from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.seed import generator
+from railgrip.simulate.run import trace_of
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
 from railgrip.trace.samples import recording_of
-from railgrip.units import GRAVITY
 
 PLANT = "TwoPartTrain"
 PERIOD = 0.04  # s; the solver of the plant steps finer, and half the readings of 0.02 s widen the evidence by √2

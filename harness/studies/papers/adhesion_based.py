@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from railgrip.api import Scenario
-from railgrip.assemble import run_stop
 from railgrip.report import style
 from railgrip.report.table import Table
+from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.table1 import ABC, BOUNDS, DEFAULT, EQUAL, SBC, SCENARIOS, Fitted, stop_of
 from railgrip.trace.stop import Stop
 

@@ -20,9 +20,9 @@ from scipy.optimize import brentq
 from scipy.stats import qmc
 
 from railgrip.api import Scenario
-from railgrip.assemble import braking_distance
+from railgrip.base.files import replacing
 from railgrip.campaign.work import Work
-from railgrip.files import replacing
+from railgrip.simulate.run import braking_distance
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
 SBC = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}

@@ -7,7 +7,6 @@ from typing import Annotated, Any, Self
 from pydantic import Field, StrictBool, model_validator
 from scipy.optimize import root_scalar
 
-from railgrip.assemble import braking_distance
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import read_toml, scenario_of, validated
@@ -15,6 +14,7 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Friction, Speed, Table, broken
+from railgrip.simulate.run import braking_distance
 from railgrip.studies.trains.stops import LIBRARY
 
 _FRICTION = 0.02  # of the untreated rail in the trial

@@ -10,12 +10,9 @@ from typing import Any
 import numpy as np
 
 import railgrip.scenario
-from railgrip.assemble import assembled
-from railgrip.assemble.files import plant_description
-from railgrip.bench.fmi import plant_step
-from railgrip.errors import ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.base.files import scratch
 from railgrip.estimators.belief import Vector
-from railgrip.files import scratch
 from railgrip.fmus.build import build_class
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import class_name, class_text
@@ -23,8 +20,11 @@ from railgrip.rolling_stock.schema import BrakePipe, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand, chain_forces
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.outcome import Outcome
+from railgrip.simulate.files import plant_description
+from railgrip.simulate.parts import assembled
+from railgrip.studies.bench.fmi import plant_step
 
 LIBRARY = Path(__file__).parent / "library"
 EQUIPMENT = Path(railgrip.scenario.__file__).parent / "equipment"

@@ -7,9 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from railgrip.assemble import braking_distance
+from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
-from railgrip.files import scratch
 from railgrip.report import style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
@@ -17,6 +16,7 @@ from railgrip.report.table import Table
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
 from railgrip.scenario.file import installed
+from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study
 from railgrip.studies.trains.sanders import Comparison, Trial, compare, scenario_of_row, scenario_tables, trial_of
 from railgrip.studies.trains.stops import (

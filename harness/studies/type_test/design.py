@@ -14,8 +14,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from railgrip.errors import ScenarioError
-from railgrip.units import GRAVITY, cut
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import GRAVITY, cut
 
 KMH: Final = 3.6
 

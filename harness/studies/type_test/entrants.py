@@ -7,19 +7,19 @@ from typing import Any, Literal, get_args
 
 from pydantic import ConfigDict, Field, StrictBool
 
-from railgrip import registry
-from railgrip.assemble.vehicle import VehicleData
+from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import cut
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED
-from railgrip.errors import ScenarioError
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.file import installed
 from railgrip.scenario.load import read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases
-from railgrip.units import cut
 
 LIBRARY = Path(__file__).parent / "library"
 _SCENARIOS = Path(__file__).parents[2] / "scenario"

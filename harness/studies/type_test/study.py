@@ -12,17 +12,19 @@ from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 from typer import Option
 
-from railgrip.assemble import OwnParts, run_stop
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
-from railgrip.errors import ScenarioError
 from railgrip.report import style
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.index import write_report as write_panels
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
+from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
+from railgrip.simulate.parts import OwnParts
+from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
 from railgrip.studies.type_test.entrants import (
@@ -44,7 +46,6 @@ from railgrip.studies.type_test.judge import (
     limits_of,
     summaries,
 )
-from railgrip.trace.outcome import Outcome
 
 _WORST: Final = 10
 _SAME: Final = 0.002

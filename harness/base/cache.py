@@ -1,0 +1,136 @@
+"""What is made once for a user, compiled or simulated: kept where only that user can write, checked before it is used.
+
+A library or an FMU that is found is loaded into the process, so it must be what this project put there. Every file lies
+under kind/key/digest/name: the key stands for all that it was made from, the digest for its content. The folder may be
+removed at any time; what was not used for longest goes by itself when it becomes too large.
+"""
+
+import hashlib
+import os
+import stat
+import tempfile
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cache as once
+from pathlib import Path
+
+from platformdirs import user_cache_path
+
+from railgrip.base.errors import InputError
+
+VARIABLE = "RAILGRIP_CACHE"
+"""Environment variable with another folder, absolute."""
+
+LARGEST = 4_000_000_000
+"""Bytes that the cache may hold; a study of axle boxes keeps some hundred million."""
+_IN_USE = 86400.0
+"""Time since its last use in which a file is not removed [s]: somebody may be about to load it."""
+_OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
+
+
+def folder() -> Path:
+    """Return the folder of the cache, which need not exist.
+
+    Raises:
+        InputError: It is relative: a folder somebody sent could then bring what is loaded.
+    """
+    variable = os.environ.get(VARIABLE)
+    path = Path(variable) if variable else user_cache_path("railgrip", appauthor=False)
+    if not path.is_absolute():
+        raise InputError(f"the cache folder must be an absolute path, got '{path}'; correct {VARIABLE}.")
+    return path.resolve()
+
+
+def find(kind: str, key: str, name: str) -> Path | None:
+    """Return a kept file, or None where there is none that is whole and this user's own.
+
+    Raises:
+        InputError: Others can write in the cache.
+    """
+    place = folder() / kind / key
+    if not place.is_dir():
+        return None
+    for file in sorted(place.glob(f"*/{name}")):
+        for above in _down_to(file.parent):
+            _require_private(above)
+        if _is_private(file, stat.S_ISREG) and _digest(file.read_bytes()) == file.parent.name:
+            with suppress(OSError):
+                os.utime(file)
+            return file
+    return None
+
+
+def keep(kind: str, key: str, name: str, content: bytes) -> Path:
+    """Keep a file and return where; safe for processes that keep the same at once.
+
+    Raises:
+        InputError: The cache cannot be written, or others can write in it.
+    """
+    place = folder() / kind / key / _digest(content)
+    try:
+        folder().parent.mkdir(parents=True, exist_ok=True)
+        for above in _down_to(place):
+            above.mkdir(mode=0o700, exist_ok=True)
+            _require_private(above)
+        # Moved into place whole: others may be reading it, or have loaded the one that is replaced.
+        number, half = tempfile.mkstemp(dir=place)
+        try:
+            with os.fdopen(number, "wb") as stream:
+                stream.write(content)
+            Path(half).replace(place / name)
+        except BaseException:
+            Path(half).unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise InputError(
+            f"{place}: the cache cannot be written ({error.strerror}); make room or name another folder in {VARIABLE}."
+        ) from error
+    _prune_once(folder())
+    return place / name
+
+
+def prune(whole: Path) -> None:
+    """Remove the files of a cache that were not used for longest, until it is as small as `LARGEST`."""
+    files = [(file.lstat(), file) for file in whole.glob("*/*/*/*") if not file.is_symlink()]
+    size = sum(status.st_size for status, _ in files)
+    for status, file in sorted(files, key=lambda one: one[0].st_mtime):
+        if size <= LARGEST or time.time() - status.st_mtime < _IN_USE:
+            return
+        size -= status.st_size
+        file.unlink(missing_ok=True)
+        with suppress(OSError):  # they hold more
+            file.parent.rmdir()
+            file.parents[1].rmdir()
+
+
+@once
+def _prune_once(whole: Path) -> None:
+    """Prune once in a process: it takes a look at every file."""
+    with suppress(OSError):  # another process may do the same
+        prune(whole)
+
+
+def _down_to(place: Path) -> tuple[Path, ...]:
+    """Return the folders from that of the cache down to kind/key/digest, a `place` in it."""
+    return (*reversed(place.parents[:3]), place)
+
+
+def _require_private(place: Path) -> None:
+    if not _is_private(place, stat.S_ISDIR):
+        raise InputError(
+            f"{place}: compiled code is kept here, but the folder is not yours or others can write in it; "
+            f"remove it, or name another folder in {VARIABLE}."
+        )
+
+
+def _is_private(place: Path, of_kind: Callable[[int], bool]) -> bool:
+    status = place.lstat()
+    if not of_kind(status.st_mode):
+        return False
+    # Windows keeps a user's cache folder to that user by other means.
+    return os.name != "posix" or (status.st_uid == os.geteuid() and not status.st_mode & _OTHERS_WRITE)
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

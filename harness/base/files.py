@@ -1,0 +1,143 @@
+"""Files that are whole or not there, and temporary folders that go with their process, however it ends.
+
+A temporary folder carries the number of its process, which also holds a lock on it. Of a process that was killed the
+system frees the lock; the next one that wants a folder, for whatever purpose, removes what lies there without.
+"""
+
+import json
+import math
+import os
+import re
+import shutil
+import tempfile
+import time
+from collections.abc import Generator
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any, Final, Literal, get_args
+
+from railgrip.base.errors import Unwritten
+
+PARTIAL = ".*.partial"
+"""Pattern of what a process that was killed while writing leaves behind."""
+
+
+@contextmanager
+def replacing(path: Path) -> Generator[Path]:
+    """Yield a path to write beside `path`; it takes its place when the block ends well, else vanishes.
+
+    Ctrl-C counts as a failure: whoever finds `path` finds all of it.
+
+    Raises:
+        Unwritten: The disk is full, or may not be written.
+    """
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            yield partial
+            partial.replace(path)
+        finally:
+            partial.unlink(missing_ok=True)
+    except OSError as problem:
+        raise Unwritten(f"{path}: cannot be written: {problem.strerror or problem}") from problem
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a whole text file, or leave what was there; see `replacing`."""
+    write_bytes(path, text.encode())
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write a whole JSON file, null in place of numbers that are none: JSON has neither NaN nor infinity."""
+    write_text(path, json.dumps(finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a whole file, or leave what was there; see `replacing`."""
+    with replacing(path) as partial:
+        partial.write_bytes(content)
+
+
+def remove(folder: Path, *names: str) -> None:
+    """Remove files from a folder; those that are not there are none.
+
+    Raises:
+        Unwritten: The folder may not be written.
+    """
+    for name in names:
+        try:
+            (folder / name).unlink(missing_ok=True)
+        except OSError as problem:
+            raise Unwritten(f"{folder / name}: cannot be removed: {problem.strerror}") from problem
+
+
+def finite(value: Any) -> Any:
+    """Return a value of lists, dictionaries and numbers with None in place of numbers that are not finite."""
+    if isinstance(value, dict):
+        return {key: finite(element) for key, element in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(element) for element in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+Purpose = Literal["build", "far", "fmu", "study", "workers"]
+_PREFIX: Final = "railgrip-"
+_UNLOCKED: Final = f"{_PREFIX}unlocked-"
+_MINE: Final = re.compile(rf"{_PREFIX}({'|'.join(get_args(Purpose))})-[0-9]+-[a-z0-9_]{{8}}")
+_FRESH: Final = 60.0  # s
+
+
+@contextmanager
+def scratch(purpose: Purpose) -> Generator[Path]:
+    """Yield a temporary folder, removed at the end; `purpose` is part of its name."""
+    temporary = Path(tempfile.gettempdir())
+    _remove_stale(temporary)
+    unlocked = Path(tempfile.mkdtemp(prefix=_UNLOCKED, dir=temporary))
+    # It gets its name with its lock: whoever finds such a name without one may remove it, however young it is.
+    with locked(unlocked):
+        folder = temporary / f"{_PREFIX}{purpose}-{os.getpid()}-{unlocked.name.removeprefix(_UNLOCKED)}"
+        unlocked.rename(folder)
+        try:
+            yield folder
+        finally:
+            # A library that is still mapped may not be removable on some platforms; there the system clears it later.
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextmanager
+def locked(folder: Path) -> Generator[bool]:
+    """Hold the lock of a folder, which the system releases however this process ends; yield whether it was free."""
+    if os.name != "posix":
+        yield False  # such locks are POSIX; nothing is removed elsewhere
+        return
+    import fcntl
+
+    number = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW)
+    try:
+        try:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            free = True
+        except OSError:
+            free = False
+        yield free
+    finally:
+        os.close(number)
+
+
+@cache
+def _remove_stale(temporary: Path) -> None:
+    """Remove what runs left behind that were killed; once in a process."""
+    if os.name != "posix":
+        return  # without locks nobody knows
+    for folder in temporary.glob(f"{_PREFIX}*"):
+        with suppress(OSError):
+            status = folder.lstat()
+            is_old = time.time() - status.st_mtime > _FRESH
+            if status.st_uid == os.geteuid() and (
+                _MINE.fullmatch(folder.name) or (is_old and folder.name.startswith(_UNLOCKED))
+            ):
+                with locked(folder) as free:
+                    if free:
+                        shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,26 @@
+"""The only package that touches an FMU: describes it, maps its names and units to ours, and steps it.
+
+`describe` reads a file into a value, `bind` ties our signals to its variables, and then a plant is stepped
+(`CoSimulation`, or `IsolatedCoSimulation` for a file nobody here vouches for) or a prediction is evaluated
+(`FmuPrediction`). A wrong question is an `FmuError`; an FMU that fails while it runs is a `PlantFailed`.
+"""
+
+from railgrip.fmi.cosimulation import CoSimulation
+from railgrip.fmi.description import Description, Variable, describe
+from railgrip.fmi.exchange import FmuPrediction
+from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant
+from railgrip.fmi.mapping import Binding, Side, Signal, bind
+
+__all__ = [
+    "Binding",
+    "CoSimulation",
+    "Description",
+    "FmuPrediction",
+    "IsolatedCoSimulation",
+    "Side",
+    "Signal",
+    "Variable",
+    "bind",
+    "describe",
+    "open_plant",
+]

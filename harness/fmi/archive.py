@@ -1,0 +1,151 @@
+"""The zip archive that an FMU is: looked through before anything in it is unpacked or parsed.
+
+What an archive says of its sizes binds whoever reads it: Python's zipfile never gives more than the size declared.
+"""
+
+import hashlib
+import stat
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any
+from xml.parsers import expat
+
+from railgrip.base.errors import FmuError
+from railgrip.base.limits import MIB, FmuLimits
+
+DESCRIPTION = "modelDescription.xml"
+_HARMLESS = 16 * MIB
+"""Bytes up to which nobody minds how well they were packed."""
+_DEPTH = 64
+"""Most elements inside each other; FMI itself needs six, annotations of tools may hold more."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outline:
+    """What a first look through modelDescription.xml shows.
+
+    Attributes:
+        version: Of FMI, as the file says; None when it does not.
+        variables: How many there are.
+        relative: Names of Real variables that are differences; FMPy does not see that attribute.
+        indices: Numbers of variables that ModelStructure names, with the line.
+    """
+
+    version: str | None
+    variables: int
+    relative: frozenset[str]
+    indices: tuple[tuple[str, int], ...]
+
+
+def digest(path: Path) -> str:
+    """Return the SHA-256 of a file, hexadecimal."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def members(path: Path, limits: FmuLimits) -> frozenset[str]:
+    """Return the names of all files in an archive once it has been found harmless and undamaged.
+
+    Raises:
+        FmuError: It is no archive, damaged, larger than allowed, or has an entry that would land elsewhere.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            entries = archive.infolist()
+            _require_harmless(path, entries, limits)
+            corrupt = archive.testzip()
+    except zlib.error as error:
+        raise FmuError(f"{path}: the archive is damaged ({error}); copy or export the FMU again.") from error
+    except (zipfile.BadZipFile, OSError, EOFError, NotImplementedError, RuntimeError) as error:
+        raise FmuError(f"{path}: not an FMU: it is not a zip archive ({error}).") from error
+    if corrupt is not None:
+        raise FmuError(f"{path}: the archive is damaged, '{corrupt}' does not match its checksum.")
+    names = frozenset(entry.filename for entry in entries if not entry.is_dir())
+    if DESCRIPTION not in names:
+        raise FmuError(f"{path}: not an FMU: the archive has no {DESCRIPTION}.")
+    return names
+
+
+def _require_harmless(path: Path, entries: list[zipfile.ZipInfo], limits: FmuLimits) -> None:
+    if len(entries) > limits.files:
+        raise _beyond(path, f"the archive has {len(entries)} entries", limits, "files")
+    names: set[str] = set()
+    for entry in entries:
+        name = entry.orig_filename
+        if "\\" in name or ":" in name or name.startswith("/") or ".." in PurePosixPath(name).parts:
+            raise FmuError(f"{path}: entry '{name}' of the archive would be unpacked outside its folder.")
+        if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR):
+            raise FmuError(f"{path}: entry '{name}' of the archive is a link or device; pack the file itself.")
+        if entry.filename in names:
+            raise FmuError(f"{path}: the archive has '{entry.filename}' twice.")
+        names.add(entry.filename)
+        if entry.filename == DESCRIPTION and entry.file_size > limits.description_mib * MIB:
+            raise _beyond(path, f"{DESCRIPTION} has {_mib(entry.file_size)}", limits, "description_mib")
+        if entry.file_size > limits.member_mib * MIB:
+            raise _beyond(path, f"'{entry.filename}' unpacks to {_mib(entry.file_size)}", limits, "member_mib")
+    total = sum(entry.file_size for entry in entries)
+    if total > limits.unpacked_mib * MIB:
+        raise _beyond(path, f"the archive unpacks to {_mib(total)}", limits, "unpacked_mib")
+    size = path.stat().st_size
+    if total > _HARMLESS and total > limits.ratio * size:
+        raise _beyond(path, f"the archive unpacks to {total / size:.0f} times its size", limits, "ratio")
+
+
+def outline(path: Path, limits: FmuLimits) -> Outline:
+    """Look through modelDescription.xml, piece by piece, before anybody builds a tree of it.
+
+    Raises:
+        FmuError: It is no XML, has a document type, or more variables or depth than allowed.
+    """
+    version: list[str | None] = []
+    relative: set[str] = set()
+    indices: list[tuple[str, int]] = []
+    depth = variables = 0
+    variable = ""
+    parser = expat.ParserCreate()
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal depth, variables, variable
+        depth += 1
+        if depth == 1:
+            version.append(attributes.get("fmiVersion"))
+        if depth > _DEPTH:
+            raise FmuError(f"{path}: {DESCRIPTION} has more than {_DEPTH} elements inside each other.")
+        if name == "ScalarVariable":
+            variables, variable = variables + 1, attributes.get("name", "")
+            if variables > limits.variables:
+                raise _beyond(path, f"{DESCRIPTION} has more than {limits.variables} variables", limits, "variables")
+        elif name == "Real" and attributes.get("relativeQuantity") in ("true", "1"):
+            relative.add(variable)
+        elif name == "Unknown":
+            numbers = (attributes.get("index", ""), *attributes.get("dependencies", "").split())
+            indices.extend((number, parser.CurrentLineNumber) for number in numbers)
+
+    def end(_: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    def doctype(*_: Any) -> None:
+        raise FmuError(f"{path}: {DESCRIPTION} has a document type, which FMI does not; remove it.")
+
+    parser.StartElementHandler, parser.EndElementHandler, parser.StartDoctypeDeclHandler = start, end, doctype
+    try:
+        with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as stream:
+            while piece := stream.read(1 << 16):
+                parser.Parse(piece, False)
+            parser.Parse(b"", True)
+    except (expat.ExpatError, LookupError) as error:  # LookupError: it names an encoding that nobody knows
+        raise FmuError(f"{path}: {DESCRIPTION} is not XML: {error}.") from error
+    return Outline(version=version[0], variables=variables, relative=frozenset(relative), indices=tuple(indices))
+
+
+def _mib(size: int) -> str:
+    return f"{size / MIB:.0f} MiB"
+
+
+def _beyond(path: Path, excess: str, limits: FmuLimits, key: str) -> FmuError:
+    return FmuError(
+        f"{path}: {excess}, allowed are {getattr(limits, key)}; raise {key} under [limits.fmu] if you trust it."
+    )

@@ -1,0 +1,112 @@
+"""The other end of an isolated plant: owns the FMU and answers one request at a time.
+
+An FMU may write on the line whatever it likes, so that what comes back is never more than numbers and text: vectors of
+doubles, a failure as JSON. What is sent to here comes from this program, and is pickled where
+it is a question once asked.
+"""
+
+import json
+import os
+import pickle
+import socket
+import struct
+from contextlib import ExitStack, suppress
+from dataclasses import asdict
+from typing import Final, Literal
+
+import numpy as np
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi.cosimulation import CoSimulation
+from railgrip.fmi.instance import limit_messages
+
+Request = Literal["open", "start", "step"]
+_CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3}
+_REQUESTS: Final = {code: request for request, code in _CODES.items()}
+ANSWER: Final = 0
+FAILED: Final = 255
+REFUSED: Final = 254
+TALKATIVE: Final = 251
+UNREACHABLE: Final = 252
+"""Exit codes of the FMU's process."""
+_LONGEST: Final = 1 << 24  # bytes of a message
+_HEAD: Final = struct.Struct("<BI")
+_CHUNK: Final = 1 << 16  # bytes; a step's vectors fit a hundred times over
+
+
+def send(line: socket.socket, kind: Request | int, payload: bytes) -> None:
+    """Send one message."""
+    code = kind if isinstance(kind, int) else _CODES[kind]
+    line.sendall(_HEAD.pack(code, len(payload)) + payload)
+
+
+def receive(line: socket.socket) -> tuple[int, bytes]:
+    """Return the next message; the two ends take turns, so there is never more than one on the line.
+
+    Raises:
+        ConnectionError: The other end is gone.
+        ValueError: What it sends is no message.
+        TimeoutError: The line has a timeout and nothing came.
+    """
+    buffer = b""
+    size = _HEAD.size
+    while len(buffer) < size:
+        more = line.recv(_CHUNK)
+        if not more:
+            raise ConnectionError("the other end of the line is gone")
+        buffer += more
+        if len(buffer) >= _HEAD.size:
+            size = _HEAD.size + _HEAD.unpack_from(buffer)[1]
+        if max(size, len(buffer)) > _LONGEST:
+            raise ValueError("no message is that long")
+    if len(buffer) != size:
+        raise ValueError("more than a message")
+    return _HEAD.unpack_from(buffer)[0], buffer[_HEAD.size :]
+
+
+def serve(line: socket.socket) -> None:
+    """Answer requests until the line ends; then free the FMU."""
+    with ExitStack() as stack:
+        plant: CoSimulation | None = None
+        while True:
+            try:
+                code, payload = receive(line)
+            except ConnectionError:
+                return
+            try:
+                request = _REQUESTS[code]
+                if request == "open":
+                    description, binding, options = pickle.loads(payload)
+                    plant = stack.enter_context(CoSimulation(description, binding, **options))
+                    answer = b""
+                elif plant is None:
+                    raise RuntimeError("the first request opens the plant")
+                else:
+                    answer = getattr(plant, request)(np.frombuffer(payload)).tobytes()
+            # Whatever it is belongs to the parent, which raises it where the question was asked.
+            except PlantFailed as failed:
+                failure = failed.failure
+                assert not isinstance(failure, str)  # plain text is of plants in Python, which run in no child
+                send(line, FAILED, json.dumps(asdict(failure)).encode())
+            except FmuError as error:
+                send(line, REFUSED, str(error).encode())
+            except Exception as error:
+                send(line, REFUSED, f"{type(error).__name__}: {error}".encode())
+            else:
+                send(line, ANSWER, answer)
+
+
+def serve_on(number: int, messages: int) -> None:
+    """Say that this process is ready, and serve on the socket of a file descriptor.
+
+    An FMU that logs more messages than allowed ends the process with `TALKATIVE`, one that closes the socket with
+    `UNREACHABLE`.
+    """
+    limit_messages(messages, lambda: os._exit(TALKATIVE))
+    # Whoever asked may be gone before the answer; then nobody wants it.
+    try:
+        with socket.socket(fileno=number) as line, suppress(ConnectionError):
+            send(line, ANSWER, b"")
+            serve(line)
+    except OSError:
+        os._exit(UNREACHABLE)

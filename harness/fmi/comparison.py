@@ -1,0 +1,136 @@
+"""The same steps by other ways: FMPy's own interfaces, and a loop in C; what ours is measured against."""
+
+import ctypes
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final, cast
+
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+from numpy.typing import NDArray
+
+from railgrip.base.errors import FmuError
+from railgrip.fmi.cosimulation import CoSimulation
+from railgrip.fmi.description import Description
+from railgrip.fmi.instance import Instance, unpack
+from railgrip.fmi.mapping import Binding, Channel
+from railgrip.fmus.native.toolchain import shared_library
+
+Vector = NDArray[np.float64]
+
+C_LOOP: Final = """
+#include <stddef.h>
+typedef int Exchange(void *, const unsigned *, size_t, double *);
+typedef int Step(void *, double, double, int);
+int steps(Exchange *set, Step *step, Exchange *get, void *fmu, const unsigned *to, size_t inputs, double *u,
+          const unsigned *from, size_t outputs, double *y, double period, int count) {
+    for (int k = 0; k < count; k++) {
+        int status = set(fmu, to, inputs, u);
+        if (status < 2) status = step(fmu, k * period, period, 1);
+        if (status < 2) status = get(fmu, from, outputs, y);
+        if (status != 0 && status != 1) return status;
+    }
+    return 0;
+}
+"""
+
+
+def validation_problems(file: Path) -> list[str]:
+    """Return what FMPy finds that is not as the FMI standard wants it in an FMU."""
+    from fmpy.validation import validate_fmu  # half a second of imports that nothing else needs
+
+    return [str(problem) for problem in validate_fmu(str(file))]
+
+
+def seconds_of_ours(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
+) -> tuple[float, Vector]:
+    """Return the time of `count` steps through `CoSimulation`, and the last outputs."""
+    with CoSimulation(description, binding, period=period, parameters={}) as plant:
+        last = plant.start(inputs)
+        step = plant.step
+        begin = time.perf_counter()
+        for _ in range(count):
+            last = step(inputs)
+        return time.perf_counter() - begin, last
+
+
+def seconds_of_fmpy(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
+) -> tuple[float, Vector]:
+    """Return the time of `count` steps through FMPy's FMU2Slave, and the last outputs."""
+    channels_in, channels_out = _only_real(description, binding)
+    with unpack(description) as folder:
+        slave: Any = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=cast(Any, description.co_simulation).identifier,
+            instanceName="fmpy",
+        )
+        slave.instantiate()
+        slave.setupExperiment(startTime=0.0)
+        slave.enterInitializationMode()
+        to, start = channels_in.references.tolist(), inputs.tolist()
+        slave.setReal(to, start)
+        slave.exitInitializationMode()
+        references = channels_out.references.tolist()
+        last: list[float] = []
+        begin = time.perf_counter()
+        for k in range(count):
+            slave.setReal(to, start)
+            slave.doStep(k * period, period)
+            last = slave.getReal(references)
+        took = time.perf_counter() - begin
+        slave.terminate()
+        slave.freeInstance()
+    return took, np.array(last)
+
+
+def seconds_in_c(
+    description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
+) -> tuple[float, Vector]:
+    """Return the time of the processor [s] for `count` steps in a loop in C, and the last outputs.
+
+    Args:
+        binding: All Real.
+        inputs: Held throughout.
+    """
+    channels_in, channels_out = _only_real(description, binding)
+    library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))
+    u, y = inputs.astype(float), np.zeros(len(channels_out.references))
+    with unpack(description) as folder:
+        fmu = Instance(description, "co-simulation", folder, name="c")
+        try:
+            fmu.enter_initialization()
+            fmu.exit_initialization()
+            arguments = [
+                *(ctypes.c_void_p(fmu.address(name)) for name in ("fmi2SetReal", "fmi2DoStep", "fmi2GetReal")),
+                ctypes.c_void_p(fmu.component),
+                *_pointer_and_size(channels_in.references),
+                ctypes.c_void_p(u.ctypes.data),
+                *_pointer_and_size(channels_out.references),
+                ctypes.c_void_p(y.ctypes.data),
+                ctypes.c_double(period),
+                ctypes.c_int(count),
+            ]
+            steps: Callable[..., int] = library.steps
+            begin = time.process_time()
+            status = steps(*arguments)
+            took = time.process_time() - begin
+            fmu.check(status, "fmi2DoStep", count * period)
+        finally:
+            fmu.close()
+    return took, y
+
+
+def _pointer_and_size(references: NDArray[np.uint32]) -> tuple[ctypes.c_void_p, ctypes.c_size_t]:
+    return ctypes.c_void_p(references.ctypes.data), ctypes.c_size_t(len(references))
+
+
+def _only_real(description: Description, binding: Binding) -> tuple[Channel, Channel]:
+    """Return the one channel of each side; the other ways are written for Real variables without conversion."""
+    channels = (*binding.inputs.channels, *binding.outputs.channels)
+    if [c.carrier for c in channels] != ["Real", "Real"] or any(np.any(c.gain != 1) for c in channels):
+        raise FmuError(f"{description.file}: compared are FMUs with Real inputs and outputs in SI.")
+    return channels[0], channels[1]

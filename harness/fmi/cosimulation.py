@@ -1,0 +1,380 @@
+"""Steps a co-simulation FMU with as little as possible between the caller's numbers and the FMU's.
+
+A vector of our inputs goes in and a vector of our outputs comes out, both in SI and in the order of the
+binding; conversions are applied only where the FMU's units differ. All buffers and addresses are made once.
+"""
+
+import ctypes
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from math import isfinite
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi.description import Description
+from railgrip.fmi.instance import Instance, unpack
+from railgrip.fmi.mapping import Binding, Channel
+from railgrip.fmi.parameters import Values, assignments
+from railgrip.fmus.native.c_library import CLibrary
+
+Vector = NDArray[np.float64]
+Outcome = Literal["fine", "setting", "stepping", "getting", "not finite"]
+
+KERNEL: Final = files("railgrip.fmi") / "kernel"
+
+_SET, _STEP, _GET = 1, 2, 4
+_OUTCOMES: Final[tuple[Outcome, ...]] = ("fine", "setting", "stepping", "getting", "not finite")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class CInterface:
+    """A communication step of a plant as C sees it.
+
+    Attributes:
+        cross: Address of `int cross(void *plan, int what, double time)`, as `kernel/set_step_get.c` has it.
+        plan: Address of its first argument.
+        inputs: Read by it, shape (Layout.inputs,).
+        outputs: Written by it: those that the plant has.
+        present: Their places among all outputs.
+    """
+
+    cross: int
+    plan: int
+    inputs: Vector
+    outputs: Vector
+    present: NDArray[np.intp]
+
+
+class SetStepGet:
+    """The buffers, addresses and functions of one instance's communication step.
+
+    Attributes:
+        inputs: To be written before a step, shape (binding.inputs.size,).
+        outputs: Written by it, shape (number present,): the outputs that the FMU has, in the order of the binding.
+        present: Places of `outputs` among all of the binding's.
+    """
+
+    def __init__(self, instance: Instance, binding: Binding, period: float) -> None:
+        """Make the buffers; compile the step, once on a machine.
+
+        Raises:
+            railgrip.base.errors.CompilerMissing: There is no C compiler.
+        """
+        self._binding, sending, receiving = binding, binding.inputs, binding.outputs
+        self.present = np.sort(np.concatenate([[], *(c.positions for c in receiving.channels)])).astype(np.intp)
+        self.inputs, self.outputs = np.zeros(sending.size), np.zeros(self.present.size)
+        self._keep: list[Any] = [instance]
+        self._carriers = {
+            "setting": tuple(channel.carrier for channel in sending.channels),
+            "getting": tuple(channel.carrier for channel in receiving.channels),
+        }
+        library = _library()
+        to, of = (library.records("Channel", len(side.channels)) for side in (sending, receiving))
+        for row, channel in zip(to, sending.channels, strict=True):
+            self._fill(row, channel, instance.address(f"fmi2Set{channel.carrier}"), channel.positions)
+        for row, channel in zip(of, receiving.channels, strict=True):
+            places = np.searchsorted(self.present, channel.positions)
+            self._fill(row, channel, instance.address(f"fmi2Get{channel.carrier}"), places)
+        self._struct = library.struct(
+            "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), senders=to, receivers=of,
+            n_senders=len(to), n_receivers=len(of), n_outputs=self.outputs.size, inputs=self.inputs,
+            outputs=self.outputs, period=period,
+        )  # fmt: skip
+        self._plan = self._struct.pointer
+        self._cross = _cross()
+        self._address = ctypes.c_void_p(self._struct.address)
+
+    def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
+        """Write a channel whose values stand at `positions` into its struct."""
+        whole = channel.carrier != "Real"
+        buffer = np.zeros(len(channel.references), dtype=np.intc if whole else np.float64)
+        places = np.ascontiguousarray(positions, dtype=np.longlong)
+        arrays = {"references": channel.references, "positions": places, "buffer": buffer}
+        if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
+            arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
+        self._keep += arrays.values()
+        row["exchange"], row["count"], row["whole"] = exchange, buffer.size, whole
+        for name, array in arrays.items():
+            row[name] = array.ctypes.data
+
+    @property
+    def status(self) -> int:
+        """fmi2Status of the call that ended the last communication step early."""
+        return self._plan.status
+
+    @property
+    def worst(self) -> int:
+        """Which of `outputs` was not finite."""
+        return self._plan.at
+
+    def call(self, outcome: Outcome) -> str:
+        """Return the name of the FMI function that ended the last communication step early."""
+        if outcome == "stepping":
+            return "fmi2DoStep"
+        return f"fmi2{'Set' if outcome == 'setting' else 'Get'}{self._carriers[outcome][self._plan.at]}"
+
+    def c_interface(self) -> CInterface:
+        """Return this communication step as C sees it."""
+        return CInterface(
+            cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
+            plan=self._address.value or 0,
+            inputs=self.inputs,
+            outputs=self.outputs,
+            present=self.present,
+        )
+
+    def send(self) -> Outcome:
+        """Set the inputs."""
+        return _OUTCOMES[self._cross(self._address, _SET, 0.0)]
+
+    def receive(self) -> Outcome:
+        """Get the outputs."""
+        return _OUTCOMES[self._cross(self._address, _GET, 0.0)]
+
+    def step(self, time: float) -> int:
+        """Set the inputs, step from `time` [s] and get the outputs; return 0, or the number of the outcome."""
+        return self._cross(self._address, _SET | _STEP | _GET, time)
+
+    def follow(self, inputs: Vector, sample: int) -> tuple[Vector, int, int]:
+        """Step through rows of inputs from a sample on.
+
+        Returns:
+            Rows of outputs, the number of steps that succeeded, and 0 or the number of the outcome that ended them.
+        """
+        library, outputs = _library(), np.empty((len(inputs), self.outputs.size))
+        rows = library.doubles(inputs), inputs.shape[1], library.doubles(outputs)
+        code = library.functions.follow(self._plan, len(inputs), sample, *rows)
+        return outputs, self._plan.done, code
+
+
+def outcome(number: int) -> Outcome:
+    """Return the outcome that `SetStepGet.step` numbers."""
+    return _OUTCOMES[number]
+
+
+@cache
+def _library() -> CLibrary:
+    names = "set_step_get.c", "set_step_get.h"
+    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
+    return CLibrary(sources, "set_step_get", names[1:])
+
+
+@cache
+def _cross() -> Any:
+    """Return the library's function for calls from Python.
+
+    It keeps the interpreter lock: handing it over and back would cost as much as the rest of the call.
+    """
+    cross = ctypes.PyDLL(str(_library().path)).cross
+    cross.argtypes, cross.restype = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double], ctypes.c_int
+    return cross
+
+
+class SteppedPlant:
+    """A plant that is stepped by a co-simulation FMU, wherever that FMU runs: its step count, time and first failure.
+
+    Attributes:
+        sample: Number of steps since the start; −1 before `start`.
+    """
+
+    def __init__(self, description: Description, binding: Binding, period: float, parameters: Values) -> None:
+        """Check period [s] and parameters; see `CoSimulation`."""
+        if not (isfinite(period) and period > 0):
+            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
+        self._description = description
+        self._binding = binding
+        self._period = period
+        self._parameters = dict(parameters)
+        self._assignments = assignments(description, parameters)
+        self._stack = ExitStack()
+        self._failure: PlantFailed | None = None
+        self.sample = -1
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return max(self.sample, 0) * self._period
+
+
+class CoSimulation(SteppedPlant):
+    """A co-simulation FMU in this process.
+
+        with CoSimulation(description, binding, period=1e-3, parameters={"mass": 84e3}) as plant:
+            outputs = plant.start(inputs)
+            while moving:
+                outputs = plant.step(inputs)
+
+    Vectors are those of `binding.inputs` and `binding.outputs`. After a failed call the instance cannot be used again.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        binding: Binding,
+        *,
+        period: float,
+        parameters: Values,
+        folder: Path | None = None,
+    ) -> None:
+        """Check the arguments; nothing is loaded before `with`.
+
+        Args:
+            period: Communication step [s].
+            parameters: Values by FMU variable, in the FMU's units.
+            folder: Folder of the unpacked FMU; None unpacks it for the duration of the `with`.
+
+        Raises:
+            FmuError: A parameter is wrong or the period is not positive.
+        """
+        super().__init__(description, binding, period, parameters)
+        self._folder = folder
+        self._instance: Instance | None = None
+        self._ready = False  # started, not failed, not closed
+
+    def __enter__(self) -> Self:
+        """Unpack, load, instantiate and set the parameters."""
+        with ExitStack() as stack:
+            folder = self._folder or stack.enter_context(unpack(self._description))
+            instance = Instance(self._description, "co-simulation", folder, name="plant")
+            stack.callback(instance.close)
+            instance.assign(self._assignments, 0.0)
+            self._instance = instance
+            self._prepare(instance)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Free everything, whatever happened."""
+        self._instance = None
+        self._ready = False
+        self._stack.close()
+
+    def _prepare(self, instance: Instance) -> None:
+        """Make what every step needs."""
+        self._set_step_get = set_step_get = SetStepGet(instance, self._binding, self._period)
+        size = self._binding.outputs.size
+        self._present = set_step_get.present if set_step_get.present.size < size else None
+        self._blank = np.full(size, np.nan)
+
+    def start(self, inputs: Vector) -> Vector:
+        """Initialise with `inputs` applied and return the outputs at the start time.
+
+        Raises:
+            PlantFailed: The FMU cannot be initialised.
+        """
+        instance = self._open()
+        if self.sample >= 0:
+            raise RuntimeError("a plant is started once; open another one to start again")
+        if np.shape(inputs) != (self._binding.inputs.size,):
+            raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
+        with self._remembering():
+            instance.enter_initialization()
+            self._set_step_get.inputs[:] = inputs
+            self._require_fine(self._set_step_get.send())
+            instance.exit_initialization()
+            self.sample = 0
+            self._require_fine(self._set_step_get.receive())
+        self._ready = True
+        return self._spread()
+
+    def step(self, inputs: Vector) -> Vector:
+        """Hold `inputs` over one period and return the outputs at its end.
+
+        Raises:
+            PlantFailed: The FMU did not return OK, or an output is not finite.
+        """
+        # Once per simulated millisecond: each line here is a measurable part of a stop.
+        if not self._ready:
+            raise self._not_ready()
+        set_step_get = self._set_step_get
+        set_step_get.inputs[:] = inputs
+        failure = set_step_get.step(self.sample * self._period)
+        if failure:
+            self.note_steps(0, failure)
+        self.sample += 1
+        return set_step_get.outputs.copy() if self._present is None else self._spread()
+
+    def follow(self, inputs: Vector) -> Vector:
+        """Hold each row of inputs, shape (k, nu), over one period; return the outputs that the FMU has, shape (k, ny).
+
+        Raises:
+            FmuError: The shape is another one, or a value is not a finite number.
+            PlantFailed: As `step`.
+        """
+        if not self._ready:
+            raise self._not_ready()
+        rows, set_step_get = np.ascontiguousarray(inputs, dtype=np.float64), self._set_step_get
+        width = set_step_get.inputs.size
+        if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
+            found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
+            raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
+        outputs, steps, code = set_step_get.follow(rows, self.sample)
+        self.note_steps(steps, code)
+        return outputs
+
+    def c_interface(self) -> CInterface:
+        """Return what a loop in C steps this plant by; it then reports to `note_steps`."""
+        if not self._ready:
+            raise self._not_ready()
+        return self._set_step_get.c_interface()
+
+    def note_steps(self, steps: int, code: int) -> None:
+        """Take note of steps done by `c_interface`, and of the number of the outcome that ended them, 0 for none.
+
+        Raises:
+            PlantFailed: They ended early.
+        """
+        self.sample += steps
+        what = outcome(code)
+        self.sample += what in ("getting", "not finite")  # the step itself succeeded
+        self._require_fine(what)
+
+    def _open(self) -> Instance:
+        if self._failure is not None:
+            raise self._failure
+        if self._instance is None:
+            raise RuntimeError("a CoSimulation is used inside 'with'")
+        return self._instance
+
+    def _not_ready(self) -> Exception:
+        return self._failure or RuntimeError("a CoSimulation is started before it is stepped, inside 'with'")
+
+    def _spread(self) -> Vector:
+        """Return the vector of all signals, NaN where the FMU has none."""
+        if self._present is None:
+            return self._set_step_get.outputs.copy()
+        everything = self._blank.copy()
+        everything[self._present] = self._set_step_get.outputs
+        return everything
+
+    def _require_fine(self, outcome: Outcome) -> None:
+        """Raise the failure that ended a communication step early, if one did."""
+        if outcome == "fine":
+            return
+        set_step_get, instance = self._set_step_get, self._open()
+        with self._remembering():
+            if outcome == "not finite":
+                name = self._binding.outputs.elements[set_step_get.present[set_step_get.worst]]
+                value = f"{set_step_get.outputs[set_step_get.worst]}"
+                raise PlantFailed(instance.failure("not_finite", "", self.time, variable=name, doing=value))
+            doing = {"setting": "setting inputs", "getting": "reading outputs"}.get(outcome, "")
+            instance.check(set_step_get.status, set_step_get.call(outcome), self.time, doing)
+
+    @contextmanager
+    def _remembering(self) -> Generator[None]:
+        """Keep a failure that passes: the plant is spent and repeats it from then on."""
+        try:
+            yield
+        except PlantFailed as error:
+            self._failure, self._ready = error, False
+            raise

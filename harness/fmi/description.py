@@ -1,0 +1,363 @@
+"""What an FMU file says about itself, read once and checked, as a frozen value."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from difflib import get_close_matches
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Literal, cast, get_args
+
+import fmpy
+from fmpy.model_description import ModelDescription, ValidationError, read_model_description
+
+from railgrip.base.errors import FmuError, UnitError
+from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.units import BASE, Exponents, Unit, unit
+from railgrip.fmi.archive import Outline, digest, members, outline
+
+Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
+Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One scalar variable of an FMU.
+
+    Attributes:
+        name: As in the FMU, `brake[2].torque`.
+        reference: FMI value reference.
+        kind: Its FMI type.
+        causality: What it is to whoever runs the FMU.
+        settable: It may be given a value before initialisation.
+        unit: None when the FMU does not say.
+        unit_name: The unit as the FMU names it, '' when it does not; kept when `unit` is None because the
+            FMU names a unit and leaves out what it means.
+        relative: A difference, to which a unit's offset does not apply.
+        start: Start value as the FMU writes it, or None.
+        minimum: Least value allowed, in its own unit.
+        maximum: Largest value allowed, in its own unit.
+        description: One line by its author.
+    """
+
+    name: str
+    reference: int
+    kind: Kind
+    causality: Causality
+    settable: bool
+    unit: Unit | None
+    unit_name: str
+    relative: bool
+    start: str | None
+    minimum: float | None
+    maximum: float | None
+    description: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface:
+    """One of the two ways to run an FMU, and what it can do that way."""
+
+    identifier: str
+    directional_derivatives: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Description:
+    """An FMI 2.0 FMU as it describes itself.
+
+    Attributes:
+        file: Where it is.
+        digest: SHA-256 of the file, hexadecimal.
+        model: Name of the model inside.
+        guid: Identifies the model; the binary checks it.
+        generator: Tool that made it.
+        variables: By name, in the FMU's order.
+        states: Continuous states, in the order of fmi2GetContinuousStates.
+        derivatives: Their derivatives, same order.
+        dependencies: The states and inputs on which a derivative or output depends, where ModelStructure says so.
+        event_indicators: How many.
+        log_categories: Names it can log under.
+        co_simulation: None when not offered.
+        model_exchange: None when not offered.
+        blemishes: What is not as FMI wants it, but changes no result, as a clause; '' when nothing is.
+    """
+
+    file: Path
+    digest: str
+    model: str
+    guid: str
+    generator: str
+    variables: Mapping[str, Variable]
+    states: tuple[str, ...]
+    derivatives: tuple[str, ...]
+    dependencies: Mapping[str, frozenset[str]]
+    event_indicators: int
+    log_categories: tuple[str, ...]
+    co_simulation: Interface | None
+    model_exchange: Interface | None
+    blemishes: str
+
+    def names(self, causality: Causality) -> tuple[str, ...]:
+        """Return the names of all variables of one causality, in the FMU's order."""
+        return tuple(v.name for v in self.variables.values() if v.causality == causality)
+
+    def variable(self, name: str, wanted_by: str) -> Variable:
+        """Return the variable called `name`.
+
+        Args:
+            name: In the FMU.
+            wanted_by: Who asks, to open the sentence with.
+
+        Raises:
+            FmuError: There is none; the sentence names the nearest ones.
+        """
+        variable = self.variables.get(name)
+        if variable is not None:
+            return variable
+        near = get_close_matches(name, self.variables, n=3, cutoff=0.5)
+        hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else "."
+        raise FmuError(f"{wanted_by}: {self.file.name} has no variable '{name}'{hint}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what was read: the read-only view of the variables itself does not pickle."""
+        content = {field.name: getattr(self, field.name) for field in fields(self)}
+        return _restore, (content | {"variables": dict(self.variables)},)
+
+
+def _restore(content: dict[str, Any]) -> Description:
+    content["variables"] = MappingProxyType(content["variables"])
+    return Description(**content)
+
+
+def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
+    """Read an FMU's own description.
+
+    Raises:
+        FmuError: It is missing, not an FMU, beyond the limits, not FMI 2.0, has no binary for this platform, or its
+            description can be understood in two ways or none.
+    """
+    path = Path(file)
+    if not path.is_file():
+        raise FmuError(f"{path}: there is no such file; build it (railgrip build) or correct the path.")
+    try:
+        content = digest(path)
+    except OSError as error:
+        raise FmuError(f"{path}: the FMU cannot be read: {error.strerror}.") from error
+    inside = members(path, limits)
+    first = outline(path, limits)
+    if first.version != "2.0":
+        version = f"FMI {first.version}" if first.version else "no fmiVersion"
+        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {version}; export it again as FMI 2.0.")
+    for number, line in first.indices:
+        if not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
+            raise FmuError(
+                f"{path}: ModelStructure (line {line} of modelDescription.xml) names variable number '{number}', but "
+                f"there are {first.variables}, from 1; ask the tool that made the FMU."
+            )
+    blemishes = ""
+    try:
+        read = read_model_description(str(path), validate=True)
+    except ValidationError as error:
+        blemishes, read = _leniently(path, [str(p) for p in cast(list[object], error.problems)])
+    except Exception as error:  # FMPy raises bare Exception for what its schema does not catch
+        raise FmuError(f"{path}: modelDescription.xml cannot be understood: {error}") from error
+    try:
+        description = _description(path, content, read, first, blemishes, limits)
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, FmuError):
+            raise
+        # What the schema would not have let through, in an FMU that is read all the same.
+        raise FmuError(f"{path}: {blemishes or 'modelDescription.xml cannot be understood'}: {error}.") from error
+    _require_binary(description, inside)
+    return description
+
+
+def _leniently(path: Path, problems: list[str]) -> tuple[str, ModelDescription]:
+    """Return what is not valid, as a clause, and the description all the same, where it has only one meaning.
+
+    Other tools' FMUs often run well in spite of a missing start value or an attribute that FMI does not know. Where a
+    blemish is about a unit, whoever uses that variable is told when it is bound.
+
+    Raises:
+        FmuError: It cannot be understood, or two variables share a name.
+    """
+    more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
+    clause = f"modelDescription.xml is not valid FMI 2.0: {'; '.join(p.rstrip('.') for p in problems[:3])}{more}"
+    refusal = f"{path}: {clause}. Correct it or ask the tool that made the FMU."
+    try:
+        read = read_model_description(str(path), validate=False)
+        xml: Any = read
+        names = [v.name for v in xml.modelVariables]
+        complete = xml.guid and all(names) and len(set(names)) == len(names)
+    except Exception as error:  # without its schema FMPy stumbles in as many ways as there are mistakes
+        raise FmuError(refusal) from error
+    if not complete:
+        raise FmuError(refusal)
+    return clause, read
+
+
+def _require_binary(description: Description, inside: frozenset[str]) -> None:
+    """Refuse an FMU whose shared library for this platform is missing."""
+    suffix = fmpy.sharedLibraryExtension
+    here = cast(str, fmpy.platform)
+    for interface in (description.co_simulation, description.model_exchange):
+        if interface is None:
+            continue
+        binary = f"binaries/{here}/{interface.identifier}{suffix}"
+        if binary not in inside:
+            # Files: folders, which may be empty, are not among them.
+            others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
+            platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
+            raise FmuError(
+                f"{description.file}: no binary for this platform, {binary} is missing; {platforms}. "
+                f"Export it for {here}."
+            )
+
+
+def _description(
+    path: Path, digest: str, read: ModelDescription, first: Outline, blemishes: str, limits: FmuLimits
+) -> Description:
+    xml: Any = read  # FMPy's classes annotate their fields loosely
+    units = {u.name: _unit(path, u) for u in xml.unitDefinitions}
+    variables: dict[str, Variable] = {}
+    for entry in xml.modelVariables:
+        variables[entry.name] = _variable(path, entry, units, first.relative)
+    derivatives = tuple(unknown.variable for unknown in xml.derivatives)
+    for d in derivatives:
+        if d.derivative is None:
+            raise FmuError(
+                f"{path}: ModelStructure lists '{d.name}' as a derivative, which does not say of what state."
+            )
+    event_indicators = int(xml.numberOfEventIndicators or 0)
+    if not 0 <= event_indicators <= limits.variables:
+        raise FmuError(
+            f"{path}: numberOfEventIndicators is {event_indicators} in modelDescription.xml; allowed are 0 to "
+            f"{limits.variables}, variables under [limits.fmu]."
+        )
+    tools = [e for e in (xml.coSimulation, xml.modelExchange) if e is not None and e.needsExecutionTool]
+    if tools:
+        blemishes = f"{blemishes}; " if blemishes else ""
+        blemishes += f"it needs {xml.generationTool or 'the tool that made it'} on this machine (needsExecutionTool)"
+    return Description(
+        file=path,
+        digest=digest,
+        model=xml.modelName,
+        guid=xml.guid,
+        generator=xml.generationTool or "an unnamed tool",
+        variables=MappingProxyType(variables),
+        states=tuple(d.derivative.name for d in derivatives),
+        derivatives=tuple(d.name for d in derivatives),
+        dependencies={
+            unknown.variable.name: frozenset(known.name for known in unknown.dependencies)
+            for unknown in (*xml.derivatives, *xml.outputs)
+            if unknown.dependencies is not None
+        },
+        event_indicators=event_indicators,
+        log_categories=tuple(c.name for c in xml.logCategories),
+        co_simulation=_interface(xml.coSimulation),
+        model_exchange=_interface(xml.modelExchange),
+        blemishes=blemishes,
+    )
+
+
+def _unit(path: Path, element: Any) -> Unit | None:
+    base = element.baseUnit
+    if base is None:
+        return None
+    kg, m, s, a, k, mol, cd, rad = (int(getattr(base, b) or 0) for b in BASE)
+    exponents: Exponents = (kg, m, s, a, k, mol, cd, rad)
+    factor = 1.0 if base.factor is None else float(base.factor)
+    offset = 0.0 if base.offset is None else float(base.offset)
+    try:
+        return _with_angle(Unit(name=element.name, exponents=exponents, factor=factor, offset=offset))
+    except UnitError as error:
+        raise FmuError(f"{path}: UnitDefinitions: {error}") from error
+
+
+def _with_angle(angle_unit: Unit) -> Unit:
+    """Return a unit with the radian that its name has and its definition leaves out.
+
+    To FMI the radian is a base unit, to SI it is one: OpenModelica writes "rad/s" as one over the second. The name
+    is believed where both differ in nothing else, so that a frequency does not become an angular velocity. So is a
+    name that counts revolutions or degrees where the definition has the factor of the radian, or of the count.
+    """
+    try:
+        registry_unit = unit(angle_unit.name)
+    except UnitError:
+        return angle_unit
+    return registry_unit if not angle_unit.offset and angle_unit.leaves_the_angle_out_of(registry_unit) else angle_unit
+
+
+_REFERENCES = 1 << 32
+"""Value references are unsigned integers of 32 bits (FMI 2.0.4, §2.1.2)."""
+_REAL = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?INF)\s*", re.ASCII)
+"""A number as XML Schema writes it, but for NaN, which is neither a bound nor a start."""
+
+
+def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> float | None:
+    """Return a value of a variable's start, min or max as a number; None when there is none.
+
+    Raises:
+        FmuError: It is no value of the variable's type.
+    """
+    if text is None or element.type == "String":
+        return None
+    kind = "Integer" if element.type == "Enumeration" else element.type
+    value = {"true": 1.0, "false": 0.0, "1": 1.0, "0": 0.0}.get(text.strip()) if kind == "Boolean" else None
+    if kind != "Boolean" and _REAL.fullmatch(text):
+        value = float(text)
+        is_whole = math.isfinite(value) and value == int(value) and abs(value) < 1 << 31
+        if (attribute == "start" and not math.isfinite(value)) or (kind == "Integer" and not is_whole):
+            value = None
+    if value is None:
+        raise FmuError(
+            f"{path}: '{element.name}' has {attribute}={text[:40]!r} in modelDescription.xml, which is no {kind}; "
+            "correct it or ask the tool that made the FMU."
+        )
+    return value
+
+
+def _variable(path: Path, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
+    reference = int(element.valueReference)
+    if not 0 <= reference < _REFERENCES:
+        raise FmuError(
+            f"{path}: '{element.name}' has valueReference {reference} in modelDescription.xml; it is a whole number "
+            f"from 0 to {_REFERENCES - 1}. Ask the tool that made the FMU."
+        )
+    if element.causality not in get_args(Causality):
+        raise FmuError(
+            f"{path}: '{element.name}' has causality={element.causality!r} in modelDescription.xml; it is one of "
+            f"{', '.join(get_args(Causality))}."
+        )
+    declaration = element.declaredType
+    unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""
+    least = element.min if element.min is not None or declaration is None else declaration.min
+    most = element.max if element.max is not None or declaration is None else declaration.max
+    _value_of(path, element, "start", element.start)
+    relative = element.name in relatives or bool(declaration is not None and declaration.relativeQuantity)
+    return Variable(
+        name=element.name,
+        reference=reference,
+        kind=element.type,
+        causality=element.causality,
+        # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never.
+        settable=element.initial in ("exact", "approx") and element.variability != "constant",
+        unit=units.get(unit_name),
+        unit_name=unit_name,
+        relative=relative,
+        start=element.start,
+        minimum=_value_of(path, element, "min", least),
+        maximum=_value_of(path, element, "max", most),
+        description=element.description or "",
+    )
+
+
+def _interface(element: Any) -> Interface | None:
+    if element is None:
+        return None
+    return Interface(
+        identifier=element.modelIdentifier,
+        directional_derivatives=bool(element.providesDirectionalDerivative),
+    )

@@ -1,0 +1,385 @@
+"""A Model Exchange FMU as a pure function of state and input: what a filter predicts with.
+
+The FMU is initialised once and then only evaluated, at time zero: a prediction model is autonomous, smooth
+and without events, and one that has events is refused. Its Jacobians come from fmi2GetDirectionalDerivative
+where the FMU offers it, else from central differences. `kernel/model_exchange.c` makes the calls.
+"""
+
+import ctypes
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Literal, Self
+from weakref import finalize
+
+import numpy as np
+from fmpy.fmi2 import fmi2EventInfo
+from numpy.typing import NDArray
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.estimators.model_in_c import ModelInC, Pattern, addressed_model
+from railgrip.fmi.description import Description, Variable
+from railgrip.fmi.instance import Instance, unpack
+from railgrip.fmi.parameters import Values, assignments
+from railgrip.fmus.native.c_library import CLibrary, Struct
+
+Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
+
+KERNEL: Final = files("railgrip.fmi") / "kernel"
+
+# Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
+_RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
+
+CALLS: Final = (
+    "", "fmi2SetContinuousStates", "fmi2SetReal", "fmi2GetDerivatives", "fmi2GetReal", "fmi2GetDirectionalDerivative",
+)  # fmt: skip
+"""The FMI call behind each of the first numbers that `model_exchange.c` returns."""
+
+_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
+
+
+@cache
+def _library() -> CLibrary:
+    names = "model_exchange.c", "model_exchange.h"
+    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
+    return CLibrary(sources, "model_exchange", names[1:])
+
+
+@cache
+def _functions() -> ctypes.PyDLL:
+    """Return the library's functions for calls from Python.
+
+    They keep the interpreter lock: handing it over and back would cost as much as an evaluation.
+    """
+    library = ctypes.PyDLL(str(_library().path))
+    for function in (library.derivative, library.output):
+        function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
+    return library
+
+
+def column_groups(pattern: Pattern, columns: int) -> list[list[int]]:
+    """Return the columns of a sparse matrix in groups of which no two columns have an entry in one row.
+
+    One directional derivative gives all entries of a group. Columns without entries are left out; the fullest come
+    first, each into the first group that has room.
+
+    Source: Curtis, Powell and Reid, On the estimation of sparse Jacobian matrices (1974).
+    """
+    rows_of: list[set[int]] = [set() for _ in range(columns)]
+    for row, entries in enumerate(pattern):
+        for column in entries:
+            rows_of[column].add(row)
+    groups: list[tuple[list[int], set[int]]] = []
+    for column in sorted((c for c in range(columns) if rows_of[c]), key=lambda c: -len(rows_of[c])):
+        free = next((group for group in groups if group[1].isdisjoint(rows_of[column])), None)
+        if free is None:
+            groups.append(free := ([], set()))
+        free[0].append(column)
+        free[1].update(rows_of[column])
+    return [members for members, _ in groups]
+
+
+class FmuPrediction:
+    """The Prediction protocol of the estimators, by a Model Exchange FMU in this process; used inside `with`.
+
+    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose.
+
+    Attributes:
+        parameters: For a filter in C: the addresses of what evaluates the FMU, see `addressed_model`.
+    """
+
+    def __init__(
+        self,
+        description: Description,
+        *,
+        parameters: Values,
+        states: Sequence[str],
+        inputs: Sequence[str],
+        outputs: Sequence[str],
+    ) -> None:
+        """Check the question; nothing is loaded before `with`.
+
+        Args:
+            description: Of the FMU; variables in SI.
+            parameters: Values by FMU variable.
+            states: All of the FMU's states, in the order wanted.
+            inputs: All of its inputs, in the order wanted.
+            outputs: What the filter reads, in the order wanted.
+
+        Raises:
+            FmuError: A parameter is wrong, the FMU has other states, lacks a variable or has one that is not Real, has
+                events, or is not in SI.
+        """
+        if sorted(states) != sorted(description.states):
+            lacks = [s for s in states if s not in description.states]
+            extra = [s for s in description.states if s not in states]
+            raise FmuError(
+                f"{description.file}: the prediction's states are not those expected; "
+                f"missing: {', '.join(lacks) or 'none'}; unexpected: {', '.join(extra) or 'none'}."
+            )
+        for name in (*states, *inputs, *outputs):
+            _require_si(description, description.variable(name, "prediction"))
+        self.states, self.inputs, self.outputs = tuple(states), tuple(inputs), tuple(outputs)
+        self._description = description
+        self._assignments = assignments(description, parameters)
+        self._references = (
+            _references(description.variables[name] for name in states),
+            _references(_real(description, name, "input") for name in inputs),
+            _references(_real(description, name, "output") for name in outputs),
+        )
+        rest = sorted(set(description.names("input")) - set(inputs))
+        if rest:
+            raise FmuError(f"{description.file}: the prediction leaves inputs undriven: {', '.join(rest)}.")
+        if description.event_indicators:
+            raise FmuError(
+                f"{description.file}: a prediction must be smooth, this FMU has "
+                f"{description.event_indicators} event indicators; write its equations without if, when, "
+                "abs, sign, min or max."
+            )
+        derivative_of = dict(zip(description.states, description.derivatives, strict=True))
+        self._derivatives = [derivative_of[name] for name in states]
+        self._derivative_pattern = self._pattern(self._derivatives)
+        self._output_pattern = self._pattern(outputs)
+        self.parameters = np.zeros(3)
+        self._stack = ExitStack()
+        self._instance: Instance | None = None
+
+    def __enter__(self) -> Self:
+        """Unpack, load, instantiate, set the parameters and initialise."""
+        with ExitStack() as stack:
+            folder = stack.enter_context(unpack(self._description))
+            instance = Instance(self._description, "model exchange", folder, name="prediction")
+            stack.callback(instance.close)
+            instance.assign(self._assignments, 0.0)
+            instance.enter_initialization()
+            instance.exit_initialization()
+            _settle(instance)
+            self._instance = instance
+            self._prepare(instance)
+            self._stack = stack.pop_all()
+        return self
+
+    def opened(self) -> Self:
+        """Return it open without `with`; it is closed when nothing refers to it any more, at the latest at exit."""
+        self.__enter__()
+        finalize(self, self._stack.close)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Free everything, whatever happened."""
+        self._instance = None
+        self._stack.close()
+
+    @property
+    def file(self) -> Path:
+        """The FMU."""
+        return self._description.file
+
+    @property
+    def has_directional_derivatives(self) -> bool:
+        """Whether the FMU gives its Jacobians; without, they are central differences."""
+        interface = self._description.model_exchange
+        return interface is not None and interface.directional_derivatives
+
+    def _pattern(self, unknowns: Sequence[str]) -> Pattern:
+        """Return which states each unknown depends on, as the FMU's ModelStructure says; on all where it is silent."""
+        known = self._description.dependencies
+        return tuple(
+            tuple(i for i, state in enumerate(self.states) if name not in known or state in known[name])
+            for name in unknowns
+        )
+
+    def _prepare(self, instance: Instance) -> None:
+        """Make the buffers and addresses of an evaluation."""
+        n = len(self.states)
+        self._keep: list[Any] = [instance]
+        _, inputs, outputs = self._references
+        theirs = {name: place for place, name in enumerate(self._description.states)}
+        places = np.array([theirs[name] for name in self.states], dtype=np.longlong)
+        # Without states OpenModelica's FMUs write into the first element all the same.
+        nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
+        nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
+        unknowns = _references(self._description.variables[name] for name in self._derivatives)
+        self._struct = _library().struct(
+            "ModelExchange", fmu=instance.component,
+            set_states=instance.address("fmi2SetContinuousStates"), set_real=instance.address("fmi2SetReal"),
+            get_derivatives=instance.address("fmi2GetDerivatives"), get_real=instance.address("fmi2GetReal"),
+            get_directional=(
+                instance.address("fmi2GetDirectionalDerivative") if self.has_directional_derivatives else None
+            ),
+            input_references=inputs, output_references=outputs, place_of_state=places,
+            states=np.zeros(n), derivatives=np.zeros(n), moved=np.zeros(n), ones=np.ones(n), nominal=nominal,
+            by_state=self._jacobian(self._derivative_pattern, unknowns),
+            of_output=self._jacobian(self._output_pattern, outputs),
+            n_states=n, n_inputs=inputs.size, n_outputs=outputs.size, relative_step=_RELATIVE_STEP,
+        )  # fmt: skip
+        self._plan, self._address = self._struct.pointer, self._struct.address
+        functions = _functions()
+        addresses = [ctypes.cast(call, ctypes.c_void_p).value for call in (functions.derivative, functions.output)]
+        self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
+
+    def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> Struct:
+        """Return a Jacobian's groups."""
+        n, groups = len(self.states), column_groups(pattern, len(self.states))
+        starts = np.cumsum([0, *map(len, pattern)])
+        entries = [
+            (column, row, starts[row] + pattern[row].index(column))
+            for members in groups
+            for column in members
+            for row in range(len(pattern))
+            if column in pattern[row]
+        ]
+        columns, rows, places = np.array(entries, dtype=np.longlong).reshape(-1, 3).T
+        of = np.array([column for members in groups for column in members], dtype=np.longlong)
+        size = np.bincount(columns, minlength=n)
+        counts = [int(size[members].sum()) for members in groups]
+        buffer = max(len(pattern), *counts, 1) if counts else max(len(pattern), 1)
+        return _library().struct(
+            "Jacobian", first_column=np.cumsum([0, *map(len, groups)], dtype=np.longlong),
+            known=np.ascontiguousarray(self._references[0][of]), state=of,
+            first_entry=np.cumsum([0, *counts], dtype=np.longlong), unknown=np.ascontiguousarray(unknowns[rows]),
+            column=np.ascontiguousarray(columns), row=np.ascontiguousarray(rows), place=np.ascontiguousarray(places),
+            ahead=np.zeros(buffer), behind=np.zeros(buffer), n_groups=len(groups), n_entries=len(entries),
+        )  # fmt: skip
+
+    def _read(self, instance: Instance, call: str) -> Vector:
+        """Return a value of each state, shape (n,)."""
+        values = np.zeros(len(self.states))
+        instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
+        return values[[self._description.states.index(name) for name in self.states]]
+
+    @property
+    def start(self) -> Vector:
+        """The FMU's own initial state, shape (n,)."""
+        return self._read(self._open(), "fmi2GetContinuousStates")
+
+    def in_c(self) -> ModelInC:
+        """Return the C by which a filter evaluates this FMU, valid inside `with`."""
+        return addressed_model(
+            derivative_pattern=self._derivative_pattern,
+            output_pattern=self._output_pattern,
+            inputs=len(self.inputs),
+            parameters=self.parameters.size,
+        )
+
+    def failure(self) -> str:
+        """Return why the last evaluation did not succeed."""
+        try:
+            self._require_fine(self._plan.call)
+        except PlantFailed as error:
+            return str(error)
+        return ""
+
+    def derivative(self, x: Vector, u: Vector) -> Vector:
+        """Return dx/dt at (x, u), shape (n,).
+
+        Raises:
+            PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
+        """
+        return self._evaluated("derivative", x, u, None)
+
+    def output(self, x: Vector, u: Vector) -> Vector:
+        """Return y at (x, u), shape (m,); `PlantFailed` where there is none."""
+        return self._evaluated("output", x, u, None)
+
+    def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return d(dx/dt)/dx at (x, u), shape (n, n); `PlantFailed` where there is none."""
+        return self._differentiated("derivative", x, u, self._derivative_pattern)
+
+    def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
+        """Return dy/dx at (x, u), shape (m, n); `PlantFailed` where there is none."""
+        return self._differentiated("output", x, u, self._output_pattern)
+
+    def _differentiated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, pattern: Pattern) -> Matrix:
+        entries = np.zeros(sum(map(len, pattern)))
+        self._evaluated(what, x, u, entries)
+        matrix, entry = np.zeros((len(pattern), len(self.states))), 0
+        for row, columns in enumerate(pattern):
+            matrix[row, list(columns)] = entries[entry : entry + len(columns)]
+            entry += len(columns)
+        return matrix
+
+    def _evaluated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, entries: Vector | None) -> Vector:
+        self._open()
+        if x.shape != (len(self.states),) or u.shape != (len(self.inputs),):
+            raise ValueError(
+                f"a point of {self._description.file.name} has {len(self.states)} states and {len(self.inputs)} "
+                f"inputs, got shapes {x.shape} and {u.shape}"
+            )
+        value = np.zeros(len(self.states if what == "derivative" else self.outputs))
+        x, u = (np.ascontiguousarray(part, dtype=np.float64) for part in (x, u))
+        arrays = x, u, value
+        code = getattr(_functions(), what)(
+            self._address, *(a.ctypes.data for a in arrays), None if entries is None else entries.ctypes.data
+        )
+        self._require_fine(code)
+        return value
+
+    def _require_fine(self, code: int) -> None:
+        """Raise the failure that ended an evaluation, if one did."""
+        if not code:
+            return
+        instance = self._open()
+        if code not in (_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE):
+            instance.check(self._plan.status, CALLS[code], 0.0, "evaluating the prediction")
+        names = self.outputs if self._plan.is_output else self._derivatives
+        pattern = self._output_pattern if self._plan.is_output else self._derivative_pattern
+        if code == _VALUE_NOT_FINITE:
+            variable = names[self._plan.at]
+        else:
+            row, column = [(row, column) for row, columns in enumerate(pattern) for column in columns][self._plan.at]
+            variable = f"d({names[row]})/d({self.states[column]})"
+        raise PlantFailed(instance.failure("not_finite", "", 0.0, variable=variable, doing="a prediction"))
+
+    def _open(self) -> Instance:
+        if self._instance is None:
+            raise RuntimeError("an FmuPrediction is used inside 'with'")
+        return self._instance
+
+
+def _settle(instance: Instance) -> None:
+    """Iterate the initial event and enter continuous time."""
+    event = fmi2EventInfo()
+    for _ in range(100):  # far more than any model needs; one that never settles is broken
+        instance.call("fmi2NewDiscreteStates", ctypes.byref(event), time=0.0)
+        if event.terminateSimulation:
+            raise PlantFailed(instance.failure("ended", "fmi2NewDiscreteStates", 0.0))
+        if not event.newDiscreteStatesNeeded:
+            break
+    else:
+        raise PlantFailed(instance.failure("error", "fmi2NewDiscreteStates", 0.0, doing="its events never settle"))
+    if event.nextEventTimeDefined:
+        raise FmuError(
+            f"{instance.description.file}: a prediction must be smooth, this FMU announces an event at "
+            f"{event.nextEventTime:g} s; remove the condition on time from its equations."
+        )
+    instance.call("fmi2EnterContinuousTimeMode", time=0.0)
+    instance.call("fmi2SetTime", 0.0, time=0.0)
+
+
+def _real(description: Description, name: str, causality: Literal["input", "output"]) -> Variable:
+    variable = description.variable(name, "prediction")
+    if variable.kind != "Real":
+        raise FmuError(f"{description.file}: '{name}' is {variable.kind}, a prediction is made of Real variables.")
+    if causality == "input" and variable.causality != "input":
+        raise FmuError(f"{description.file}: '{name}' is not an input but {variable.causality}.")
+    return variable
+
+
+def _require_si(description: Description, variable: Variable) -> None:
+    stated_unit = variable.unit
+    if stated_unit is not None and (stated_unit.factor != 1.0 or stated_unit.offset != 0.0):
+        raise FmuError(
+            f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', SI is wanted; "
+            "correct the model."
+        )
+
+
+def _references(variables: Iterable[Variable]) -> NDArray[np.uint32]:
+    return np.array([v.reference for v in variables], dtype=np.uint32)

@@ -1,0 +1,314 @@
+"""One instance of an FMU: unpacked, loaded, instantiated, and put away again whatever happened.
+
+FMPy unpacks, loads and declares the functions of the shared library; from there on they are called directly,
+because FMPy's wrapper around each call costs more than the physics behind it.
+"""
+
+import ctypes
+import os
+import re
+import sys
+import tempfile
+from collections import deque
+from collections.abc import Callable, Generator
+from contextlib import chdir, contextmanager, suppress
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+from typing import Any, Final, Literal, cast
+
+import fmpy
+import fmpy.logging
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import (
+    FMU2Model,
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+
+from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
+from railgrip.base.files import scratch
+from railgrip.fmi.archive import digest
+from railgrip.fmi.description import Description, Interface
+from railgrip.fmi.parameters import Assignment
+
+Way = Literal["co-simulation", "model exchange"]
+
+OK_OR_WARNING: Final = (0, 1)
+"""The fmi2Status after which results are valid; a number that is none of the six is an error."""
+_REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "pending"}
+_STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
+_LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
+_TERMINATED: Final = 3  # fmi2StatusKind
+
+Log = deque[tuple[int, str]]
+_logs: dict[int, Log] = {}
+_environments = count(1)
+
+
+_heard = 0
+_quota: tuple[int, Callable[[], object]] | None = None
+_LONGEST_MESSAGE: Final = 2000  # characters that are kept
+
+
+def limit_messages(most: int, end: Callable[[], object]) -> None:
+    """Call `end` when the FMUs of this process have logged more messages than allowed."""
+    global _quota
+    _quota = most, end
+
+
+def _hear(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
+    """Keep what an FMU says under the environment it was given at instantiation."""
+    global _heard
+    _heard += 1
+    if _quota is not None and _heard > _quota[0]:
+        _quota[1]()
+    log = _logs.get(environment or 0)
+    if log is not None and message:
+        log.append(
+            (status, message[: 4 * _LONGEST_MESSAGE].decode("utf-8", errors="replace").strip()[:_LONGEST_MESSAGE])
+        )
+
+
+# FMPy's proxy expands the printf arguments in C and then calls the logger it was last given, process-wide: so
+# there is one logger for all instances, and the environment tells them apart.
+_LOGGER = fmi2CallbackLoggerTYPE(_hear)
+
+
+def _callbacks(environment: int) -> fmi2CallbackFunctions:
+    callbacks = fmi2CallbackFunctions()
+    callbacks.logger = _LOGGER
+    # The C functions themselves: wrapped in Python, each allocation of the FMU would enter the interpreter.
+    callbacks.allocateMemory = fmi2CallbackAllocateMemoryTYPE(_address(fmpy.calloc))
+    callbacks.freeMemory = fmi2CallbackFreeMemoryTYPE(_address(fmpy.free))
+    fmpy.logging.addLoggerProxy(ctypes.byref(callbacks))
+    callbacks.componentEnvironment = environment
+    return callbacks
+
+
+def _address(function: Any) -> int:
+    return ctypes.cast(function, ctypes.c_void_p).value or 0
+
+
+@contextmanager
+def unpack(description: Description) -> Generator[Path]:
+    """Yield a temporary folder with the FMU's files, removed at the end.
+
+    Raises:
+        FmuError: The file changed since it was described, or cannot be unpacked.
+    """
+    here = f"binaries/{fmpy.platform}/"
+    with scratch("fmu") as folder:
+        try:
+            if digest(description.file) != description.digest:
+                raise FmuError(f"{description.file}: the FMU changed while it was being read; try again.")
+            fmpy.extract(
+                str(description.file),
+                unzipdir=str(folder),
+                include=lambda name: name.startswith((here, "resources/")) or name == "modelDescription.xml",
+            )
+        except FmuError:
+            raise
+        except Exception as error:  # FMPy raises bare Exception for illegal paths in the archive
+            raise FmuError(f"{description.file}: the FMU cannot be unpacked: {error}") from error
+        yield folder
+
+
+_SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
+
+
+@contextmanager
+def _without_solver_lines(description: Description) -> Generator[None]:
+    """Keep out of the standard output what an FMU of OpenModelica says of its solver while that is set up.
+
+    It prints a dozen lines with printf, whatever logging it was asked for (fmu_read_flags.c of its FMI export), some
+    versions in fmi2Instantiate, some at initialisation. All else that it prints comes through.
+    """
+    if "OpenModelica" not in description.generator:
+        yield
+        return
+    libc = ctypes.CDLL("msvcrt" if sys.platform == "win32" else None)
+    with tempfile.TemporaryFile() as file:
+        sys.stdout.flush()
+        libc.fflush(None)
+        before = os.dup(1)
+        os.dup2(file.fileno(), 1)
+        try:
+            yield
+        finally:
+            libc.fflush(None)
+            os.dup2(before, 1)
+            os.close(before)
+            file.seek(0)
+            os.write(1, _SOLVER_LINES.sub(b"", file.read()))
+
+
+class Instance:
+    """A live FMU. The one object here whose state changes under our hands.
+
+    After fmi2Error only freeing is legal, after fmi2Fatal nothing is (FMI 2.0.4, §2.1.3); `close` obeys.
+    """
+
+    def __init__(self, description: Description, way: Way, folder: Path, *, name: str) -> None:
+        """Load and instantiate.
+
+        Args:
+            folder: Where it is unpacked.
+            name: Of the instance, shown in its messages.
+
+        Raises:
+            FmuError: The FMU does not offer this interface, or its library does not load here.
+            PlantFailed: It refused to be instantiated.
+        """
+        self.description = description
+        interface = _interface(description, way)
+        maker = FMU2Slave if way == "co-simulation" else FMU2Model
+        try:
+            # FMPy loads from the folder of the library, and stays there when loading fails.
+            with chdir(Path.cwd()):
+                instance: Any = maker(
+                    guid=description.guid,
+                    unzipDirectory=str(folder),
+                    modelIdentifier=interface.identifier,
+                    instanceName=name,
+                )
+        except Exception as error:  # FMPy: bare for the loader, AttributeError for a missing function
+            raise FmuError(
+                f"{description.file}: its binary does not load on this machine: {error}. "
+                "Export the FMU again for this platform, with all functions of FMI 2.0."
+            ) from error
+        self._library: Any = instance.dll
+        self._environment = next(_environments)
+        self._log: Log = deque(maxlen=50)
+        _logs[self._environment] = self._log
+        self._model = instance  # keeps the callbacks
+        self._running = False
+        self._defect: Reason | None = None
+        with _without_solver_lines(description):
+            try:
+                instance.instantiate(callbacks=_callbacks(self._environment), loggingOn=True)
+            except Exception:  # FMPy raises bare Exception when there is no component
+                self.component = 0
+            else:
+                self.component = cast(int, instance.component)
+        if not self.component:
+            failure = self.failure("refused", "fmi2Instantiate", 0.0)
+            self.close()
+            raise PlantFailed(failure)
+        with suppress(FMICallException):  # an FMU without such logging still works
+            categories = [c for c in description.log_categories if c in _PROBLEMS]
+            instance.setDebugLogging(bool(categories), categories)
+
+    def address(self, name: str) -> int:
+        """Return where an FMI function is, for a caller in C."""
+        return _address(getattr(self._library, name))
+
+    def call(self, name: str, *arguments: Any, time: float, doing: str = "") -> None:
+        """Call an FMI function of this instance off the hot path.
+
+        Raises:
+            PlantFailed: It returned anything but OK or a warning.
+        """
+        self.check(getattr(self._library, name)(self.component, *arguments), name, time, doing)
+
+    def check(self, status: int, name: str, time: float, doing: str = "") -> None:
+        """Accept OK and warnings.
+
+        Raises:
+            PlantFailed: Any other status.
+        """
+        if status in OK_OR_WARNING:
+            return
+        reason = _REASONS.get(status, "no_status")
+        if reason == "no_status":
+            doing = f"{status}{doing and f', {doing}'}"
+        failure = self.failure(reason, name, time, doing=doing)
+        if reason == "discard" and name == "fmi2DoStep":
+            failure = self._discard(failure)
+        self._defect = None if reason == "discard" else reason
+        raise PlantFailed(failure)
+
+    def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
+        """Return a failure of this FMU with what it said about it."""
+        worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s != 0]
+        return Failure(
+            file=self.description.file.name,
+            time=time,
+            reason=reason,
+            call=call,
+            variable=variable,
+            detail=doing,
+            log=tuple(worst),
+        )
+
+    def _discard(self, failure: Failure) -> Failure:
+        """Ask a slave that discarded a step how far it came and whether it wanted to end."""
+        termination, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
+        knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(termination))
+        knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_time))
+        return replace(
+            failure,
+            reason="ended" if knows_end in OK_OR_WARNING and termination.value else "discard",
+            reached=last_time.value if knows_time in OK_OR_WARNING else None,
+        )
+
+    def assign(self, assignments: tuple[Assignment, ...], time: float) -> None:
+        """Set checked parameter values."""
+        types = {
+            "Real": ctypes.c_double,
+            "Integer": ctypes.c_int,
+            "Boolean": ctypes.c_int,
+            "String": ctypes.c_char_p,
+        }
+        for a in assignments:
+            n = len(a.references)
+            values = [v.encode() if isinstance(v, str) else v for v in a.values]
+            references = (ctypes.c_uint * n)(*a.references)
+            buffer = (types[a.carrier] * n)(*values)
+            self.call(f"fmi2Set{a.carrier}", references, n, buffer, time=time, doing="setting parameters")
+
+    def enter_initialization(self) -> None:
+        """Set the experiment up and enter initialisation mode."""
+        with _without_solver_lines(self.description):
+            self.call("fmi2SetupExperiment", 0, 0.0, 0.0, 0, 0.0, time=0.0)
+            self.call("fmi2EnterInitializationMode", time=0.0)
+
+    def exit_initialization(self) -> None:
+        """Leave initialisation mode; the simulation runs."""
+        self.call("fmi2ExitInitializationMode", time=0.0)
+        self._running = True
+
+    def close(self) -> None:
+        """Terminate, free and unload, as far as the last status allows; safe to call twice."""
+        _logs.pop(self._environment, None)
+        if self._defect == "fatal":
+            # Nothing of this FMU may be called any more; its library stays loaded until the process ends.
+            self.component = 0
+            return
+        if self.component:
+            component, self.component = self.component, 0
+            if self._running and self._defect is None:
+                self._library.fmi2Terminate(component)
+            self._library.fmi2FreeInstance(component)
+        if self._library is not None:
+            fmpy.freeLibrary(self._library._handle)
+            self._library = None
+
+
+_PROBLEMS: Final = frozenset(
+    {"logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logStatusPending"}
+)
+"""Standard log categories (FMI 2.0.4, §2.2.4) that are worth the cost of listening."""
+
+
+def _interface(description: Description, way: Way) -> Interface:
+    interface = description.co_simulation if way == "co-simulation" else description.model_exchange
+    if interface is None:
+        other = "Model Exchange" if way == "co-simulation" else "Co-Simulation"
+        kind = "Co-Simulation" if way == "co-simulation" else "Model Exchange"
+        role = "a plant is stepped" if way == "co-simulation" else "a prediction is evaluated"
+        raise FmuError(f"{description.file}: {role} through {kind}, this FMU offers only {other}; export it as {kind}.")
+    return interface

@@ -1,0 +1,421 @@
+"""Ties our signals to an FMU's variables: other names, other units, other signs, checked once.
+
+The table of a scenario reads
+
+    [vehicle.map]
+    pressure_command = "cylinder[{i}].demand"        # an array by pattern, {i} counts from 1
+    wheelset_speed = ["front.n", "axle3.n", "axle4.n", "rear.n"]
+    acceleration = "-retardation"                    # a sign flip
+    mu0 = { variable = "rail[{i}].grip", scale = 0.01 }
+    cylinder_pressure = { variable = "p[{i}]", unit = "bar" }   # the FMU does not say its unit
+
+and a signal that the table leaves out has the same name in the FMU, where one of a single element may be a
+scalar. Units are converted from what the FMU declares; `scale` multiplies what is left (ours = scale · theirs,
+both in SI). A `unit` is given only where the FMU has none, or where it leaves out what turns: `1/min` of a speed
+may be `rev/min` or `rad/min`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from typing import Literal, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import FmuError, UnitError
+from railgrip.base.units import Unit, conversion, turning_of, unit
+from railgrip.fmi.description import Causality, Description, Variable
+
+Carrier = Literal["Real", "Integer", "Boolean"]
+"""The FMI calls that carry a number; enumerations travel as integers."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signal:
+    """A quantity at the interface between the harness and a plant, as the harness sees it.
+
+    Attributes:
+        name: Ours.
+        unit: In Modelica's syntax; SI.
+        size: Number of elements, 0 for a scalar.
+        needed: Whoever lacks it cannot take part; otherwise it may be absent.
+    """
+
+    name: str
+    unit: str
+    size: int
+    needed: bool
+
+    @property
+    def elements(self) -> tuple[str, ...]:
+        """Scalar names, `slip[1]` to `slip[4]`, or the name itself."""
+        if self.size == 0:
+            return (self.name,)
+        return tuple(f"{self.name}[{i + 1}]" for i in range(self.size))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Channel:
+    """The variables of one FMI type on one side, ready for a single call.
+
+    Attributes:
+        carrier: Which pair of fmi2Get…/fmi2Set… functions.
+        references: Value references, shape (n,), uint32.
+        positions: Where each belongs in our vector, shape (n,).
+        gain: Of the conversion in the direction of travel, shape (n,).
+        shift: Added after the gain, shape (n,).
+        variables: Names in the FMU, for sentences.
+    """
+
+    carrier: Carrier
+    references: NDArray[np.uint32]
+    positions: NDArray[np.intp]
+    gain: NDArray[np.float64]
+    shift: NDArray[np.float64]
+    variables: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Side:
+    """All signals that travel one way, laid out in one vector.
+
+    The layout does not depend on the FMU: what an FMU lacks is NaN among outputs and is ignored among inputs.
+
+    Attributes:
+        layout: Where each signal is in the vector.
+        elements: Scalar names of ours, in the order of the vector.
+        absent: Signals that are not needed and that the FMU does not have.
+        channels: One per FMI type in use.
+    """
+
+    layout: Mapping[str, slice]
+    elements: tuple[str, ...]
+    absent: tuple[str, ...]
+    channels: tuple[Channel, ...]
+
+    @property
+    def size(self) -> int:
+        """Length of the vector."""
+        return len(self.elements)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Binding:
+    """An FMU as the harness sees it.
+
+    Attributes:
+        inputs: What we send, converted to what the FMU wants.
+        outputs: What the FMU shows, converted to ours.
+        unused: Inputs of the FMU that nothing drives; they keep their start values.
+        parameters: Our scalar parameter name → FMU variable, gain and shift towards it.
+    """
+
+    inputs: Side
+    outputs: Side
+    unused: tuple[str, ...]
+    parameters: Mapping[str, tuple[str, float, float]]
+
+    def translate(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Return parameter values under the FMU's names and in its units.
+
+        Args:
+            values: By our scalar names, SI; all of them among `parameters`.
+        """
+        result: dict[str, float] = {}
+        for name, value in values.items():
+            theirs, gain, shift = self.parameters[name]
+            result[theirs] = gain * value + shift
+        return result
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Target:
+    """One element of a mapping entry: which variable, and how it differs."""
+
+    variable: str
+    scale: float
+    stated_unit: str | None
+
+
+def bind(
+    description: Description,
+    *,
+    inputs: Sequence[Signal],
+    outputs: Sequence[Signal],
+    parameters: Sequence[Signal] = (),
+    table: Mapping[str, object] | None = None,
+    where: str = "mapping",
+) -> Binding:
+    """Tie our signals to the variables of an FMU.
+
+    Args:
+        inputs: What we can send, in the order of the input vector.
+        outputs: What we can read, in the order of the output vector.
+        parameters: What we set before initialisation under our own names.
+        table: Our name → FMU variable, as above.
+        where: File and table, to open sentences with: 'city.toml: [vehicle.map]'.
+
+    Raises:
+        FmuError: The table names no signal or no variable, a variable is of the wrong kind, a unit has the
+            wrong dimension, or a needed signal is missing.
+    """
+    entries = dict(table or {})
+    our_names = {s.name for s in (*inputs, *outputs, *parameters)}
+    for name in entries:
+        if name not in our_names:
+            raise FmuError(f"{where} has no signal '{name}'{_near(name, sorted(our_names))}")
+    for group in (inputs, outputs):
+        names = [s.name for s in group]
+        if len(set(names)) != len(names):
+            raise FmuError(f"{where}: a signal is listed twice among {', '.join(names)}.")
+    sources = _side(description, inputs, entries, where, "input", into_fmu=True)
+    sinks = _side(description, outputs, entries, where, "output", into_fmu=False)
+    variables = {v for channel in sources.channels for v in channel.variables}
+    if sum(len(c.variables) for c in sources.channels) != len(variables):
+        twice = [v for c in sources.channels for v in c.variables]
+        again = sorted({v for v in twice if twice.count(v) > 1})
+        raise FmuError(f"{where}: two signals drive the same input of {description.file.name}: {', '.join(again)}.")
+    return Binding(
+        inputs=sources,
+        outputs=sinks,
+        unused=tuple(v for v in description.names("input") if v not in variables),
+        parameters=_parameters(description, parameters, entries, where),
+    )
+
+
+def _side(
+    description: Description,
+    signals: Sequence[Signal],
+    entries: Mapping[str, object],
+    where: str,
+    causality: Causality,
+    *,
+    into_fmu: bool,
+) -> Side:
+    layout: dict[str, slice] = {}
+    elements: list[str] = []
+    absent: list[str] = []
+    missing: list[str] = []
+    rows: dict[Carrier, list[tuple[int, Variable, float, float]]] = {"Real": [], "Integer": [], "Boolean": []}
+    for signal in signals:
+        targets = _targets(signal, entries, where)
+        lack = [t.variable for t in targets if t.variable not in description.variables]
+        if lack and signal.size == 1 and signal.name not in entries and signal.name in description.variables:
+            targets, lack = (_Target(variable=signal.name, scale=1.0, stated_unit=None),), []
+        if lack and signal.name not in entries:
+            # An array of which some elements exist is a mistake, not an absence.
+            if signal.needed or len(lack) < len(targets):
+                missing += lack
+            else:
+                absent.append(signal.name)
+            targets = ()
+        first = len(elements)
+        elements += signal.elements
+        layout[signal.name] = slice(first, len(elements))
+        for position, (element, target) in enumerate(zip(signal.elements, targets, strict=False), start=first):
+            row = _tie(description, signal, element, target, where, causality, into_fmu=into_fmu)
+            rows[_carrier(row[0])].append((position, *row))
+    if missing:
+        raise FmuError(_all_missing(description, missing, causality, where))
+    return Side(
+        layout=layout,
+        elements=tuple(elements),
+        absent=tuple(absent),
+        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items() if ties),
+    )
+
+
+def _channel(carrier: Carrier, ties: Sequence[tuple[int, Variable, float, float]]) -> Channel:
+    return Channel(
+        carrier=carrier,
+        references=np.array([v.reference for _, v, _, _ in ties], dtype=np.uint32),
+        positions=np.array([position for position, _, _, _ in ties], dtype=np.intp),
+        gain=np.array([gain for _, _, gain, _ in ties]),
+        shift=np.array([shift for _, _, _, shift in ties]),
+        variables=tuple(v.name for _, v, _, _ in ties),
+    )
+
+
+def _parameters(
+    description: Description, signals: Sequence[Signal], entries: Mapping[str, object], where: str
+) -> dict[str, tuple[str, float, float]]:
+    ties: dict[str, tuple[str, float, float]] = {}
+    missing: list[str] = []
+    for signal in signals:
+        targets = _targets(signal, entries, where)
+        absent = [t.variable for t in targets if t.variable not in description.variables]
+        if absent and signal.name not in entries:
+            missing += absent if signal.needed else []
+            continue
+        for element, target in zip(signal.elements, targets, strict=True):
+            variable, gain, shift = _tie(description, signal, element, target, where, "parameter", into_fmu=True)
+            ties[element] = (variable.name, gain, shift)
+    if missing:
+        raise FmuError(_all_missing(description, missing, "parameter", where))
+    return ties
+
+
+def _tie(
+    description: Description,
+    signal: Signal,
+    element: str,
+    target: _Target,
+    where: str,
+    causality: Causality,
+    *,
+    into_fmu: bool,
+) -> tuple[Variable, float, float]:
+    """Return the variable of one element, with gain and shift in the direction of travel."""
+    variable = description.variable(target.variable, f"{where} {element}")
+    file = description.file.name
+    readable = causality == "output" and variable.causality in (
+        "output",
+        "local",
+        "input",
+        "calculatedParameter",
+    )
+    changeable = causality == "parameter" and variable.settable and variable.causality != "input"
+    if not (variable.causality == causality or readable or changeable):
+        raise FmuError(
+            f"{where} {element}: '{variable.name}' of {file} is {_article(variable.causality)}, "
+            f"{_article(causality)} is wanted; map '{signal.name}' to another variable."
+        )
+    if variable.kind == "String":
+        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a String, a number is wanted.")
+    ours = unit(signal.unit)
+    theirs = _unit_of(variable, target, ours, file, f"{where} {element}")
+    try:
+        # ours = scale · (theirs in our unit) + shift; into the FMU the same line is solved for theirs.
+        gain, shift = conversion(theirs, ours, difference=variable.relative)
+    except UnitError as error:
+        way = "sends" if into_fmu else "reads"
+        turning = turning_of(theirs, ours)
+        remedy = (
+            f'say in {where} what turns: {{ variable = "{variable.name}", unit = "rev/{turning}" }}, or rad/{turning}'
+            if turning
+            else f"correct the FMU or {where}"
+        )
+        raise FmuError(
+            f"{file}: {causality} '{variable.name}' is in '{theirs.name}', the harness {way} '{signal.name}' in "
+            f"'{signal.unit}'; {theirs.dimension} is not {ours.dimension}; {remedy}."
+        ) from error
+    gain, shift = target.scale * gain, target.scale * shift
+    return (variable, 1.0 / gain, -shift / gain) if into_fmu else (variable, gain, shift)
+
+
+def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
+    """Return the unit of an FMU's variable: as defined, as named, or as stated in the mapping."""
+    unit_of_variable = variable.unit
+    if target.stated_unit is not None:
+        try:
+            stated_unit = unit(target.stated_unit)
+        except UnitError as error:
+            raise FmuError(f"{who}: {error}") from error
+        if variable.unit_name and not (
+            unit_of_variable is not None and unit_of_variable.leaves_the_angle_out_of(stated_unit)
+        ):
+            raise FmuError(
+                f"{who}: unit = '{target.stated_unit}' is stated for '{variable.name}', but {file} already "
+                f"gives '{variable.unit_name}'; leave it out, or use scale if the FMU is wrong."
+            )
+        return stated_unit
+    if unit_of_variable is not None:
+        return unit_of_variable
+    if variable.unit_name:
+        try:
+            return unit(variable.unit_name)
+        except UnitError as error:
+            raise FmuError(
+                f"{who}: {file} gives '{variable.name}' the unit '{variable.unit_name}' without defining it, "
+                f"and {error}"
+            ) from error
+    if ours.dimension == "1":  # a number, an index or a truth value needs no unit
+        return unit("1")
+    raise FmuError(
+        f"{who}: {file} does not say the unit of '{variable.name}'; state it in the mapping, "
+        f'{{ variable = "{target.variable}", unit = "{ours.name}" }}.'
+    )
+
+
+def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
+    """Return one target per element of a signal, from its entry or from its own name."""
+    who = f"{where} {signal.name}"
+    entry = entries.get(signal.name)
+    if entry is None:
+        return tuple(_Target(variable=e, scale=1.0, stated_unit=None) for e in signal.elements)
+    count = max(signal.size, 1)
+    if isinstance(entry, Sequence) and not isinstance(entry, str):
+        items = cast(Sequence[object], entry)
+        if signal.size == 0 or len(items) != count:
+            has = f"{signal.size} elements" if signal.size else "one value, not a list"
+            raise FmuError(f"{who}: the list names {len(items)} variables, the signal has {has}.")
+        return tuple(_target(item, i + 1, signal, who) for i, item in enumerate(items))
+    return tuple(_target(entry, i + 1, signal, who, pattern=signal.size > 0) for i in range(count))
+
+
+def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool = False) -> _Target:
+    scale: object = 1.0
+    unit_entry: object = None
+    name: object = item
+    if isinstance(item, Mapping):
+        fields = dict(cast(Mapping[str, object], item))
+        name, scale, unit_entry = fields.pop("variable", None), fields.pop("scale", 1.0), fields.pop("unit", None)
+        if fields:
+            raise FmuError(f"{who} has no key '{next(iter(fields))}'; it has variable, scale and unit.")
+    if not isinstance(name, str) or not name.strip("- "):
+        raise FmuError(f"{who}: the name of an FMU variable is wanted, got {name!r}.")
+    if isinstance(scale, bool) or not isinstance(scale, int | float) or not np.isfinite(scale) or scale == 0:
+        raise FmuError(f"{who}: scale is a finite number other than 0, got {scale!r}.")
+    if unit_entry is not None and not isinstance(unit_entry, str):
+        raise FmuError(f"{who}: unit is a text as 'bar', got {unit_entry!r}.")
+    if pattern and "{i}" not in name:
+        raise FmuError(
+            f"{who} has {signal.size} elements; name them by a pattern, '{name}[{{i}}]', or by a list of {signal.size}."
+        )
+    sign = -1.0 if name.startswith("-") else 1.0
+    return _Target(
+        variable=name.removeprefix("-").strip().replace("{i}", str(index)),
+        scale=sign * float(scale),
+        stated_unit=unit_entry,
+    )
+
+
+def _carrier(variable: Variable) -> Carrier:
+    if variable.kind == "Real" or variable.kind == "Boolean":
+        return variable.kind
+    return "Integer"
+
+
+def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
+    """Return the sentence that lists everything missing at once, so that one correction suffices."""
+    candidates = description.names(causality)
+    lines = [f"'{name}'{_near(name, candidates, end='')}" for name in missing[:8]]
+    rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""
+    has = f"it has {', '.join(candidates[:12])}{', …' if len(candidates) > 12 else ''}" if candidates else "it has none"
+    return (
+        f"{description.file}: no {causality} {', '.join(lines)}{rest}; {has}. "
+        f"Name the variables it uses instead under {where}."
+    )
+
+
+_RENAMED = {"speed_start": "start_speed"}
+
+
+def _near(name: str, candidates: Sequence[str], end: str = ".") -> str:
+    near = [_RENAMED[name]] if name in _RENAMED else get_close_matches(name, candidates, n=1, cutoff=0.6)
+    if near:
+        return f" (did you mean '{near[0]}'?)" if not end else f"; did you mean '{near[0]}'?"
+    return "" if not end else f"; it has {', '.join(candidates)}."
+
+
+def _article(causality: Causality) -> str:
+    names = {
+        "parameter": "a parameter",
+        "calculatedParameter": "a calculated parameter",
+        "input": "an input",
+        "output": "an output",
+        "local": "a local variable",
+        "independent": "the independent variable",
+    }
+    return names[causality]

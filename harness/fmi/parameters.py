@@ -1,0 +1,98 @@
+"""Parameter values of an FMU, checked against what it declares before any of them is set.
+
+Values are in the unit that the FMU declares for the variable, as in every FMI tool; a parameter that the
+harness itself sets in SI goes through `Binding.translated` first.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, cast
+
+from railgrip.base.errors import FmuError
+from railgrip.fmi.description import Description, Variable
+
+Scalar = float | int | bool | str
+Values = Mapping[str, object]
+"""Name → number, truth value, text, or a (nested) list of them for an array `name[i]` or `name[i,j]`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assignment:
+    """Checked values of one FMI type, for one call."""
+
+    carrier: Literal["Real", "Integer", "Boolean", "String"]
+    references: tuple[int, ...]
+    values: tuple[Scalar, ...]
+
+
+def assignments(description: Description, values: Values) -> tuple[Assignment, ...]:
+    """Check parameter values and sort them by FMI type.
+
+    Raises:
+        FmuError: A name that the FMU does not have, a variable that cannot be set, a value of the wrong type
+            or outside its bounds.
+    """
+    by_type: dict[Literal["Real", "Integer", "Boolean", "String"], list[tuple[int, Scalar]]] = {}
+    for name, value in _flat(values):
+        variable = description.variable(name, "parameters")
+        if not variable.settable or variable.causality == "input":
+            raise FmuError(
+                f"parameters: '{name}' of {description.file.name} cannot be set, it is "
+                f"{'an input' if variable.causality == 'input' else 'calculated or constant'}; "
+                f"leave it out. Its parameters: {_some(description)}."
+            )
+        scalar = _check(variable, value, description.file.name)
+        carrier = "Integer" if variable.kind == "Enumeration" else variable.kind
+        by_type.setdefault(carrier, []).append((variable.reference, scalar))
+    return tuple(
+        Assignment(carrier=carrier, references=tuple(r for r, _ in rows), values=tuple(v for _, v in rows))
+        for carrier, rows in by_type.items()
+    )
+
+
+def _flat(values: Values) -> Iterator[tuple[str, object]]:
+    for name, value in values.items():
+        if isinstance(value, Sequence) and not isinstance(value, str):
+            yield from _elements(name, cast(Sequence[object], value), ())
+        else:
+            yield name, value
+
+
+def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Iterator[tuple[str, object]]:
+    for i, value in enumerate(values, start=1):
+        here = (*at, i)
+        if isinstance(value, Sequence) and not isinstance(value, str):
+            yield from _elements(name, cast(Sequence[object], value), here)
+        else:
+            yield f"{name}[{','.join(map(str, here))}]", value
+
+
+def _check(variable: Variable, value: object, file: str) -> Scalar:
+    """Return the value in the FMU's type."""
+    who = f"parameters: '{variable.name}' of {file}"
+    if variable.kind == "String":
+        if not isinstance(value, str):
+            raise FmuError(f"{who} is a text, got {value!r}.")
+        return value
+    if variable.kind == "Boolean":
+        if not isinstance(value, bool):
+            raise FmuError(f"{who} is true or false, got {value!r}.")
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise FmuError(f"{who} is a number, got {value!r}.")
+    if not math.isfinite(value):
+        raise FmuError(f"{who} is a finite number, got {value!r}.")
+    if variable.kind != "Real" and value != int(value):
+        raise FmuError(f"{who} is a whole number, got {value!r}.")
+    unit = f" {variable.unit_name}" if variable.unit_name not in ("", "1") else ""
+    if variable.minimum is not None and value < variable.minimum:
+        raise FmuError(f"{who} is at least {variable.minimum:g}{unit}, got {value:g}{unit}.")
+    if variable.maximum is not None and value > variable.maximum:
+        raise FmuError(f"{who} is at most {variable.maximum:g}{unit}, got {value:g}{unit}.")
+    return float(value) if variable.kind == "Real" else int(value)
+
+
+def _some(description: Description) -> str:
+    names = description.names("parameter")
+    return ", ".join(names[:12]) + (", …" if len(names) > 12 else "")

@@ -1,0 +1,191 @@
+"""Output for people: results on standard output, everything else on standard error; text is printed as it is.
+
+rich is used for tables and bars only: it would read markup and emoji in what users wrote.
+"""
+
+import logging
+import sys
+import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any, Final, Protocol
+
+from rich.console import Console
+
+from railgrip.base.errors import for_user
+
+if TYPE_CHECKING:
+    from railgrip.report.table import Table
+
+REMINDER: Final = 10.0
+"""Time between two lines of progress without a terminal [s]."""
+
+
+def _console(**settings: Any) -> Console:
+    return Console(markup=False, emoji=False, highlight=False, **settings)
+
+
+# Without a terminal, a table is not cut to the width of one.
+_out = _console(width=None if sys.stdout.isatty() else 180)
+_err = _console(stderr=True)
+
+
+_log = logging.getLogger("railgrip")
+
+
+class _ToScreen(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        _err.print(self.format(record), soft_wrap=True)
+
+
+def show_messages(level: int) -> None:
+    """Print messages of this level and above on standard error: DEBUG, INFO, or WARNING for results and errors only."""
+    _log.setLevel(level)
+    if not any(isinstance(handler, _ToScreen) for handler in _log.handlers):
+        _log.addHandler(_ToScreen())
+
+
+def _is_quiet() -> bool:
+    return _log.level > logging.INFO
+
+
+def say(text: str) -> None:
+    """Print a line of the result."""
+    _out.print(text, soft_wrap=True)
+
+
+def remark(text: str) -> None:
+    """Print a line that is not a result on standard error, unless only results and errors are wanted."""
+    if not _is_quiet():
+        _err.print(text, soft_wrap=True)
+
+
+def complain(text: str) -> None:
+    """Print what went wrong on standard error."""
+    _err.print(text, style="red", soft_wrap=True)
+
+
+def answer(command: Callable[[], object]) -> None:
+    """Run a command; what a user can correct ends in a sentence and its exit code, never in a traceback."""
+    try:
+        command()
+    except Exception as problem:
+        message = for_user(problem)
+        if message is None:
+            raise
+        complain(str(message))
+        sys.exit(message.exit_code)
+
+
+def show_table(table: "Table", nothing: str = "nothing") -> None:
+    """Print a table, or a word where it has no row."""
+    if not table:
+        say(f"{table.title}: {nothing}" if table.title else nothing)
+        return
+    import rich.table
+
+    screen = rich.table.Table(title=table.title or None, box=None, title_justify="left", header_style="bold")
+    for column in table.columns:
+        # A number is never cut; where the screen is narrow, texts take more lines.
+        number = column not in table.left
+        screen.add_column(column, justify="right" if number else "left", no_wrap=number, overflow="fold")
+    for row in table.texts:
+        screen.add_row(*row.values())
+    _out.print(screen)
+
+
+class Progress(Protocol):
+    """A display of progress."""
+
+    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
+        """Show what is being done, how much is done, and of how much; None leaves it as it is."""
+        ...
+
+    def advance(self, doing: str | None = None) -> None:
+        """Show that one more is done."""
+        ...
+
+
+@contextmanager
+def progress(name: str, total: float | None = None, *, is_count: bool = False) -> Generator[Progress]:
+    """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
+
+    Args:
+        total: How much there is to do; None if unknown.
+        is_count: Whether that is a number of things, and not a share.
+    """
+    if _is_quiet():
+        yield _Lines(name, total, is_count)
+        return
+    with _bar(name, total, is_count) if _err.is_terminal else _lines(name, total, is_count) as bar:
+        yield bar
+
+
+@contextmanager
+def _bar(name: str, total: float | None, is_count: bool) -> Generator[Progress]:
+    from rich import progress as rich
+
+    text = rich.TextColumn("{task.description}", markup=False)
+    measure = (
+        () if total is None else (rich.BarColumn(), rich.MofNCompleteColumn()) if is_count else (rich.BarColumn(),)
+    )
+    with rich.Progress(
+        rich.SpinnerColumn(), text, *measure, rich.TimeElapsedColumn(), console=_err, transient=True
+    ) as bar:
+        yield _Bar(bar, bar.add_task(name, total=total), name)
+
+
+class _Bar:
+    def __init__(self, bar: Any, task: Any, name: str) -> None:
+        self._bar, self._task, self._name = bar, task, name
+
+    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
+        description = None if doing is None else _described(self._name, doing)
+        self._bar.update(self._task, description=description, completed=amount, total=total)
+
+    def advance(self, doing: str | None = None) -> None:
+        self._bar.advance(self._task)
+        self.update(doing=doing)
+
+
+@contextmanager
+def _lines(name: str, total: float | None, is_count: bool) -> Generator[Progress]:
+    lines, end, start = _Lines(name, total, is_count), Event(), time.monotonic()
+
+    def remind() -> None:
+        while not end.wait(REMINDER):
+            remark(f"{lines}, {time.monotonic() - start:.0f} s")
+
+    thread = Thread(target=remind, name="progress", daemon=True)
+    thread.start()
+    try:
+        yield lines
+    finally:
+        end.set()
+        thread.join()
+
+
+class _Lines:
+    def __init__(self, name: str, total: float | None, is_count: bool) -> None:
+        self._name, self._doing, self._amount, self._total, self._is_count = name, "", 0.0, total, is_count
+
+    def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
+        self._doing = self._doing if doing is None else doing
+        self._amount = self._amount if amount is None else amount
+        self._total = self._total if total is None else total
+
+    def advance(self, doing: str | None = None) -> None:
+        self.update(doing=doing, amount=self._amount + 1)
+
+    def __str__(self) -> str:
+        text = _described(self._name, self._doing)
+        if self._total is None:
+            return text
+        return f"{text}, " + (
+            f"{self._amount:.0f} of {self._total:.0f}" if self._is_count else f"{self._amount / self._total:.0%}"
+        )
+
+
+def _described(name: str, doing: str) -> str:
+    return f"{name}: {doing}" if doing else name

@@ -1,0 +1,255 @@
+"""The table [track] and the force it puts on the train: gradient and curves along the distance."""
+
+import math
+from bisect import bisect_right
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, field_validator, model_validator
+
+from railgrip.base.units import GRAVITY
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Length, Table, broken, optional
+
+if TYPE_CHECKING:
+    from railgrip.scenario.track.alignment import LaidTrack
+
+_WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
+_GAUGE = 1.435  # m
+
+LARGEST_FORCE = 1e6
+"""N. The draw gear between vehicles breaks at 0.85 to 1 MN (UIC 520): no track holds or pushes a train by more."""
+TIGHTEST_RADIUS = 10.0
+"""m. The tightest curves that trams run through have 11 m, those of railways 70 m and more."""
+STEEPEST = 0.2
+"""The steepest gradient; adhesion railways end below 14 %."""
+
+CurveLaw = Literal["bogie", "roeckl", "protopapadakis"]
+
+
+class Gradient(Table):
+    """From here on the track climbs by `slope` (falls where negative)."""
+
+    begin: Length
+    slope: Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)]
+
+
+class Curve(Table):
+    """From here on the track has this radius, either way; `radius = 0` is straight again."""
+
+    begin: Length
+    radius: Length
+
+    @field_validator("radius")
+    @classmethod
+    def _straight_or_a_curve(cls, radius: float) -> float:
+        if 0 < radius < TIGHTEST_RADIUS:
+            raise broken(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
+        return radius
+
+
+Slope = Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)]
+Bend = Annotated[float, Unit("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")]
+
+
+class Plan(Table):
+    """[track.plan]: a track as it was laid, in the direction of its distance, and where the run lies on it."""
+
+    latitude: Annotated[float, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
+    longitude: Annotated[float, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
+    height: Annotated[float, Unit("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
+        description="of the point `middle` above the ellipsoid"
+    )
+    middle: Length = Field(description="distance of the point whose position is given")
+    heading: Annotated[float, Unit("rad", at_least=-7, at_most=7)] = Field(description="there, clockwise from north")
+    course: tuple[tuple[Length, Bend], ...] = Field(
+        min_length=1,
+        description="length of each piece and the radius at its end: 0 is straight, positive to the right; the "
+        "curvature changes evenly from that of the piece before",
+    )
+    slope: Slope = Field(description="at the beginning, positive uphill")
+    grades: tuple[tuple[Length, Slope, Length], ...] = Field(
+        default=(), description="intersection of two tangents, slope behind it, radius of the rounding"
+    )
+    start: Length = Field(description="distance at which the train is when the run begins")
+    direction: Literal["forward", "backward"] = Field(description="of travel along the distance of the plan")
+
+    @model_validator(mode="after")
+    def _can_be_laid(self) -> Self:
+        if any(0 < abs(radius) < TIGHTEST_RADIUS for _, radius in self.course):
+            raise broken(f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way")
+        try:
+            course = self.laid()
+        except ValueError as problem:
+            raise broken(f"grades: {problem}") from problem
+        if self.start > course.length:
+            raise broken(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
+        return self
+
+    def laid(self) -> "LaidTrack":
+        """Return the track."""
+        from railgrip.scenario.track.alignment import LaidTrack, course_of, grades_of
+        from railgrip.scenario.track.geodesy import (
+            Place,  # it takes a fifth of a second, and most scenarios have no plan
+        )
+
+        return LaidTrack(
+            origin=Place(latitude=self.latitude, longitude=self.longitude, height=self.height),
+            middle=self.middle,
+            length=math.fsum(long for long, _ in self.course),
+            heading=self.heading,
+            curvature=course_of([(long, 1.0 / end if end else 0.0) for long, end in self.course]),
+            slope=grades_of(self.slope, self.grades),
+        )
+
+    def place(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return where on the plan [m] a train is that has gone some distances [m]."""
+        return self.start + self.way * np.asarray(distance, dtype=np.float64)
+
+    @property
+    def way(self) -> float:
+        """1 in the direction of the plan, -1 against it."""
+        return 1.0 if self.direction == "forward" else -1.0
+
+
+class Track(Table):
+    """What acts on the train besides brakes and resistance."""
+
+    force: Annotated[float, Unit("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
+        default=0.0, description="constant force, forward positive"
+    )
+    gradient: tuple[Gradient, ...] = ()
+    curve: tuple[Curve, ...] = ()
+    plan: Plan | None = optional("in place of both")
+    curve_law: CurveLaw = Field(
+        default="bogie",
+        description="curve resistance: κ(0.158 a + 0.033 b), Röckl 650/(R − 55) ‰, or Protopapadakis "
+        "κ(0.158 b + 0.103 a)",
+    )
+    train_mass: (
+        Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")] | None
+    ) = Field(default=None, description="mass that gradient and curves act on; wanted with either")
+
+    @model_validator(mode="after")
+    def _mass_and_order(self) -> Self:
+        if (self.gradient or self.curve or self.plan) and self.train_mass is None:
+            raise broken("has gradient, curve or plan but no train_mass, which turns them into a force")
+        if self.plan is not None and (self.gradient or self.curve):
+            raise broken("has a plan, which says all gradients and curves, and gradient or curve beside it; keep one")
+        for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
+            begins = [section.begin for section in sections]
+            if begins != sorted(set(begins)):
+                raise broken(f"{name} must begin at rising distances, got {begins}")
+        tightest = min((section.radius for section in self.curve if section.radius), default=math.inf)
+        if self.curve_law == "roeckl" and tightest < 300:
+            raise broken(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
+        return self
+
+
+def slope_of(track: Track) -> Callable[[float], float]:
+    """Return the gradient tan β in the direction of travel as a function of the distance travelled [m]."""
+    if (plan := track.plan) is not None:
+        course = plan.laid()
+        return lambda distance: plan.way * float(course.slope(plan.place(distance)))
+    begins = [section.begin for section in track.gradient]
+    slopes = [0.0, *(section.slope for section in track.gradient)]
+    return lambda distance: slopes[bisect_right(begins, distance)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrackForce:
+    """A force that is constant or straight between places.
+
+    Attributes:
+        begins: Where each section begins, rising, the first at −∞ [m].
+        forces: On the train where each section begins, forward positive [N].
+        rates: Change of the force over each section, 0 for the first [N/m].
+    """
+
+    begins: tuple[float, ...]
+    forces: tuple[float, ...]
+    rates: tuple[float, ...]
+
+    def at(self, distance: ArrayLike) -> NDArray[np.float64]:
+        """Return the force [N] with the train at a `distance` [m] since the brake demand, in its shape."""
+        section = np.searchsorted(self.begins, distance, side="right") - 1
+        rate, begin = np.array(self.rates)[section], np.array(self.begins)[section]
+        return np.array(self.forces)[section] + rate * np.where(rate, np.asarray(distance) - begin, 0.0)
+
+
+def track_force_of(track: Track) -> TrackForce:
+    """Return the force of a track: the constant one, −m g sin(β) and the curve resistance.
+
+    Along a plan it is straight between the places where curvature or slope change their course, and every metre: 1e-4 N
+    from the exact one. Beyond the ends of the plan it is that of the end.
+    """
+    if track.plan is not None:
+        return _along(track, track.plan)
+    places = sorted({section.begin for section in (*track.gradient, *track.curve)})
+    begins = (float("-inf"), *places)
+
+    def force(place: float) -> float:
+        slopes = [section.slope for section in track.gradient if section.begin <= place]
+        curves = [section.radius for section in track.curve if section.begin <= place]
+        bend = 1.0 / curves[-1] if curves and curves[-1] else 0.0
+        return track.force + float(
+            force_along(slopes[-1] if slopes else 0.0, bend, track.train_mass or 0.0, track.curve_law)
+        )
+
+    return TrackForce(begins=begins, forces=tuple(force(place) for place in begins), rates=(0.0,) * len(begins))
+
+
+def _along(track: Track, plan: Plan) -> TrackForce:
+    course = plan.laid()
+    ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
+    kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
+    begins = np.unique(np.concatenate([np.arange(*ends), kinks, ends]))
+    at = np.clip(plan.place(begins), 0.0, course.length)
+    forces = track.force + force_along(
+        plan.way * course.slope(at), course.curvature(at), track.train_mass or 0.0, track.curve_law
+    )
+    rates = np.append(np.diff(forces) / np.diff(begins), 0.0)
+    return TrackForce(
+        begins=(float("-inf"), *begins.tolist()),
+        forces=(float(forces[0]), *forces.tolist()),
+        rates=(0.0, *rates.tolist()),
+    )
+
+
+def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveLaw = "bogie") -> NDArray[np.float64]:
+    """Return the force of gradient and curve on a train [N], forward positive, like the shape of slope and curvature.
+
+    −m g (sin β + f): equations (7) and (9) of Schwarz, Lüdicke and Heckmann.
+
+    Args:
+        slope: tan β, a gradient as railways give it, positive uphill.
+        curvature: 1/R [1/m], of either sign.
+        law: Of the curve resistance, see `curve_coefficient`.
+    """
+    climb = np.asarray(slope, dtype=np.float64)
+    return -mass * GRAVITY * (climb / np.sqrt(1.0 + climb**2) + curve_coefficient(curvature, law))
+
+
+def gravity_along(slope: ArrayLike) -> NDArray[np.float64]:
+    """Return g sin β [m/s2] of a gradient tan β."""
+    climb = np.asarray(slope, dtype=np.float64)
+    return GRAVITY * (climb / np.sqrt(1.0 + climb**2))
+
+
+def curve_coefficient(curvature: ArrayLike, law: CurveLaw) -> NDArray[np.float64]:
+    """Return curve resistance over weight, f ≥ 0, at a curvature κ = 1/R [1/m] of either sign.
+
+    `bogie`: κ(0.158 a + 0.033 b), a wheelbase, b gauge, as Schwarz, Lüdicke and Heckmann print it in their equation
+    (7). `protopapadakis`: κ(0.158 b + 0.103 a), the formula that theirs resembles, for a friction of 0.22.
+    `roeckl`: 650/(R − 55) ‰, held beyond its range of R ≥ 300 m at its value there.
+    """
+    bend = np.abs(np.asarray(curvature, dtype=np.float64))
+    if law == "roeckl":
+        within = np.minimum(bend, 1.0 / 300.0)
+        return 0.650 * within / (1.0 - 55.0 * within)
+    if law == "protopapadakis":
+        return (0.158 * _GAUGE + 0.103 * _WHEELBASE) * bend
+    return (0.158 * _WHEELBASE + 0.033 * _GAUGE) * bend

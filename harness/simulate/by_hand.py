@@ -1,0 +1,143 @@
+"""A stop stepped by hand: the caller is the controller."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from railgrip.base.errors import ControllerFailed, PlantFailed, ScenarioError
+from railgrip.controllers.observation import Observation
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.custom import problem_with
+from railgrip.simulate.loop.loop import Ending, Loop
+from railgrip.simulate.parts import Assembled, OwnParts, assembled
+from railgrip.trace.stop import Stop
+from railgrip.vehicle.formation import Formation
+
+
+class ByHand:
+    """The controller that a stop names which was stepped by hand."""
+
+    def start(self, formation: Formation) -> None:
+        """Keep what is controlled."""
+        self.formation = formation
+
+    def decide(self, observation: Observation) -> ArrayLike:
+        """Decide nothing: the caller does."""
+        raise NotImplementedError
+
+
+class Bench:
+    """A scenario whose stop is stepped from decision to decision; closed as a context manager.
+
+    with railgrip.open(scenario) as bench:
+        observation = bench.reset()
+        while not bench.ended:
+            observation = bench.step(pressures)
+    bench.stop.metrics.distance
+    """
+
+    def __init__(self, scenario: Scenario, own: OwnParts) -> None:
+        """Open nothing yet; `reset` does."""
+        self._law = ByHand()
+        self._scenario, self._own = scenario, replace(own, controller=self._law)
+        self._stack = ExitStack()
+        self._parts: Assembled | None = None
+        self._loop: Loop | None = None
+        self._observation: Observation | None = None
+        self._end: Ending | None = None
+        self._stop: Stop | None = None
+
+    def __enter__(self) -> Self:
+        """Return the bench."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Close what is open; the stop stays."""
+        self.close()
+
+    @property
+    def ended(self) -> bool:
+        """Whether the stop has ended."""
+        return self._end is not None
+
+    @property
+    def formation(self) -> Formation:
+        """What is controlled; known after `reset`."""
+        return self._law.formation
+
+    @property
+    def stop(self) -> Stop:
+        """The stop, once it has ended.
+
+        Raises:
+            ScenarioError: It has not.
+        """
+        if self._end is None or self._parts is None:
+            raise ScenarioError("bench: there is no stop before it has ended; go on with step() until `ended`")
+        if self._stop is None:
+            self._stop = self._parts.stop(self._end)
+        return self._stop
+
+    def reset(self) -> Observation:
+        """Begin the stop, or begin it anew, and return what is shown at the brake demand.
+
+        Raises:
+            ScenarioError: The scenario asks for something that its parts cannot do, or ends before a decision.
+            FmuError: An FMU does not fit.
+        """
+        self.close()
+        self._loop = self._observation = self._end = self._stop = None
+        self._parts = self._stack.enter_context(assembled(self._scenario, own=self._own))
+        self._advance(None)
+        if self._observation is None:
+            reason = "" if self._end is None else self._end.reason
+            raise ScenarioError(f"{self._scenario.name}: the stop ended before the first decision: {reason}")
+        return self._observation
+
+    def step(self, pressures: ArrayLike) -> Observation:
+        """Demand pressures until the next decision, and return what is shown then; at the end what was shown last.
+
+        Args:
+            pressures: Demanded brake cylinder pressure of each group, shape (groups,) [Pa].
+
+        Raises:
+            ScenarioError: They are something else, or the stop has not begun or has ended.
+        """
+        if self._observation is None or self._end is not None:
+            raise ScenarioError("bench: reset() comes before step(), and again after the end of a stop")
+        groups = self.formation.groups
+        problem = problem_with(pressures, (groups,))
+        if problem:
+            raise ScenarioError(
+                f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
+            )
+        self._advance(np.asarray(pressures, dtype=np.float64).tolist())
+        return self._observation
+
+    def close(self) -> None:
+        """Close plant and parts; a stop that has not ended is dropped."""
+        self._stack.close()
+
+    def _advance(self, demands: Sequence[float] | None) -> None:
+        """Go on to the next decision with the demands for this one; None begins the stop."""
+        assert self._parts is not None
+        try:
+            if self._loop is None or demands is None:
+                self._loop = Loop(self._parts.parts)
+            else:
+                assert self._observation is not None
+                self._loop.demand(self._parts.limits.limit(demands, self._observation))
+            self._observation = self._loop.next_decision() or self._observation
+            self._end = self._loop.ending
+        except ControllerFailed as failed:
+            assert self._loop is not None
+            self._end = self._loop.fail(failed)
+        except PlantFailed as problem:
+            self._end = self._parts.failed(problem)

@@ -1,0 +1,79 @@
+"""The contact of a scenario as a function of arrays, compiled from the Modelica class that the plant uses."""
+
+import ctypes
+from collections.abc import Callable
+from functools import cache
+from importlib.resources import files
+
+import casadi as ca
+import numpy as np
+
+from railgrip.fmus.native import Model
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.trace.contact import Array, Contact
+
+KERNEL = files("railgrip.simulate") / "kernel" / "contact.c"
+
+_ORDER = ("slip", "speed", "load", "mu0")
+
+
+def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str, float]) -> Contact:
+    """Return adhesion as a function of slip, speed [m/s], load [N] and mu0, element by element.
+
+    Its argument `curve`, if given, has Polach's four numbers of each element in the order of `shape`.
+
+    Args:
+        model: `RailBraking.FMUs.ContactPoint`: the physics is written once.
+        parameters: Of wheel and rail, where they are not those of the class.
+        shape: Of the creep curve, where `curve` is not given.
+    """
+    values = {variable.name: variable.start for variable in model.parameters} | parameters | shape
+    of_all = np.array([[value] for value in shape.values()])
+    run, of_geometry, geometry = _library(model, tuple(shape))
+    fixed = np.array(of_geometry([values[name] for name in geometry]), dtype=np.float64)
+
+    def adhesion(slip: Array, speed: Array, load: Array, mu0: Array, curve: Array | None = None) -> Array:
+        points = [np.ascontiguousarray(each, dtype=np.float64) for each in np.broadcast_arrays(slip, speed, load, mu0)]
+        result = np.empty(points[0].shape)
+        curves = np.ascontiguousarray(of_all if curve is None else curve, dtype=np.float64)
+        run(
+            result.size, *(each.ctypes.data for each in points), curves.ctypes.data, curves[0].size, fixed.ctypes.data,
+            result.ctypes.data,
+        )  # fmt: skip
+        return result
+
+    return adhesion
+
+
+@cache
+def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None], ca.Function, tuple[str, ...]]:
+    """Return the contact in C, what of it wheel and rail alone decide as a function of theirs, and the names of theirs.
+
+    The axes of the contact patch are three powers of numbers that never change; the compiled function is given them.
+    """
+    symbols = {variable.name: ca.SX.sym(variable.name) for variable in model.parameters}
+    geometry = tuple(name for name in symbols if name not in shape)
+    point = ca.SX.sym("point", len(model.inputs))
+    whole = model.output(0, ca.SX(0, 1), point, ca.vertcat(*symbols.values()))
+    of_wheel_and_rail = ca.vertcat(*(symbols[name] for name in geometry))
+    adhesion, extracted, fixed = ca.extract_parametric(whole, of_wheel_and_rail)
+    curve = ca.vertcat(*(symbols[name] for name in shape))
+    function = ca.Function("contact", [point, curve, ca.vertcat(*extracted)], [adhesion])
+    generator = ca.CodeGenerator("contact", {"with_header": False})
+    generator.add(function)
+    sizes = {"ARG": function.sz_arg(), "RES": function.sz_res(), "IW": function.sz_iw(), "W": function.sz_w()}
+    inputs = [variable.name for variable in model.inputs]
+    places = {name.upper(): inputs.index(name) for name in _ORDER}
+    header = "".join(
+        [
+            *(f"#define {name} {place}\n" for name, place in places.items()),
+            *(f"#define contact_SZ_{name} {size}\n" for name, size in sizes.items()),
+            f"#define contact_CURVE {len(shape)}\n",
+            generator.dump(),
+        ]
+    )
+    sources = {"contact.h": header, "contact.c": KERNEL.read_text(encoding="utf-8")}
+    run = ctypes.CDLL(str(shared_library(sources, "contact"))).contact_at
+    pointer = ctypes.c_void_p
+    run.argtypes, run.restype = [ctypes.c_size_t, *[pointer] * 5, ctypes.c_size_t, pointer, pointer], None
+    return run, ca.Function("fixed", [of_wheel_and_rail], [ca.vertcat(*fixed)]), geometry

@@ -1,0 +1,163 @@
+"""The controller of a scenario and what its commands go through: laws, valves, FMUs of one's own."""
+
+from collections.abc import Callable, Collection
+from contextlib import ExitStack
+
+import numpy as np
+
+from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
+from railgrip.controllers.law import GroupLaw, Law
+from railgrip.controllers.sampled import Sampled
+from railgrip.controllers.train_level import OverTheTrain, pass_through, with_redistribution, with_shared_valves
+from railgrip.controllers.tuned import SEARCHED
+from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
+from railgrip.fmi import Description
+from railgrip.scenario.parts import ControllerFmu, KalmanFilter
+from railgrip.scenario.parts import Law as LawTable
+from railgrip.scenario.quantity import in_units
+from railgrip.scenario.sensors import SensorModel
+from railgrip.simulate.custom import DemandLimits, Limited
+from railgrip.simulate.files import description_of, units_of
+from railgrip.simulate.foreign_controller import foreign_controller
+from railgrip.simulate.loop.parts import Controller, LawStates
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.vehicle.parameters import units_of_nominal_data
+from railgrip.vehicle.signals import of_law
+
+
+def controlling(
+    vehicle: VehicleData,
+    estimates: Collection[str],
+    fmus: dict[str, Description],
+    limits: DemandLimits,
+    notify: Callable[[str], None],
+    stack: ExitStack,
+) -> tuple[Controller, bool]:
+    """Open the controller of a scenario; return also whether it commands the valves itself.
+
+    An FMU that takes part adds itself to `fmus`, and what it demands is limited by `limits`.
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller asks for something that is not there.
+        FmuError: An FMU does not fit.
+    """
+    scenario, table = vehicle.scenario, vehicle.scenario.controller
+    if not isinstance(table, ControllerFmu):
+        return controller_of(vehicle), False
+    description = description_of(table.file.path, scenario.limits.fmu.limits())
+    name = description.file.name
+    fmus[f"controller: {name}" if name in fmus else name] = description
+    values = in_units("[controller.parameters]", table.parameters, units_of(description))
+    groups = vehicle.formation.groups
+    context = foreign_controller(scenario, table, description, values, groups, estimates, notify)
+    controller, commands_valves = stack.enter_context(context)
+    if not commands_valves:
+        return over_the_train(vehicle, Limited(controller, limits)), False
+    if table.redistribute:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "
+            "leave it out, or let the FMU give demand [Pa]"
+        )
+    return controller, True
+
+
+def controller_of(vehicle: VehicleData) -> Controller:
+    """Return the control law of a scenario with what is decided for the whole train.
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+    """
+    return _decided_over_the_train(vehicle, _group_law(vehicle))
+
+
+def over_the_train(vehicle: VehicleData, controller: Controller) -> Controller:
+    """Return a controller that is no law of ours with what is decided for the whole train, if anything is.
+
+    Raises:
+        ScenarioError: Redistribution has nothing to share out.
+    """
+    alone = pass_through(vehicle.nominal.formation.brakes)
+    over = _decided_over_the_train(vehicle, alone)
+    return controller if over is alone else OverTheTrain(controller, over)
+
+
+def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
+    """Return a law with redistribution and shared valves as [controller] and the formation want them."""
+    scenario, groups, table = vehicle.scenario, vehicle.nominal.formation.brakes, vehicle.scenario.controller
+    valves = vehicle.formation.groups_per_valve
+    if table.redistribute:
+        if valves and max(valves) > 1:
+            raise ScenarioError(
+                f"{scenario.name}: [controller] redistribute asks single groups for more, groups_per_valve is "
+                f"{list(valves)}: a valve gives all its groups the same; leave out redistribute"
+            )
+        if scenario.demand is None:
+            raise ScenarioError(
+                f"{scenario.name}: [controller] redistribute has nothing to give where full brake is asked of every "
+                "group; write a [demand] below it"
+            )
+        law = with_redistribution(
+            law, groups, period=scenario.periods.controller, adhesion_max=scenario.limits.alpha_max
+        )
+    return with_shared_valves(law, groups, valves, table.shared_valve) if valves and max(valves) > 1 else law
+
+
+def _group_law(vehicle: VehicleData) -> Law:
+    """Return the law for single groups, its named set changed by [controller.parameters].
+
+    Raises:
+        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+    """
+    scenario = vehicle.scenario
+    table = scenario.controller
+    kind = _law_named(table.kind) if isinstance(table, LawTable) else None
+    if kind is None or not isinstance(table, LawTable):
+        raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
+    train = units_of_nominal_data(vehicle.formation)
+    own = {name: value for name, value in table.parameters.items() if name not in train}
+    values = in_units("[controller.parameters]", own, kind.tuning.units())
+    of_other_tables = {
+        "period": scenario.periods.controller,
+        "adhesion_max": scenario.limits.alpha_max,
+        "pressure_lag": scenario.sensors.pressure_lag if isinstance(scenario.sensors, SensorModel) else 0.0,
+    }
+    slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
+    try:
+        tuning = kind.tuned_for(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
+    except ValueError as problem:
+        raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
+    return kind(vehicle.nominal.formation.brakes, tuning)
+
+
+def _law_named(kind: str) -> type[GroupLaw] | None:
+    """Return the control law of this project with a name; None for what is none."""
+    return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
+
+
+def law_states(controller: Controller) -> LawStates | None:
+    """Return what a controller shows of its states; None where it shows none."""
+    if not isinstance(controller, Sampled) or not (visible := controller.visible):
+        return None
+    places = np.array([place for place, _ in visible], dtype=np.longlong)
+    columns = of_law((quantity.name, quantity.unit, quantity.description) for _, quantity in visible)
+    return LawStates(columns, controller.state, places)
+
+
+def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
+    """Return what turns demanded pressures into commands of valves; None where the plant takes pressures."""
+    scenario = vehicle.scenario
+    if scenario.actuation.kind == "ideal":
+        return None
+    valves, law = vehicle.nominal.valves, _law_named(scenario.controller.kind)
+    return ValveLogic(
+        vehicle.nominal.formation.pressure_max.tolist(),
+        ValveModel(
+            period=scenario.periods.controller,
+            dead_time=0.5 * (valves["dead_fill"] + valves["dead_vent"]),
+            fill_time=valves["T_fill"],
+            vent_time=valves["T_vent"],
+            band=BAND if law is None or law.valve_band is None else law.valve_band,
+            pulse_min=PULSE_MIN,
+        ),
+    )

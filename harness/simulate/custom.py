@@ -1,0 +1,644 @@
+"""Controllers, estimators, sensors and plants of a user: the interface of each, and how it takes part in a stop."""
+
+import inspect
+import math
+import traceback
+import warnings
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Protocol, TypeVar, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from railgrip.base.errors import (
+    ControllerFailed,
+    EstimatorFailed,
+    PlantFailed,
+    RailgripError,
+    ScenarioError,
+    SensorsFailed,
+)
+from railgrip.base.interrupted import Interrupted
+from railgrip.base.registry import Role
+from railgrip.base.units import mistake, short
+from railgrip.controllers.observation import Observation
+from railgrip.vehicle.formation import Extent, Formation
+from railgrip.vehicle.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
+
+Array = NDArray[np.float64]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Estimate:
+    """What an estimator of one's own gives: all that it says it provides, and None for the rest.
+
+    Attributes:
+        speed: Of the train [m/s].
+        wheelset_speed: Shape (groups,) [rad/s].
+        slip: Shape (groups,) [1].
+        adhesion: Shape (groups,), positive in braking [1].
+        pad_friction: Shape (groups,) [1].
+        adhesion_sd: Standard deviation of `adhesion`, shape (groups,) [1].
+        pad_friction_sd: The same of `pad_friction`.
+    """
+
+    speed: float | None = None
+    wheelset_speed: ArrayLike | None = None
+    slip: ArrayLike | None = None
+    adhesion: ArrayLike | None = None
+    pad_friction: ArrayLike | None = None
+    adhesion_sd: ArrayLike | None = None
+    pad_friction_sd: ArrayLike | None = None
+
+
+PROVIDED = tuple(field.name for field in fields(Estimate))
+"""What an estimator may provide."""
+
+
+@runtime_checkable
+class Controller(Protocol):
+    """A control law. It may have an attribute `needs`, the estimates that it cannot do without: ("adhesion",)."""
+
+    def start(self, formation: Formation) -> None:
+        """Begin a stop; also after another one."""
+        ...
+
+    def decide(self, observation: Observation) -> ArrayLike:
+        """Return the demanded brake cylinder pressure of each group, shape (groups,) [Pa]."""
+        ...
+
+
+@runtime_checkable
+class Estimator(Protocol):
+    """What is believed about the train.
+
+    Attributes:
+        provides: Names of the fields of `Estimate` that each step gives; for all others the trace has no variable and
+            the controller sees None, or what is read.
+    """
+
+    provides: tuple[str, ...]
+
+    def start(self, first: Observation, formation: Formation) -> None:
+        """Begin a stop with what is read first; also after another one."""
+        ...
+
+    def step(self, observation: Observation) -> Estimate:
+        """Return the estimates from what is read now; called each period of the estimator, with `first`, too."""
+        ...
+
+
+@runtime_checkable
+class Sensors(Protocol):
+    """What the train's instruments make of the truth."""
+
+    def start(self, formation: Formation, random: np.random.Generator) -> None:
+        """Begin a stop; all noise comes from `random`, which the seed of the scenario decides."""
+        ...
+
+    def read(self, time: float, truth: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
+        """Return speed, wheelset_speed, deflection, acceleration and cylinder_pressure, in SI units.
+
+        Args:
+            time: Since the brake demand [s]; called each communication period, from 0 on.
+            truth: By the names of a trace's variables, such as speed, wheelset_speed and slip.
+
+        A reading that is left out, or NaN, brings nothing new.
+        """
+        ...
+
+
+@runtime_checkable
+class Plant(Protocol):
+    """The train itself."""
+
+    def start(self, formation: Formation, speed: float, period: float) -> Mapping[str, ArrayLike]:
+        """Begin a stop, also after another one, and return what the train shows at the brake demand; see `step`.
+
+        Args:
+            formation: Of the scenario; brakes and loads are nominal.
+            speed: At the start [m/s].
+            period: Of each step [s].
+        """
+        ...
+
+    def step(self, inputs: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
+        """Hold `inputs` over one period and return what the train shows at its end.
+
+        Args:
+            inputs: pressure_command (groups,) [Pa], or valve_command [1] with pneumatic actuation; mu0 (wheelsets,)
+                [1], track_force () [N]; curve_k_A, curve_k_S, curve_A [1] and curve_B [s/m] (wheelsets,) where the
+                rail has several creep curves.
+
+        Returns:
+            By the names of a trace's variables and in their units, the same at each step: distance, speed,
+            acceleration, wheelset_speed and cylinder_pressure, and of slip, adhesion, wheelset_load, brake_torque and
+            the others what the plant has. Slip that it does not show follows from the speeds.
+        """
+        ...
+
+
+_PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
+_LEAST_SHARE = 0.01
+"""Of full pressure: pads do not touch below some 5 %, so that a law that never demands more brakes nothing; bar, kPa,
+mbar and shares of full brake, taken for Pa, are 1 % and less."""
+_ROUNDING = 1e-9
+"""Of full pressure: what a law's own arithmetic may be beyond it."""
+_LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pressure": 2e4}
+"""Magnitudes in SI units from which sensors, with offsets of some percent of full scale, show the unit of a signal."""
+_MOST_RATIO = 1.5
+"""Above any adhesion, pad friction or slip: such an estimate is in percent."""
+
+
+class _Decides(Protocol):
+    def decide(self, observation: Observation) -> Sequence[float]: ...
+
+
+class CustomController:
+    """A control law of the user's own in the loop."""
+
+    def __init__(self, own: Controller, formation: Formation) -> None:
+        """Start it.
+
+        Raises:
+            ScenarioError: It is no controller, or fails to start.
+        """
+        require_methods(own, type(own).__name__, "controllers")
+        self._own, self._shape = own, (formation.groups,)
+        self.needs = _names(own, "needs", PROVIDED)
+        _called(ScenarioError, own, "start", formation)
+
+    def decide(self, observation: Observation) -> list[float]:
+        """Return the demanded pressure of each group [Pa].
+
+        Raises:
+            ControllerFailed: It raised an exception, or returned something else.
+        """
+        demands = _called(ControllerFailed, self._own, "decide", observation, time=observation.time)
+        numbers = _numbers(demands)
+        if numbers is not None and numbers.shape == self._shape:
+            values: list[float] = numbers.tolist()
+            if math.isfinite(sum(values)):
+                return values
+        wrong = problem_with(demands, self._shape)
+        if wrong:
+            raise ControllerFailed(
+                f"{_place(self._own, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
+                f"groups, shape {self._shape}.{_when(observation.time)}"
+            )
+        return np.asarray(demands, dtype=np.float64).tolist()
+
+
+class DemandLimits:
+    """Limits demands from outside of this project to what cylinders take, and remembers how often.
+
+    Attributes:
+        decisions: Number of decisions.
+        limited: Number of those that were lowered or raised.
+    """
+
+    def __init__(self, formation: Formation) -> None:
+        """Limit nothing yet."""
+        self.decisions = self.limited = 0
+        self._most: tuple[float, ...] = tuple(formation.pressure_max.tolist())
+        self._lowest = self._highest = 0.0
+        self._share, self._since = 0.0, math.inf
+
+    def limit(self, demands: Sequence[float], observation: Observation) -> Sequence[float]:
+        """Return demands between none and the highest pressure of each cylinder [Pa]; count those that were outside.
+
+        Raises:
+            ControllerFailed: All of them are too small to be Pa.
+        """
+        if not math.isfinite(sum(demands)):
+            return demands  # what refuses them comes next
+        self.decisions += 1
+        within = [0.0 if demand < 0.0 else min(demand, most) for demand, most in zip(demands, self._most, strict=True)]
+        if within != demands:
+            pairs = zip(demands, within, self._most, strict=True)
+            if any(abs(demand - inside) > _ROUNDING * most for demand, inside, most in pairs):
+                self.limited += 1
+                self._lowest, self._highest = min(self._lowest, *demands), max(self._highest, *demands)
+        if self._share <= _LEAST_SHARE:
+            self._refuse_another_unit(within, observation)
+        return within
+
+    def sentence(self) -> str:
+        """Return what was limited, as a sentence after others; empty if nothing was."""
+        if not self.limited:
+            return ""
+        return (
+            f" In {self.limited} of {self.decisions} decisions the controller demanded pressures beyond what cylinders "
+            f"take, between {self._lowest:.6g} and {self._highest:.6g} Pa; they were limited to 0 and "
+            f"{max(self._most):.6g} Pa."
+        )
+
+    def _refuse_another_unit(self, demands: Sequence[float], observation: Observation) -> None:
+        """Refuse demands that brake nothing although the driver asks for it, for a second after the first of them."""
+        shares = [demand / most for demand, most in zip(demands, self._most, strict=True)]
+        self._share = max(self._share, *shares)
+        if self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * max(self._most):
+            return
+        self._since = min(self._since, observation.time)
+        if self._share <= _LEAST_SHARE and observation.time >= self._since + _PATIENCE:
+            words = mistake(self._share) or "another unit than Pa, such as bar or a share of full brake"
+            raise ControllerFailed(
+                f"The controller demands {self._share * max(self._most):.3g} Pa at most, and a full brake has "
+                f"{max(self._most):.6g} Pa; it looks like {words}. At {observation.time:.3f} s."
+            )
+
+
+class Limited:
+    """A controller whose demands are limited."""
+
+    def __init__(self, controller: _Decides, limits: DemandLimits) -> None:
+        """Take a controller that has been started."""
+        self.needs: tuple[str, ...] = tuple(getattr(controller, "needs", ()))
+        self._controller, self._limits = controller, limits
+
+    def decide(self, observation: Observation) -> Sequence[float]:
+        """Return the demanded pressure of each group [Pa]; see `DemandLimits.limit`."""
+        return self._limits.limit(self._controller.decide(observation), observation)
+
+
+class _UnitCheck:
+    """Compares the first second of a signal with what it should show, and names the mistake of units it looks like."""
+
+    def __init__(self, least: float) -> None:
+        """Compare where the expected magnitude is `least` or more: below, a ratio is that of offsets and noise."""
+        self._least, self._since, self._ratios, self._done = least, math.inf, list[Array](), False
+
+    def mistake(self, time: float, value: Any, expected: Any) -> str:
+        """Return the mistake, once a second of a stop is over, or ''."""
+        value, expected = np.atleast_1d(value), np.atleast_1d(expected)
+        if self._done or not np.isfinite(value).all() or not (np.abs(expected) >= self._least).all():
+            return ""
+        self._ratios.append(value / expected)
+        self._since = min(self._since, time)
+        if time < self._since + _PATIENCE:
+            return ""
+        self._done = True
+        # The median: a sensor that fails now and then, or a wheel that locks, is no mistake of units.
+        medians: list[float] = np.median(self._ratios, axis=0).tolist()
+        return next((f"; it looks like {words}" for ratio in medians if (words := mistake(ratio))), "")
+
+    def mistake_of_ratio(self, time: float, value: Any) -> str:
+        """Return whether a ratio is in percent, once a second of a stop is over, or ''."""
+        values = np.atleast_1d(value)
+        return self.mistake(time, np.where(np.abs(values) > _MOST_RATIO, 100.0, 1.0), np.ones(values.shape))
+
+
+class CustomEstimator:
+    """An estimator of the user's own in the loop.
+
+    Attributes:
+        provides: As it says.
+    """
+
+    def __init__(self, own: Estimator, formation: Formation) -> None:
+        """Take it; it is started by the first step.
+
+        Raises:
+            ScenarioError: It is no estimator, or does not say what it provides.
+        """
+        require_methods(own, type(own).__name__, "estimators")
+        self.provides = _names(own, "provides", PROVIDED)
+        if not self.provides:
+            raise ScenarioError(
+                f"{type(own).__name__}: `provides` is empty; an estimator names there what its steps give"
+            )
+        self._own, self._formation, self._has_started = own, formation, False
+        self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
+        extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
+        self._shapes = {
+            name: () if extent[name] == "train" else (formation.width(extent[name]),) for name in self.provides
+        }
+
+    def step(self, observation: Observation) -> Mapping[str, Array]:
+        """Return what it provides, each at least of one dimension.
+
+        Raises:
+            EstimatorFailed: It raised an exception, or gave something else than it provides.
+        """
+        own = self._own
+        if not self._has_started:
+            _called(EstimatorFailed, own, "start", observation, self._formation)
+            self._has_started = True
+        estimate = _called(EstimatorFailed, own, "step", observation)
+        if not isinstance(estimate, Estimate):
+            raise EstimatorFailed(f"{_place(own, 'step')} returned {_short(estimate)}, not an Estimate.")
+        values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
+        if values.keys() != set(self.provides):
+            raise EstimatorFailed(
+                f"{_place(own, 'step')} gave {', '.join(values) or 'nothing'}; it provides {', '.join(self.provides)}."
+            )
+        for name, value in values.items():
+            _require_numbers(EstimatorFailed, own, "step", name, value, self._shapes[name])
+            words = self._mistake(name, value, observation)
+            if words:
+                raise EstimatorFailed(f"{_place(own, 'step')} gave {name} as {np.asarray(value).tolist()}{words}.")
+        return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
+
+    def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
+        if name in _LEAST:
+            return self._checks[name].mistake(observation.time, value, getattr(observation, name))
+        # Of ratios nothing is read beside them, and a deviation may be as large as one likes.
+        return "" if name.endswith("_sd") else self._checks[name].mistake_of_ratio(observation.time, value)
+
+
+class CustomSensors:
+    """Sensors of the user's own in the loop."""
+
+    def __init__(
+        self, own: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
+    ) -> None:
+        """Start them.
+
+        Raises:
+            ScenarioError: They are no sensors, or fail to start.
+        """
+        require_methods(own, type(own).__name__, "sensors")
+        self._own, self._layout, self._period = own, layout, period
+        self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
+        self._shapes = _shapes(layout.reading)
+        self._checks = {name: _UnitCheck(least) for name, least in _LEAST.items()}
+        self._has_read = False
+        _called(ScenarioError, own, "start", formation, random)
+
+    def read(self, sample: int, truth: Array) -> Array:
+        """Return the reading of a sample; NaN where there is no new one.
+
+        Raises:
+            SensorsFailed: They raised an exception, or gave something else than readings.
+        """
+        self._truth[:] = truth
+        time = sample * self._period
+        readings = _called(SensorsFailed, self._own, "read", time, self._truth_by_name, time=time)
+        by_name = _by_its_names(readings)
+        if by_name is None or not by_name.keys() <= self._shapes.keys():
+            raise SensorsFailed(
+                f"{_place(self._own, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
+                f"by name.{_when(time)}"
+            )
+        reading = np.full(self._layout.readings, np.nan)
+        for name, value in by_name.items():
+            _require_numbers(SensorsFailed, self._own, "read", name, value, self._shapes[name], time=time, nan=True)
+            reading[self._layout.reading[name]] = value
+            truth_of_it = self._truth_by_name.get(name)
+            if name in self._checks and (words := self._checks[name].mistake(time, value, truth_of_it)):
+                raise SensorsFailed(
+                    f"{_place(self._own, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
+                    f"{np.asarray(truth_of_it).tolist()}{words}.{_when(time)}"
+                )
+        self._has_read = self._has_read or bool(np.isfinite(reading).any())
+        if not self._has_read and time >= _PATIENCE:
+            raise SensorsFailed(f"{_place(self._own, 'read')} gives no reading at all.{_when(time)}")
+        return reading
+
+
+class CustomPlant:
+    """A plant of the user's own in the loop."""
+
+    def __init__(
+        self, own: Plant, layout: Layout, *, speed: float, period: float, required: Collection[str], command: str
+    ) -> None:
+        """Take it; the loop starts it.
+
+        Args:
+            required: Names of outputs that it cannot do without.
+            command: Name of its command to the brakes.
+
+        Raises:
+            ScenarioError: It is no plant.
+        """
+        require_methods(own, type(own).__name__, "plants")
+        self._own, self._layout, self._speed, self._period = own, layout, speed, period
+        self._required, self._output_names, self._steps = frozenset(required), frozenset[str](), 0
+        self._inputs, inputs = _by_name(layout.inputs, layout.input)
+        self._inputs_by_name = {command if name == "command" else name: value for name, value in inputs.items()}
+        self._shapes = _shapes(layout.output)
+
+    def start(self, inputs: Array) -> Array:
+        """Start it and return what it shows; NaN for what it does not.
+
+        Raises:
+            PlantFailed: It raised an exception, or showed something else.
+        """
+        self._steps = 0
+        formation = self._layout.formation
+        outputs = _called(PlantFailed, self._own, "start", formation, self._speed, self._period, time=self._time)
+        by_name = _by_its_names(outputs)
+        if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
+            raise PlantFailed(
+                f"{_place(self._own, 'start')} returned {_short(outputs)}; a plant shows "
+                f"{', '.join(sorted(self._required))}, and may show "
+                f"{', '.join(sorted(self._shapes.keys() - self._required))}."
+            )
+        self._output_names = frozenset(by_name)
+        return self._vector("start", by_name)
+
+    def step(self, inputs: Array) -> Array:
+        """Step it and return what it shows, as `start`."""
+        self._inputs[:] = inputs
+        self._steps += 1
+        outputs = _called(PlantFailed, self._own, "step", self._inputs_by_name, time=self._time)
+        by_name = _by_its_names(outputs)
+        if by_name is None or self._output_names.symmetric_difference(by_name):
+            raise PlantFailed(
+                f"{_place(self._own, 'step')} returned {_short(outputs)}, not what it showed at the start, "
+                f"{', '.join(sorted(self._output_names))}.{_when(self._time)}"
+            )
+        return self._vector("step", by_name)
+
+    @property
+    def _time(self) -> float:
+        return self._steps * self._period
+
+    def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
+        truth = np.full(self._layout.outputs, np.nan)
+        for name, value in outputs.items():
+            _require_numbers(PlantFailed, self._own, method, name, value, self._shapes[name], time=self._time)
+            truth[self._layout.output[name]] = value
+        return truth
+
+
+_OF_TRAIN = frozenset(
+    s.name.removeprefix("reading_") for s in (*PLANT, *EXTRA, *READINGS, *EXTRA_READINGS, *SENT) if s.extent == "train"
+)
+
+
+def _shapes(places: Mapping[str, slice]) -> dict[str, tuple[int, ...]]:
+    return {name: () if name in _OF_TRAIN else (place.stop - place.start,) for name, place in places.items()}
+
+
+def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str, Array]]:
+    """Return a vector that we write, and the signals in it, which nobody else can write."""
+    vector = np.empty(length)
+    view = vector.view()
+    view.flags.writeable = False
+    return vector, {name: view[places[name]].reshape(shape) for name, shape in _shapes(places).items()}
+
+
+def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> str:
+    """Return what a value is that should have been finite numbers of a shape; empty if it is that."""
+    numbers = _numbers(value)
+    if numbers is None:
+        return _short(value)
+    if numbers.shape != shape:
+        return f"numbers of shape {numbers.shape}"
+    good = np.isfinite(numbers) | np.isnan(numbers) if nan else np.isfinite(numbers)
+    return "" if bool(np.all(good)) else str(numbers.tolist())
+
+
+def _numbers(value: Any) -> Array | None:
+    """Return integers or floats as an array; None for all else that NumPy would make floats of without a word.
+
+    That is complex numbers, whose imaginary parts it drops, masked elements, texts, truth values, None, and integers
+    that no float holds.
+    """
+    if type(value) is np.ndarray and value.dtype == np.float64:
+        return value
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # such as that a quantity loses its unit
+            array = np.asarray(value)
+            is_masked = np.ma.is_masked(value) or (
+                isinstance(value, list | tuple) and any(element is np.ma.masked for element in value)
+            )
+        return None if is_masked or array.dtype.kind not in "fiu" else np.asarray(array, dtype=np.float64)
+    except Exception:  # whatever the user's object raises in __array__, __len__ or __float__
+        return None
+
+
+def _by_its_names(value: Any) -> dict[Any, Any] | None:
+    """Return a mapping of the user's as a dict; None if it is none, or fails when it is read."""
+    try:
+        return dict(value.items()) if isinstance(value, Mapping) else None
+    except Exception:
+        return None
+
+
+def _short(value: object) -> str:
+    return f"{type(value).__name__} {short(value)}"
+
+
+_METHODS: Mapping[Role, tuple[str, str, str]] = {
+    "controllers": ("a controller", "start", "decide"),
+    "estimators": ("an estimator", "start", "step"),
+    "sensors": ("a sensor model", "start", "read"),
+    "plants": ("a plant", "start", "step"),
+}
+
+
+def require_methods(own: object, name: str, role: Role) -> None:
+    """Refuse a class or an object without the methods of its role.
+
+    Raises:
+        ScenarioError: It names them.
+    """
+    what, *names = _METHODS[role]
+    missing = foreign(
+        lambda: [method for method in names if not callable(getattr(own, method, None))],
+        lambda problem: ScenarioError(f"{name}: its methods cannot be looked at: {problem}"),
+    )
+    if missing:
+        raise ScenarioError(f"{name}: has no method {' and '.join(missing)}; {what} has {' and '.join(names)}")
+
+
+def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
+    """Return what a user's code returns; whatever it raises, SystemExit too, becomes `failed` of its type and text."""
+    try:
+        return call()
+    except (KeyboardInterrupt, Interrupted):
+        raise  # not from that code, but from whoever wants the program to end
+    except BaseException as problem:
+        raise failed(_text_of(problem)) from problem
+
+
+def _names(own: object, attribute: str, choice: Collection[str]) -> tuple[str, ...]:
+    """Return an attribute of a user's object that is names of estimates; empty where it has no such attribute.
+
+    Raises:
+        ScenarioError: It is something else.
+    """
+
+    def refusal(found: str) -> ScenarioError:
+        return ScenarioError(
+            f"{type(own).__name__}: `{attribute}` is {found}; wanted are names of {', '.join(choice)}, as in "
+            f'{attribute} = ("adhesion",)'
+        )
+
+    value = foreign(lambda: getattr(own, attribute, ()), refusal)
+    if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in choice for name in value):
+        raise refusal(short(value))
+    return tuple(dict.fromkeys(value))
+
+
+def _called(
+    failed: type[RailgripError], own: object, method: str, *arguments: object, time: float | None = None
+) -> Any:
+    """Return what a method of the user's class returns, or raise `failed` with the sentence and time [s]."""
+    try:
+        return getattr(own, method)(*arguments)
+    except (KeyboardInterrupt, Interrupted):
+        raise
+    except BaseException as problem:  # SystemExit ends a component, not the program
+        raise failed(_failure(own, method, problem) + _when(time)) from problem
+
+
+def _when(time: float | None) -> str:
+    return "" if time is None else f" At {time:.3f} s."
+
+
+def _require_numbers(
+    failed: type[RailgripError],
+    own: object,
+    method: str,
+    name: str,
+    value: Any,
+    shape: tuple[int, ...],
+    *,
+    time: float | None = None,
+    nan: bool = False,
+) -> None:
+    """Raise `failed` unless a returned value is finite numbers of a shape, or NaN where that is allowed."""
+    problem = problem_with(value, shape, nan=nan)
+    if problem:
+        kind = "numbers" if nan else "finite numbers"
+        raise failed(f"{_place(own, method)} gave {name} as {problem}, not {kind} of shape {shape}.{_when(time)}")
+
+
+def _text_of(problem: BaseException) -> str:
+    try:
+        text = str(problem)
+    except Exception:
+        text = "its text cannot be read"
+    return f"{type(problem).__name__}: {text or 'without a message'}"
+
+
+def _place(own: object, method: str) -> str:
+    """Return class, method, and where that is written."""
+    name, code = f"{type(own).__name__}.{method}", getattr(getattr(own, method, None), "__code__", None)
+    return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
+
+
+def _failure(own: object, method: str, problem: BaseException) -> str:
+    """Return an exception of the user's class as a sentence, with the last line of their file that led to it."""
+    frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
+    try:
+        file = inspect.getsourcefile(type(own))
+    except (OSError, TypeError):
+        file = None
+    theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
+    what = _text_of(problem)
+    if not theirs:  # it could not even be called
+        return f"{_place(own, method)} failed: {what}."
+    return f"{type(own).__name__}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
+
+
+def _file(name: str) -> str:
+    path = Path(name)
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else name

@@ -1,0 +1,299 @@
+"""The Kalman filter of a scenario, over a prediction of this project, of a Modelica class or of nominal data."""
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from math import inf
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base import registry
+from railgrip.base.errors import ScenarioError
+from railgrip.controllers.free_wheel import FreeWheel
+from railgrip.estimators.consist import Consist
+from railgrip.estimators.design import Gate
+from railgrip.estimators.kind import FilterKind, Task
+from railgrip.estimators.prediction import CasadiPrediction
+from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
+from railgrip.fmi import Description, FmuPrediction
+from railgrip.fmus.native import Model, lower
+from railgrip.fmus.native.library import library_of
+from railgrip.scenario.file import NamedFile
+from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.quantity import in_units
+from railgrip.simulate.files import description_of, lowered, prediction_description, units_of
+from railgrip.simulate.loop.parts import StateEstimator
+from railgrip.simulate.prediction import (
+    consist_of,
+    data_of,
+    radius_of,
+    release_pressure,
+    start_of,
+    units_of_predictions,
+    whole_of,
+)
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.vehicle.signals import Layout
+
+Vector = NDArray[np.float64]
+_Central = CasadiPrediction | FmuPrediction
+
+RELEASED_PADS = 1500.0
+"""Normal force of both pads of a unit [N] below which nothing is learned of their friction; see `pad_gate`."""
+
+_PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
+_NOISE_PREFIX = {
+    "TrainPrediction": "train",
+    "TrainPredictionDisturbed": "disturbed",
+    "TrainPredictionReduced": "reduced",
+}
+
+
+def state_estimator(
+    vehicle: VehicleData,
+    table: KalmanFilter,
+    fmus: dict[str, Description],
+    stack: ExitStack,
+    notify: Callable[[str], None],
+) -> StateEstimator:
+    """Return the estimator of a scenario, which holds its first belief; an FMU that takes part adds itself to `fmus`.
+
+    Args:
+        notify: Gets a sentence for the user where an FMU has no directional derivatives.
+
+    Raises:
+        ScenarioError: There is no such noise set or parameter, or the prediction is for another vehicle.
+    """
+    layout, period = vehicle.layout, vehicle.scenario.periods.estimator
+    noise = _noise(table, has_ideal_sensors=vehicle.scenario.sensors.kind == "ideal")
+    groups = range(1, layout.formation.groups + 1)
+    if table.model is None:
+        prediction, readings, gate, mean, radius = _of_nominal_data(vehicle, table, fmus, stack)
+    else:
+        prediction, gate, mean, radius = _of_class(vehicle, table, table.model, fmus, stack)
+        readings = prediction.outputs
+    if isinstance(prediction, FmuPrediction) and not prediction.has_directional_derivatives:
+        name = prediction.file.name
+        notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
+    states = prediction.states
+    filter_ = _kind_of(table).start(
+        Task(
+            prediction=prediction,
+            process_noise=noise.process_noise(states),
+            reading_noise=noise.reading_noise(readings),
+            period=period,
+            gate=gate,
+            outlier_limit=_outlier_limits(table, prediction),
+            mean=mean,
+            covariance=noise.start_covariance(states),
+        )
+    )
+
+    def places(name: str) -> NDArray[np.intp]:
+        return np.array([states.index(f"{name}[{g}]") for g in groups])
+
+    reading_places = [layout.reading[name.partition("[")[0]].start + _element(name) for name in readings]
+    return StateEstimator(
+        filter=filter_,
+        reading_places=np.array(reading_places, dtype=np.intp),
+        speed=states.index("v"),
+        wheelset_speed=places("w"),
+        adhesion=places("alpha"),
+        pad_friction=places("mu_b"),
+        wheel_radius=radius,
+        free_wheel=FreeWheel(layout.formation.brakes, period) if table.free_wheels else None,
+        load_deviation=table.load_deviation,
+    )
+
+
+def _kind_of(table: KalmanFilter) -> type[FilterKind]:
+    return registry.part(registry.FILTERS, table.kind, FilterKind)
+
+
+def _of_nominal_data(
+    vehicle: VehicleData, table: KalmanFilter, fmus: dict[str, Description], stack: ExitStack
+) -> tuple[Consist | _Central, Sequence[str], Gate, Vector, tuple[float, ...]]:
+    """Return the prediction from the vehicle's nominal data, its readings, gate, mean at the start and wheel radii."""
+    formation = vehicle.nominal.formation
+    groups, wheelsets = range(formation.groups), range(1, formation.wheelsets + 1)
+    data = data_of(vehicle.declared, formation)
+    if table.file is None:
+        units = units_of_predictions()
+        each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
+        own = in_units("[estimator.parameters]", table.parameters, units | each)
+        data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
+    if _kind_of(table).prediction == "parts":
+        prediction = consist_of(formation, data)
+        readings = prediction.outputs
+    elif table.file is not None:
+        prediction = _of_file(vehicle, table, table.file, fmus, stack)
+        readings = prediction.outputs
+    else:
+        whole = whole_of(formation, data)
+        prediction = _evaluated(table, whole.model, whole.parameters, whole.source, fmus, stack)
+        readings = whole.readings
+    gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
+    mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
+    return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
+
+
+def _of_file(
+    vehicle: VehicleData, table: KalmanFilter, file: NamedFile, fmus: dict[str, Description], stack: ExitStack
+) -> FmuPrediction:
+    """Return the prediction of an FMU of the user's own.
+
+    Raises:
+        ScenarioError: It lacks a state or an input, or has an input that the loop does not know.
+        FmuError: It is no prediction.
+    """
+    layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu.limits())
+    groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
+    pressures = [f"cylinder_pressure[{g}]" for g in groups]
+    inputs, others = description.names("input"), {"track_force"}
+    needs = {
+        "state": (["v", *(f"{name}[{g}]" for name in ("w", "mu_b", "alpha") for g in groups)], description.states),
+        "input": (pressures, inputs),
+    }
+    _require_names(where, needs)
+    if unknown := [name for name in inputs if name not in others.union(pressures)]:
+        raise ScenarioError(f"{where} has an input {unknown[0]}; a prediction takes cylinder_pressure and track_force")
+    outputs = [name for name in description.names("output") if name.partition("[")[0] in layout.reading]
+    if not outputs:
+        raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
+    name = description.file.name
+    fmus[f"prediction: {name}" if name in fmus else name] = description
+    return stack.enter_context(
+        FmuPrediction(
+            description,
+            parameters=in_units("[estimator.parameters]", table.parameters, units_of(description)),
+            states=description.states,
+            inputs=[*pressures, *(name for name in inputs if name in others)],
+            outputs=outputs,
+        )
+    )
+
+
+def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
+    """Require names among those available, by the kind of thing they are.
+
+    Raises:
+        ScenarioError: Some are missing.
+    """
+    for kind, (names, available) in needs.items():
+        if missing := [name for name in names if name not in available]:
+            raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
+
+
+def _of_class(
+    vehicle: VehicleData, table: KalmanFilter, name: str, fmus: dict[str, Description], stack: ExitStack
+) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
+    """Return the prediction of a Modelica class, with its gate, mean at the start and wheel radii."""
+    model, groups = _predicted(table, name, vehicle.layout), vehicle.layout.formation.groups
+    own = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
+    parameters = {v.name: v.start for v in model.parameters} | own
+    prediction = _evaluated(table, model, parameters, None, fmus, stack)
+    gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
+    radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
+    start = {"v": speed} | {f"w[{g + 1}]": speed / radius for g in range(groups)}
+    start |= {
+        f"{state}[{g + 1}]": parameters[f"{state}_start[{g + 1}]"] for state in ("mu_b", "alpha") for g in range(groups)
+    }
+    mean = np.array([start.get(state, 0.0) for state in prediction.states])
+    return prediction, gate, mean, (radius,) * groups
+
+
+def _evaluated(
+    table: KalmanFilter,
+    model: Model,
+    parameters: Mapping[str, float],
+    consist: Path | None,
+    fmus: dict[str, Description],
+    stack: ExitStack,
+) -> _Central:
+    """Return a model with its parameters, by its FMU where the estimator says so, or else in CasADi."""
+    if _kind_of(table).prediction != "fmu":
+        return CasadiPrediction(model, parameters)
+    description = prediction_description(table, consist)
+    name = description.file.name
+    fmus[f"prediction: {name}" if name in fmus else name] = description
+    return stack.enter_context(
+        FmuPrediction(
+            description,
+            parameters=parameters,
+            states=[v.name for v in model.states],
+            inputs=[v.name for v in model.inputs],
+            outputs=[v.name for v in model.outputs],
+        )
+    )
+
+
+def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
+    """Return the model inside a filter, one of ours or of the user's own.
+
+    Raises:
+        ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
+    """
+    own = table.library
+    model = lowered(f"RailBraking.Predictions.{name}") if own is None else lower(name, library_of(own.path))
+    where = f"[estimator] model '{name}'"
+    states, groups = [variable.name for variable in model.states], layout.formation.groups
+    prediction_groups = sum(name.startswith("w[") for name in states)
+    if prediction_groups != groups:
+        raise ScenarioError(f"{where} is for {prediction_groups} groups, the vehicle has {groups}")
+    each = [f"{name}[{g + 1}]" for name in ("w", "mu_b", "alpha") for g in range(groups)]
+    needs = {
+        "state": (["v", *each], states),
+        "parameter": (
+            [*_PREDICTION_DATA, *(f"{name}_start[{g + 1}]" for name in ("mu_b", "alpha") for g in range(groups))],
+            [variable.name for variable in model.parameters],
+        ),
+    }
+    _require_names(where, needs)
+    pressures, inputs = [f"cylinder_pressure[{g + 1}]" for g in range(groups)], [v.name for v in model.inputs]
+    if inputs[:groups] != pressures:
+        raise ScenarioError(f"{where} must have {', '.join(pressures)} as first inputs; it has {', '.join(inputs)}")
+    if unread := [variable.name for variable in model.outputs if variable.name.partition("[")[0] not in layout.reading]:
+        raise ScenarioError(
+            f"{where} has an output {unread[0]}, which no sensor reads; they read {', '.join(sorted(layout.reading))}"
+        )
+    return model
+
+
+def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list[float] | None:
+    """Return from how many standard deviations on each reading of a filter is left out.
+
+    Raises:
+        ScenarioError: The filter has no such reading, or uses every one.
+    """
+    if isinstance(prediction, Consist):
+        if table.outlier_limit:
+            raise ScenarioError(
+                f"[estimator] outlier_limit is for kind compiled, python or fmu; {table.kind} uses every reading"
+            )
+        return None
+    readings = [name.partition("[")[0] for name in prediction.outputs]
+    if other := sorted(table.outlier_limit.keys() - readings):
+        choice = ", ".join(dict.fromkeys(readings))
+        raise ScenarioError(f"[estimator] outlier_limit: the filter has no reading '{other[0]}'; it has {choice}")
+    return [table.outlier_limit.get(name, inf) for name in readings]
+
+
+def _element(name: str) -> int:
+    """Return the zero-based index of `name[i]`, 0 for a scalar."""
+    index = name.partition("[")[2]
+    return int(index[:-1]) - 1 if index else 0
+
+
+def _noise(table: KalmanFilter, *, has_ideal_sensors: bool) -> NoiseSet:
+    noise = table.noise or ("ideal" if has_ideal_sensors else "service")
+    model = table.model or "TrainPrediction"
+    prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(model, model)}_"
+    full_name = f"{prefix}{noise}"
+    if full_name not in NOISE_SETS:
+        raise ScenarioError(
+            f"[estimator] has no noise set '{noise}' for model '{model}'; there are "
+            + ", ".join(sorted(NOISE_SETS))
+            + " (model_noise)."
+        )
+    return NOISE_SETS[full_name]

@@ -1,0 +1,107 @@
+"""The controller of a scenario as an FMU, to be dropped into another tool."""
+
+from collections.abc import Iterable, Sequence
+
+import casadi as ca
+
+from railgrip.controllers.sampled import Quantity, Sampled
+from railgrip.fmus.native import Variable
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.package import Source
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.controller import controller_of, valve_logic_of
+from railgrip.simulate.vehicle import VehicleData
+
+_VALVES = "valves."
+_MEMORY = "memory."
+_PERIODS = ("period", _VALVES + "period")
+
+
+def controller_fmu(scenario: Scenario) -> Source:
+    """Return C code and modelDescription.xml of a controller with its valve logic.
+
+    They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
+    end are decided on the inputs at its beginning. Inputs are those of
+    `railgrip.controllers.observation.Observation`; outputs are what the scenario's plant takes, never more than
+    `driver_demand`, which is full pressure until it is set. Parameters may be set before the first step, but for the
+    period: that is the FMU's own, and its step refuses any other.
+
+    Raises:
+        ScenarioError: The controller is no law of ours, such as the ideal bound.
+    """
+    vehicle = VehicleData(scenario)
+    groups = vehicle.nominal.formation.brakes
+    law, valves = controller_of(vehicle), valve_logic_of(vehicle)
+    assert isinstance(law, Sampled)
+    states = _variables(law.formula.states, law.state, _MEMORY)
+    parameters = _variables(law.formula.parameters, law.parameters)
+    # A law that redistributes holds the driver's demand itself, and asks some groups for more.
+    limited = law.step if scenario.controller.redistribute else _limited(law, len(groups))
+    outputs, step = law.formula.outputs, limited
+    if valves is not None:
+        states += _variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
+        parameters += _variables(valves.formula.parameters, valves.parameters, _VALVES)
+        outputs, step = valves.formula.outputs, _in_series(law, limited, valves, len(groups))
+    parameters, step = _paced(parameters, step)
+    full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
+    return sources(
+        Discrete(
+            name=law.formula.name,
+            description=law.formula.description,
+            period=scenario.periods.controller,
+            states=states,
+            inputs=_variables(law.formula.inputs, [full.get(one.name, 0.0) for one in law.formula.inputs]),
+            parameters=parameters,
+            outputs=_variables(outputs, [0.0] * len(outputs)),
+            step=step,
+        )
+    )
+
+
+def _limited(law: Sampled, groups: int) -> ca.Function:
+    """Return the step of a law with its demands lowered to the driver's, which stand before the pressures, the last."""
+    state, inputs, parameter = (law.step.sx_in(place) for place in range(3))
+    following, demand = law.step(state, inputs, parameter)
+    return ca.Function("step", [state, inputs, parameter], [following, ca.fmin(demand, inputs[-2 * groups : -groups])])
+
+
+def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int) -> ca.Function:
+    """Return one step of both: valves take the law's limited demands, and of its inputs the pressures, the last."""
+    state, inputs, parameter = (
+        ca.SX.sym(name, count)
+        for name, count in (
+            ("state", law.state.size + valves.state.size),
+            ("given", len(law.formula.inputs)),
+            ("parameter", law.parameters.size + valves.parameters.size),
+        )
+    )
+    mine, theirs = ca.vertsplit(state, [0, law.state.size, state.numel()])
+    tuning, model = ca.vertsplit(parameter, [0, law.parameters.size, parameter.numel()])
+    following, demand = limited(mine, inputs, tuning)
+    onwards, command = valves.step(theirs, ca.vertcat(demand, inputs[-groups:]), model)
+    return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
+
+
+def _paced(parameters: tuple[Variable, ...], step: ca.Function) -> tuple[tuple[Variable, ...], ca.Function]:
+    """Return the parameters without those that say how often the step is called, and the step with their values."""
+    free = tuple(variable for variable in parameters if variable.name not in _PERIODS)
+    symbols = {variable.name: ca.SX.sym(variable.name) for variable in free}
+    state, inputs = (ca.SX.sym(name, step.numel_in(place)) for place, name in enumerate(("state", "given")))
+    every = [symbols.get(variable.name, ca.SX(variable.start)) for variable in parameters]
+    results = step(state, inputs, ca.vertcat(*every))
+    return free, ca.Function("step", [state, inputs, ca.vertcat(*symbols.values())], [*results])
+
+
+def _variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
+    return tuple(
+        Variable(
+            name=prefix + quantity.name,
+            unit=quantity.unit,
+            start=float(start),
+            description=quantity.description,
+            minimum=quantity.minimum,
+            maximum=quantity.maximum,
+            nominal=1.0,
+        )
+        for quantity, start in zip(quantities, starts, strict=True)
+    )

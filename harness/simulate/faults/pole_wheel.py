@@ -1,0 +1,59 @@
+"""Teeth that a pole wheel has lost."""
+
+from collections.abc import Iterable
+from typing import Literal
+
+from pydantic import Field
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.faults import Fault, Place, amount_of
+from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.sensors import SensorModel
+from railgrip.scenario.table import optional
+from railgrip.simulate.faults.site import Site, named, places
+from railgrip.simulate.loop.faults import ReadingFault
+from railgrip.simulate.loop.sensors import MissingTeeth
+from railgrip.vehicle.formation import Formation
+
+
+class ToothFault(Fault):
+    """Teeth in a row are missing; the electronics does not know."""
+
+    part: Literal["speed_sensor"]
+    kind: Literal["missing_teeth"]
+    group: Place | None = optional("from 1 on; without it all groups")
+    value: Magnitude = Field(description="how many")
+
+    def of_readings(self, site: Site) -> Iterable[ReadingFault]:
+        """Return nothing: the sensors themselves know their pole wheels.
+
+        Raises:
+            ScenarioError: They have none.
+        """
+        missing_teeth(site.scenario, site.layout.formation)
+        return ()
+
+
+def missing_teeth(scenario: Scenario, formation: Formation) -> tuple[MissingTeeth, ...]:
+    """Return the teeth that the pole wheel of each group misses.
+
+    Raises:
+        ScenarioError: There are no pole wheels, or more teeth are missing than there are.
+    """
+    pulses = scenario.sensors.pulses if isinstance(scenario.sensors, SensorModel) else 0
+    missing = [MissingTeeth()] * formation.groups
+    for where, fault in named(scenario, ToothFault):
+        if not pulses:
+            kind = scenario.sensors.kind
+            raise ScenarioError(f"{where} needs pole wheels, [sensors] kind 'service', and it is '{kind}'")
+        count = amount_of(fault.value, "1", where, fault.kind)
+        if count != round(count):
+            raise ScenarioError(f"{where} value is a number of teeth, got {count:g}")
+        if count >= pulses:
+            raise ScenarioError(f"{where} takes {count:g} teeth of {pulses}; for all of them, kind 'dead'")
+        for group in places(fault.group, formation.groups, where, "group"):
+            if missing[group].count:
+                raise ScenarioError(f"{where}: the pole wheel of group {group + 1} misses teeth twice; keep one fault")
+            missing[group] = MissingTeeth(round(count), **fault.samples(scenario))
+    return tuple(missing)

@@ -1,0 +1,68 @@
+"""What a sensor may show in place of what there is to read."""
+
+from collections.abc import Iterator
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from railgrip.scenario.faults import READ_BY, Fault, Place, amount_of
+from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.seed import generator
+from railgrip.scenario.table import broken, optional
+from railgrip.simulate.faults.site import Site, places
+from railgrip.simulate.loop.faults import ReadingFault, ReadingKind
+
+_MOST_DRAWS = 2**17
+"""Of noise: after 131 s it begins anew."""
+
+
+class _SensorFault(Fault):
+    part: Literal["speed_sensor", "radar", "accelerometer", "transducer", "deflection_sensor"]
+    group: Place | None = optional("from 1 on; without it all groups")
+    wheelset: Place | None = optional("in place of `group`, of a deflection sensor; without it all")
+
+    @model_validator(mode="after")
+    def _has_such_a_place(self) -> Self:
+        own = {"radar": None, "accelerometer": None, "deflection_sensor": "wheelset"}.get(self.part, "group")
+        for name in ("group", "wheelset"):
+            if getattr(self, name) is not None and name != own:
+                choice = "no place: there is one" if own is None else f"'{own}'"
+                raise broken(f"has '{name}', but {self.part} takes {choice}")
+        return self
+
+    def _shown(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
+        """Yield an elementary fault for each reading."""
+        at = site.layout.reading[READ_BY[self.part]]
+        what, number = ("wheelset", self.wheelset) if self.part == "deflection_sensor" else ("group", self.group)
+        for index in places(number, at.stop - at.start, site.where, what):
+            noise = None
+            if kind == "noisy":
+                noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MOST_DRAWS)
+            place, samples = at.start + index, self.samples(site.scenario)
+            yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **samples)
+
+
+class Silent(_SensorFault):
+    """No new reading, what it showed last, or zero whatever there is."""
+
+    kind: Literal["dead", "stuck", "zero"]
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return what stands for a reading; zero is a factor."""
+        return self._shown(site, "scaled" if self.kind == "zero" else self.kind)
+
+
+class Wrong(_SensorFault):
+    """A multiple of what there is, or something added; noise is white at 1 ms."""
+
+    kind: Literal["scaled", "biased", "noisy"]
+    value: Magnitude = Field(
+        description="scaled: factor; biased: what is added, in a unit of what is read; noisy: 1σ of what is added"
+    )
+
+    def of_readings(self, site: Site) -> Iterator[ReadingFault]:
+        """Return readings changed by the value."""
+        name = f"reading_{READ_BY[self.part]}"
+        units = {signal.name: signal.unit for signal in site.layout.reading_signals}
+        unit, positive = "1" if self.kind == "scaled" else units[name], self.kind if self.kind == "noisy" else ""
+        return self._shown(site, self.kind, amount_of(self.value, unit, site.where, positive))

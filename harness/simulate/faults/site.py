@@ -1,0 +1,85 @@
+"""Where a fault of a scenario acts, in the terms of the loop."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.faults import Fault
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.loop.faults import Faults
+from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.signals import Layout
+
+_Kind = TypeVar("_Kind", bound=Fault)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Site:
+    """The stop that a fault is part of.
+
+    Attributes:
+        scenario: Of the stop.
+        layout: Of the vectors of the loop.
+        brakes: Of each group, nominal.
+        outputs: Names of what the plant shows.
+        valves: The plant takes positions of valves, else pressures.
+        number: Of the fault in the scenario, zero-based.
+        where: To open sentences with.
+    """
+
+    scenario: Scenario
+    layout: Layout
+    brakes: Sequence[Brake]
+    outputs: frozenset[str]
+    valves: bool
+    number: int
+    where: str
+
+    def groups(self, number: int | None) -> range:
+        """Return the zero-based groups that a fault is at."""
+        return places(number, self.layout.formation.groups, self.where, "group")
+
+
+def named(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
+    """Yield the faults of a kind, each with the words that open its sentences."""
+    for number, fault in enumerate(scenario.faults, start=1):
+        if isinstance(fault, kind):
+            yield f"{scenario.name}: [faults[{number}]]", fault
+
+
+def places(number: int | None, count: int, where: str, what: str) -> range:
+    """Return the zero-based places of a number that counts from 1; all of them without it.
+
+    Raises:
+        ScenarioError: The vehicle has fewer.
+    """
+    if number is None:
+        return range(count)
+    if number > count:
+        raise ScenarioError(f"{where} is at {what} {number}, the vehicle has {count}")
+    return range(number - 1, number)
+
+
+def faults_of(
+    scenario: Scenario, layout: Layout, brakes: Sequence[Brake], *, outputs: frozenset[str], valves: bool
+) -> Faults | None:
+    """Return what is broken on the way to and from the plant; None where nothing is.
+
+    Raises:
+        ScenarioError: A fault does not fit this vehicle.
+    """
+    sites = [
+        Site(
+            scenario=scenario, layout=layout, brakes=brakes, outputs=outputs, valves=valves, number=number,
+            where=f"{scenario.name}: [faults[{number + 1}]]",
+        )
+        for number in range(len(scenario.faults))
+    ]  # fmt: skip
+    pairs = list(zip(scenario.faults, sites, strict=True))
+    readings = [one for fault, site in pairs for one in fault.of_readings(site)]
+    commands = [one for fault, site in pairs for one in fault.of_commands(site)]
+    if not readings and not commands:
+        return None
+    every = max(round(1e-3 / scenario.periods.communication), 1)
+    return Faults(layout, readings, commands, valves=valves, noise_every=every)

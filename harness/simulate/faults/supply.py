@@ -1,0 +1,41 @@
+"""A supply of air that gives less than it should."""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.faults import Fault, amount_of
+from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.table import optional
+from railgrip.simulate.faults.site import Site
+from railgrip.simulate.loop.faults import CommandFault
+
+
+class Sagging(Fault):
+    """The reservoir empties by the air that the plant takes."""
+
+    part: Literal["supply"]
+    kind: Literal["sagging"]
+    value: Magnitude = Field(description="volume of the reservoir")
+    pressure: Annotated[float, Unit("Pa", above=0, at_most=1e8)] = Field(description="of the full reservoir")
+    refill: (
+        Annotated[float, Unit("m3/s", above=0, at_most=1, because="compressors deliver some m3 a minute")] | None
+    ) = optional("free air that its compressor delivers; without it, none")
+
+    def of_commands(self, site: Site) -> Iterator[CommandFault]:
+        """Return no more pressure than is left.
+
+        Raises:
+            ScenarioError: The plant does not show how much it takes.
+        """
+        if "air_used" not in site.outputs:
+            raise ScenarioError(f"{site.where} empties a reservoir, but the plant does not show the air that it uses")
+        volume = amount_of(self.value, "m3", site.where, self.kind)
+        samples = self.samples(site.scenario)
+        refill = (self.refill or 0.0) * site.scenario.periods.communication
+        for group in site.groups(None):
+            yield CommandFault(
+                kind="limited", value=volume, pressure=self.pressure, refill=refill, group=group, **samples
+            )

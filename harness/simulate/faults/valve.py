@@ -1,0 +1,64 @@
+"""What a valve may do in place of what it is commanded."""
+
+from collections.abc import Iterator
+from typing import Literal
+
+from pydantic import Field
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.faults import Fault, Place, amount_of
+from railgrip.scenario.quantity import Magnitude
+from railgrip.scenario.table import optional
+from railgrip.simulate.faults.site import Site
+from railgrip.simulate.loop.faults import CommandFault
+
+_SLOWEST = 10.0  # s
+_VENT, _HOLD, _FILL = -1.0, 0.0, 1.0
+
+
+class _ValveFault(Fault):
+    part: Literal["valve"]
+    group: Place | None = optional("from 1 on; without it all groups")
+
+
+class Stays(_ValveFault):
+    """It stays where it is, whatever is commanded.
+
+    With ideal actuation a valve that is filled gives full pressure, one that is dumped none, one that is held the
+    pressure demanded before.
+    """
+
+    kind: Literal["filled", "dumped", "held"]
+
+    def of_commands(self, site: Site) -> Iterator[CommandFault]:
+        """Return a fixed command, or the last one."""
+        for group in site.groups(self.group):
+            at = {"group": group, **self.samples(site.scenario)}
+            if self.kind == "held" and not site.valves:
+                yield CommandFault(kind="kept", **at)
+            else:
+                pressures = {"filled": site.brakes[group].pressure_max, "dumped": 0.0}
+                positions = {"filled": _FILL, "dumped": _VENT, "held": _HOLD}
+                yield CommandFault(kind="fixed", value=(positions if site.valves else pressures)[self.kind], **at)
+
+
+class Slow(_ValveFault):
+    """It acts late."""
+
+    kind: Literal["slow"]
+    value: Magnitude = Field(description="added dead time")
+
+    def of_commands(self, site: Site) -> Iterator[CommandFault]:
+        """Return earlier commands.
+
+        Raises:
+            ScenarioError: It would be held rather than slow.
+        """
+        amount = amount_of(self.value, "s", site.where, self.kind)
+        if amount > _SLOWEST:
+            raise ScenarioError(
+                f"{site.where} delays a valve by {amount:g} s; at most {_SLOWEST:g} s make sense, else it is held"
+            )
+        delay = round(amount / site.scenario.periods.communication)
+        for group in site.groups(self.group):
+            yield CommandFault(kind="late", delay=delay, group=group, **self.samples(site.scenario))

@@ -1,0 +1,150 @@
+"""The FMUs and Modelica classes that a scenario names, found or built, each once in a process."""
+
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Literal
+
+from railgrip.base.cache import keep
+from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.units import Unit
+from railgrip.fmi import Description, describe
+from railgrip.fmus.build import build_class, fmu
+from railgrip.fmus.native import Model, lower
+from railgrip.fmus.recipe import read_recipes
+from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.vehicle import CompiledHere, FmuFile, OwnModelica, PythonClass, Recipe, TrainFile
+from railgrip.vehicle.signals import CURVE
+
+
+@cache
+def _described(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
+    return describe(path, limits)
+
+
+def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
+    """Return the description of an FMU, read once for each version of the file."""
+    status = path.stat() if path.exists() else None
+    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
+
+
+@cache
+def recipe_file(name: str) -> Path:
+    """Return the FMU of a recipe, built when it is not up to date; asked once in a process."""
+    return fmu(name)
+
+
+@cache
+def _class_file(class_name: str, library: Path, digest: str, interface: Literal["me", "cs"]) -> Path:  # pyright: ignore[reportUnusedParameter]
+    return build_class(class_name, library, interface).path
+
+
+@cache
+def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+    # Not with this module: the schema of a train file takes as long to load as numpy does, and few scenarios have one.
+    from railgrip.rolling_stock.files import load_train
+    from railgrip.rolling_stock.modelica import class_name, class_text
+
+    train = load_train(path)
+    name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
+    if curved:
+        name, more = _curved_class(name, len(train.axles))
+        text += more
+    return _built(name, text)
+
+
+@cache
+def _curved_file(recipe: str) -> Path:
+    """Return the FMU of a recipe's class with inputs for its creep curves; where it cannot have them, as it is."""
+    own = read_recipes().recipes[recipe]
+    if not own.curve:
+        return recipe_file(recipe)
+    wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
+    return _built(*_curved_class(own.class_name, wheelsets))
+
+
+def _curved_class(name: str, wheelsets: int) -> tuple[str, str]:
+    """Return name and Modelica text of a train's class that takes the creep curve at each wheelset from inputs."""
+    own = f"{name.rpartition('.')[2]}_on_curves"
+    shape = ", ".join(f"{signal.name.removeprefix('curve_')}={signal.name}[i]" for signal in CURVE)
+    inputs = "".join(
+        f"  RailBraking.Interfaces.RealInput {signal.name}[{wheelsets}]"
+        f'(each final unit="{signal.unit}", each start=0) "{signal.meaning}";\n'
+        for signal in CURVE
+    )
+    return own, (
+        f'block {own} "{name} with the creep curve at each wheelset as an input"\n'
+        f"  extends {name}(curve={{RailBraking.Data.CreepCurve({shape}) for i in 1:{wheelsets}}});\n"
+        f"{inputs}end {own};\n"
+    )
+
+
+def _built(name: str, text: str) -> Path:
+    source = keep("modelica", sha256(text.encode()).hexdigest(), f"{name}.mo", text.encode())
+    return build_class(name, source).path
+
+
+@cache
+def lowered(class_name: str) -> Model:
+    """Return a class as CasADi functions; compiled once in a process."""
+    return lower(class_name)
+
+
+def plant_description(scenario: Scenario) -> Description:
+    """Return the description of the plant FMU of a scenario; of a plant in Python, which has none, an empty one.
+
+    Raises:
+        ScenarioError: [vehicle] train names a file that is no train.
+    """
+    has_several_curves = len(scenario.adhesion.curves) > 1
+    match scenario.vehicle.source:
+        case Recipe(name):
+            return description_of((_curved_file if has_several_curves else recipe_file)(name))
+        case TrainFile(file):
+            is_pneumatic = scenario.actuation.kind == "pneumatic"
+            return description_of(_train_file(file.path, file.digest(), is_pneumatic, has_several_curves))
+        case OwnModelica(name, library):
+            return description_of(_class_file(name, library.path, library.digest(), "cs"))
+        case FmuFile(file):
+            return description_of(file.path, scenario.limits.fmu.limits())
+        case PythonClass(name):
+            return Description(
+                file=Path(name), digest="", model=name, guid="", generator="", variables={}, states=(), derivatives=(),
+                dependencies={}, event_indicators=0, log_categories=(), co_simulation=None, model_exchange=None,
+                blemishes="",
+            )  # fmt: skip
+
+
+def prediction_description(table: KalmanFilter, consist: Path | None = None) -> Description:
+    """Return the description of the FMU that an estimator predicts with: of its class, or of a ConsistPrediction."""
+    model, library = table.model, table.library
+    if model is None:
+        assert consist is not None
+        return description_of(_class_file("ConsistPrediction", consist, consist.parent.name, "me"))
+    return description_of(
+        recipe_file(model) if library is None else _class_file(model, library.path, library.digest(), "me")
+    )
+
+
+def is_trusted(scenario: Scenario) -> bool:
+    """Return whether the plant may be loaded into this process: it was compiled here, or the scenario trusts it.
+
+    Whoever names Modelica sources has them compiled on this machine, by either compiler; only a finished binary comes
+    from outside.
+    """
+    return isinstance(scenario.vehicle.source, CompiledHere) or scenario.vehicle.trust
+
+
+def parameters_of(description: Description) -> dict[str, float]:
+    """Return the start values of an FMU's numeric parameters."""
+    return {
+        variable.name: float(variable.start)
+        for variable in description.variables.values()
+        if variable.causality == "parameter" and variable.kind in ("Real", "Integer") and variable.start is not None
+    }
+
+
+def units_of(description: Description) -> dict[str, Unit | str]:
+    """Return the units of an FMU's parameters."""
+    return {v.name: v.unit or v.unit_name for v in description.variables.values() if v.causality == "parameter"}

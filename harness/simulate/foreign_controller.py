@@ -1,0 +1,135 @@
+"""A controller of the user's own: a co-simulation FMU that is shown what a law sees."""
+
+from collections.abc import Callable, Collection, Generator
+from contextlib import contextmanager
+
+import numpy as np
+
+from railgrip.base.errors import ControllerFailed, FmuError, PlantFailed
+from railgrip.controllers.observation import Observation
+from railgrip.fmi import Binding, Description, Signal, bind, open_plant
+from railgrip.scenario.parts import ControllerFmu
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.loop.parts import Plant
+
+_READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
+_BELIEVED = ("adhesion", "pad_friction")
+_DECISIONS = ("demand", "command")
+_UNITS = {
+    "speed": "m/s", "acceleration": "m/s2", "wheelset_speed": "rad/s", "pressure": "Pa", "driver_demand": "Pa",
+    "demand": "Pa",
+}  # fmt: skip
+_OF_TRAIN = frozenset({"speed", "acceleration"})
+
+
+def _signals(names: tuple[str, ...], groups: int) -> tuple[Signal, ...]:
+    return tuple(
+        Signal(name=name, unit=_UNITS.get(name, "1"), size=0 if name in _OF_TRAIN else groups, needed=False)
+        for name in names
+    )
+
+
+class ForeignController:
+    """An FMU as a control law.
+
+    A step of the FMU lasts from one decision to the next. Its inputs are what is seen at the first, held; its outputs
+    at the end of the step are the decision, at once: a sampled law decides on what it is shown, and a law in
+    continuous time is ahead by the period it is given. As for our own laws, what no sensor has read yet is NaN.
+    """
+
+    def __init__(self, fmu: Plant, binding: Binding, gives: str) -> None:
+        """Decide by an open FMU that has not been started; `gives` names its output, demand or command."""
+        self._fmu = fmu
+        self._inputs = np.zeros(binding.inputs.size)
+        self._decision = binding.outputs.layout[gives]
+        self._has_started = False
+
+    def decide(self, observation: Observation) -> tuple[float, ...]:
+        """Return the demanded pressure of each group [Pa], or the valve command if that is what the FMU gives.
+
+        Raises:
+            ControllerFailed: The FMU failed.
+        """
+        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
+        estimated = [values for values in (adhesion, pad_friction) if values is not None]
+        self._inputs[:] = np.concatenate(((speed, acceleration), slip, wheels, pressure, driver_demand, *estimated))
+        try:
+            if not self._has_started:
+                self._fmu.start(self._inputs)
+                self._has_started = True
+            outputs = self._fmu.step(self._inputs)
+        except PlantFailed as failed:
+            raise ControllerFailed(f"The controller failed: {failed}") from failed
+        return tuple(outputs[self._decision].tolist())
+
+
+def binding_of(
+    scenario: Scenario, table: ControllerFmu, description: Description, groups: int, estimates: Collection[str]
+) -> tuple[Binding, str]:
+    """Tie what a law sees and gives to the variables of the FMU; return that and what it gives, demand or command.
+
+    Raises:
+        FmuError: It does not fit the FMU, or the FMU gives nothing that brakes.
+    """
+    where = f"{scenario.name}: [controller.map]"
+    inputs = (*_READ, *(name for name in _BELIEVED if name in estimates))
+    outputs = tuple(name for name in _DECISIONS if name in table.map) or _DECISIONS
+    binding = bind(
+        description,
+        inputs=_signals(inputs, groups),
+        outputs=_signals(outputs, groups),
+        table=table.map,
+        where=where,
+    )
+    file, decisions = description.file.name, [name for name in outputs if name not in binding.outputs.absent]
+    if len(decisions) != 1:
+        names = " and ".join(decisions) or "neither demand nor command"
+        raise FmuError(
+            f"{where}: {file} gives {names}; wanted is one of demand [Pa] and command of the {groups} groups: say "
+            'which variables they are, as in demand = "pressure[{i}]".'
+        )
+    if decisions == ["command"] and scenario.actuation.kind != "pneumatic":
+        raise FmuError(
+            f"{where}: {file} commands valves, but [actuation] kind is '{scenario.actuation.kind}', which takes "
+            "pressures; make it 'pneumatic', with a plant that has valves."
+        )
+    return binding, decisions[0]
+
+
+@contextmanager
+def foreign_controller(
+    scenario: Scenario,
+    table: ControllerFmu,
+    description: Description,
+    parameters: dict[str, float],
+    groups: int,
+    estimates: Collection[str],
+    notify: Callable[[str], None],
+) -> Generator[tuple[ForeignController, bool]]:
+    """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
+
+    Inputs of it that nothing drives, such as an adhesion that nobody estimates, are told.
+
+    Raises:
+        FmuError: It does not fit.
+        PlantFailed: It does not load.
+    """
+    binding, gives = binding_of(scenario, table, description, groups, estimates)
+    if binding.unused:
+        names = ", ".join(dict.fromkeys(name.partition("[")[0] for name in binding.unused))
+        notify(
+            f"{description.file.name}: nothing drives its {names} ([estimator] kind is '{scenario.estimator.kind}'): "
+            "what it starts with stays."
+        )
+    context = open_plant(
+        description,
+        binding,
+        period=scenario.periods.controller,
+        parameters=parameters,
+        trusted=table.trust,
+        notify=notify,
+        limits=scenario.limits.fmu.limits(),
+        table="[controller]",
+    )
+    with context as fmu:
+        yield ForeignController(fmu, binding, gives), gives == "command"

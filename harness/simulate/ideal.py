@@ -1,0 +1,266 @@
+"""Analyses of a scenario: how well any controller could brake, by the ideal bound and by control that knows the truth.
+
+A scenario names one as the kind of its controller; sensors, estimator and controller have no part in it.
+
+In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant. No controller
+can do better on the same rail with the same brakes; none can do as well, because pressure takes time to build up and
+the peak must be found first. What is integrated is the train as a point mass; the physics comes from the plant:
+
+- peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
+- the brake limit and the running resistance as functions of speed from a stop of the same plant with full brake on
+  a rail with friction 0.6, where nothing slides.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import ScenarioError
+from railgrip.controllers.observation import Observation
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.faults import READ_BY
+from railgrip.scenario.outcome import Outcome
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.loop.loop import Ending
+from railgrip.simulate.parts import assembled, judged
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.trace.bound import with_bound
+from railgrip.trace.contact import peak
+from railgrip.trace.recorder import Recorder
+from railgrip.trace.stop import Stop
+from railgrip.vehicle.signals import CURVE, PLANT
+
+Array = NDArray[np.float64]
+
+_GRIPPY = 0.6
+_BUILD_UP = 0.2  # s that the pressure takes
+_ROUNDS = 12
+_CLOSE = 1e-3  # m; a thousandth of what a change of controller moves
+
+
+def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
+    """Return the stop that the ideal bound gives.
+
+    Speed over time is found by iteration: the bound depends on speed (falling friction) and, over distance, on place.
+
+    Raises:
+        ScenarioError: Slip changes the rail, the plant does not show its brakes, or the iteration does not settle; it
+            contracts where friction changes little with speed and place.
+    """
+    changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
+    for table in (table for table, present in changes.items() if present):
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
+            f"{table} what a wheelset finds depends on how those ahead have run over it: leave one of them out"
+        )
+    vehicle = VehicleData(scenario)
+    with assembled(_full_brake(scenario)) as parts:
+        reference = parts.stop(parts.run(progress))
+    period = scenario.periods.communication
+    truth = reference.trace.isel(time=slice(round(_BUILD_UP / period), None))
+    if reference.outcome is not Outcome.STANDSTILL or truth.sizes["time"] < 2:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound takes the brakes from a stop with full brake on a rail of "
+            f"friction {_GRIPPY:g}, which ended with {reference.outcome.value}: {reference.reason}"
+        )
+    order = np.argsort(truth["speed"].values)
+    speeds = truth["speed"].values[order]
+    friction = truth["pad_friction"].values[order]
+    formation = vehicle.formation
+    load = vehicle.true.load
+    mass = sum(vehicle.true.masses.tolist())
+    rail_force = np.sum(truth["adhesion"].values * truth["wheelset_load"].values, axis=1)
+    resistance = (-mass * truth["acceleration"].values - rail_force)[order]
+
+    count = round(scenario.limits.horizon / period) + 1
+    time = np.arange(count, dtype=np.float64) * period
+    profile, force = profile_of(scenario, formation), vehicle.track_force
+    recorder = Recorder((*PLANT, *vehicle.layout.sent_signals), formation, count)
+    recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
+    speed, distance, acceleration = _first_guess(scenario, time)
+    for _ in range(_ROUNDS):
+        at = recorder.columns
+        rows = recorder.rows
+        pad = np.stack([np.interp(speed, speeds, friction[:, g]) for g in range(formation.groups)], axis=1)
+        rows[:, at["distance"]] = distance[:, None]
+        rows[:, at["speed"]] = speed[:, None]
+        rows[:, at["acceleration"]] = acceleration[:, None]
+        rows[:, at["mu0"]] = profile.table(time, distance)
+        if (curve_numbers := profile.curve_numbers(time, distance)) is not None:
+            for i, signal in enumerate(CURVE):
+                rows[:, at[signal.name]] = vehicle.curves[curve_numbers, i]
+        rows[:, at["wheelset_load"]] = load
+        rows[:, at["pad_friction"]] = pad
+        end = _end(speed, scenario.limits.stop_speed)
+        moving = end or count
+        bound = with_bound(
+            recorder.trace(moving, period), vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max
+        )
+        ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
+        slowing = (np.sum(share * load, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
+        slowing -= force.at(distance[:moving]) / mass
+        rows[:moving, at["adhesion"]] = share
+        rows[:moving, at["group_adhesion"]] = ideal
+        rows[:moving, at["slip"]] = bound["peak_slip"].values
+        before = distance[end or -1]
+        speed, distance, acceleration = _integrated(scenario.start.speed, slowing, count, period)
+        end_index = _end(speed, scenario.limits.stop_speed)
+        if bool(end_index) == bool(end) and abs(distance[end_index or -1] - before) < _CLOSE:
+            break
+    else:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes "
+            f"too much over {period:g} s; shorten [periods] communication"
+        )
+    for name, values in (("distance", distance), ("speed", speed), ("acceleration", acceleration)):
+        recorder.rows[:, recorder.columns[name]] = values[:, None]
+    samples = min(end_index or count - 1, moving - 1) + 1
+    place = f"{distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s"
+    ending = Ending(
+        outcome=Outcome.STANDSTILL if end_index else Outcome.HORIZON,
+        reason=f"Could stop after {place} at best."
+        if end_index
+        else f"Still rolls with {speed[samples - 1]:.2f} m/s after {place} at best.",
+        samples=samples,
+    )
+    return judged(vehicle, recorder, ending, {vehicle.file.file.name: vehicle.file})
+
+
+class _Tracking:
+    """Control that is shown the truth: it holds the best slip of every group through the actuation that there is.
+
+    From the torque balance of a group, J ω̇ = F r − T, with s = 1 − rω/v, slip goes to s* at the rate κ where
+
+        T = F r + J/r (κ (s* − s) v − (1 − s) v̇),   F r at most as α_max allows
+
+    s* lies a little below the slip at which the creep curve will peak once the valves have answered, where a slide is
+    still stable. Below it F is what the curve gives at s*, so that a wheel gets there whatever the band of valves
+    leaves of the second term; above it, the true braking force, scaled by how the peak will change. No controller is
+    shown this much; one that anticipated the whole rail could still do a little better.
+    """
+
+    def __init__(self, vehicle: VehicleData, recorder: Recorder) -> None:
+        """Control the stop that a recorder is written of."""
+        scenario, self._formation = vehicle.scenario, vehicle.formation
+        self._profile = profile_of(scenario, self._formation)
+        self._contact, self._brakes, self._curves = vehicle.contact, vehicle.true.brakes, vehicle.curves
+        self._recorder, self._period = recorder, scenario.periods.communication
+        self._limit, self._ahead = scenario.limits.alpha_max, 0.0
+        if scenario.actuation.kind == "pneumatic":
+            self._ahead = max(vehicle.true.valves["dead_fill"], vehicle.true.valves["dead_vent"])
+        self._due, self._slip, self._most, self._change = 0.0, np.zeros(0), np.zeros(0), np.zeros(0)
+
+    def decide(self, observation: Observation) -> tuple[float, ...]:
+        """Return the demanded pressure of each group [Pa]; of the observation only the time is looked at."""
+        row, at = self._recorder.rows[round(observation.time / self._period)], self._recorder.columns
+        speed, distance = float(row[at["speed"]][0]), float(row[at["distance"]][0])
+        if speed < _SLOWEST:
+            return tuple(0.0 if brake is None else brake.pressure_max for brake in self._brakes)
+        load = row[at["wheelset_load"]]
+        if observation.time >= self._due:
+            self._due = observation.time + _PEAK_PERIOD
+            self._look(observation.time, distance, speed, load)
+        group_load = self._formation.summed(load)
+        slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
+        adhesion = np.where(slip < self._slip, self._most, row[at["group_adhesion"]] * self._change)
+        turning = _RATE * (self._slip - slip) * speed - (1.0 - slip) * deceleration
+        force = (np.minimum(adhesion, self._limit) * group_load).tolist()
+        pressures: list[float] = []
+        for brake, held, turned, friction in zip(
+            self._brakes, force, turning.tolist(), row[at["pad_friction"]].tolist(), strict=True
+        ):
+            if brake is None:
+                pressures.append(0.0)
+                continue
+            torque = held * brake.wheel_radius + brake.inertia / brake.wheel_radius * turned
+            pressure = brake.pressure_of(torque / (brake.units * friction * brake.friction_radius))
+            pressures.append(min(max(pressure, 0.0), brake.pressure_max))
+        return tuple(pressures)
+
+    def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
+        """Find slip and adhesion to hold when the valves will have answered, and how much higher the peak is then."""
+        ahead = self._ahead
+        times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
+        friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
+        numbers = self._profile.curve_numbers(times, places)
+        found: list[tuple[float, float, float]] = []
+        for members in self._formation.members():
+            contact = self._contact
+            if numbers is not None:
+                contact = partial(contact, curve=np.moveaxis(self._curves[numbers[:, members]], -1, 0))
+            own, rail = loads[:, members], friction[:, members]
+            slip, each = peak(contact, speeds, own, rail)
+            now, then = np.sum(each * own, axis=1)
+            held = np.broadcast_to(_BELOW * slip[:, None], own.shape)
+            most = np.sum(contact(held, np.broadcast_to(speeds[:, None], own.shape), own, rail) * own, axis=1)[1]
+            found.append((_BELOW * slip[1], most / own[1].sum(), then / now))
+        self._slip, self._most, self._change = np.array(found).T
+
+
+_SLOWEST = 0.5  # m/s; below, slip is a ratio of two small numbers
+_PEAK_PERIOD = 0.05  # s; friction of scenarios changes over tenths of a second
+_RATE = 10.0  # 1/s; valves fill and vent within some tenths of a second, and their predictor looks ahead
+_BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of its adhesion
+
+
+def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
+    """Return the stop of a controller that knows the truth, with the actuation and the broken parts of the scenario.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parts cannot do, or the plant does not show its
+            brakes.
+    """
+    faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
+    with assembled(_bare(scenario, {"faults": faults})) as parts:
+        controller = _Tracking(VehicleData(scenario), parts.recorder)
+        parts = replace(parts, parts=replace(parts.parts, controller=controller))
+        ending = parts.run(progress)
+    return replace(parts.stop(ending), scenario=scenario)
+
+
+ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None], Stop]]] = MappingProxyType(
+    {"ideal_bound": ideal_stop, "ideal_tracking": tracking_stop}
+)
+"""Analysis by the name that a scenario gives it in [controller] kind."""
+
+
+def _full_brake(scenario: Scenario) -> Scenario:
+    """Return the same train on a level rail where nothing slides, fully braked."""
+    changes: dict[str, Any] = {
+        "track": {},  # its force is no resistance of the train, and comes beside that
+        "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
+        "faults": [],
+    }
+    if scenario.truth.gradient:
+        changes["truth"] = scenario.truth.model_dump(mode="json") | {"gradient": 0.0}
+    return _bare(scenario, changes)
+
+
+def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
+    """Return a scenario with other tables, fully braked, and nobody between plant and brakes."""
+    parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
+    return Scenario.model_validate(scenario.resolved() | parts | changes)
+
+
+def _end(speed: Array, stop_speed: float) -> int:
+    """Return the first sample at standstill, 0 if there is none."""
+    return int(np.argmax(speed <= stop_speed))
+
+
+def _first_guess(scenario: Scenario, time: Array) -> tuple[Array, Array, Array]:
+    speed = np.maximum(scenario.start.speed - 0.8 * time, 0.0)
+    return speed, np.concatenate([[0.0], np.cumsum(speed[:-1]) * (time[1] - time[0])]), np.full(len(time), -0.8)
+
+
+def _integrated(start: float, slowing: Array, count: int, period: float) -> tuple[Array, Array, Array]:
+    """Integrate a deceleration over time by the trapezoidal rule; beyond its end it stays as it was last."""
+    acceleration = -np.concatenate([slowing, np.full(count - len(slowing), slowing[-1])])
+    steps = 0.5 * (acceleration[1:] + acceleration[:-1]) * period
+    speed = np.maximum(start + np.concatenate([[0.0], np.cumsum(steps)]), 0.0)
+    distance = np.concatenate([[0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * period)])
+    return speed, distance, acceleration

@@ -1,0 +1,118 @@
+"""Faults between the plant and those who read and command it."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.simulate.loop.library import kernel
+from railgrip.vehicle.signals import Layout
+
+Vector = NDArray[np.float64]
+
+ReadingKind = Literal["dead", "stuck", "scaled", "biased", "noisy"]
+CommandKind = Literal["fixed", "kept", "late", "limited"]
+
+FREE = 1.01325e5
+"""Absolute pressure at which plants count free air, p_free [Pa]."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ReadingFault:
+    """A sensor that shows something else while the fault lasts.
+
+    What has no new reading has none with a fault, either. A dead sensor shows nothing new, a stuck one what it
+    showed last; where it had shown nothing yet, its first reading stands for that.
+
+    Attributes:
+        kind: What it does; noise is drawn before the stop.
+        place: Of the entry in a reading.
+        begin, end: Samples; `end` is the first one without it.
+        value: Factor, what is added, or 1σ of what is added, in the unit of the reading.
+        noise: Of a noisy one, from `begin` on, of deviation 1; begins anew at its end.
+    """
+
+    kind: ReadingKind
+    place: int
+    begin: int
+    end: int
+    value: float = 0.0
+    noise: Vector | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CommandFault:
+    """What happens to a command on its way to the brake of a group while the fault lasts.
+
+    Attributes:
+        kind: `fixed` to a value; `kept` as it was before; `late` by some samples; `limited` by a reservoir that
+            empties: its pressure falls with the air that the plant takes, without a change of temperature, and fills
+            no cylinder beyond it; a compressor refills it, until it is full.
+        group: Zero-based.
+        begin, end: Samples; `end` is the first one without it.
+        value: The fixed command, or the volume of the reservoir [m3].
+        delay: Samples.
+        pressure: Of the full reservoir above the atmosphere [Pa].
+        refill: Free air that the compressor delivers in a sample [m3].
+    """
+
+    kind: CommandKind
+    group: int
+    begin: int
+    end: int
+    value: float = 0.0
+    delay: int = 0
+    pressure: float = 0.0
+    refill: float = 0.0
+
+
+class Faults:
+    """All faults of a stop; their formulas are in `kernel/faults.c`.
+
+    Attributes:
+        struct: `Faults` of faults.h.
+    """
+
+    def __init__(
+        self,
+        layout: Layout,
+        readings: Sequence[ReadingFault],
+        commands: Sequence[CommandFault],
+        *,
+        valves: bool,
+        noise_every: int,
+    ) -> None:
+        """Break what they say.
+
+        Args:
+            layout: Of the vectors of the loop.
+            readings: One after the other, in this order.
+            commands: Likewise.
+            valves: Commands are positions of valves, else pressures.
+            noise_every: Samples that a draw of noise lasts.
+        """
+        self._rings: list[Vector] = []
+        of_readings, of_commands = (kernel(layout).records("Fault", len(faults)) for faults in (readings, commands))
+        for row, fault in zip(of_readings, readings, strict=True):
+            row["kind"], row["place"] = get_args(ReadingKind).index(fault.kind), fault.place
+            if fault.noise is not None:
+                row["past"], row["count"] = self._ring(fault.noise), fault.noise.size
+        for row, fault in zip(of_commands, commands, strict=True):
+            row["kind"], row["place"] = get_args(CommandKind).index(fault.kind), fault.group
+            row["pressure"], row["free"], row["refill"] = fault.pressure, FREE, fault.refill
+            row["past"], row["count"] = self._ring(np.zeros(fault.delay + 1)), fault.delay + 1
+        for rows, faults in ((of_readings, readings), (of_commands, commands)):
+            rows["held"] = math.nan
+            for name in ("begin", "end", "value"):
+                rows[name] = [getattr(fault, name) for fault in faults]
+        self.struct = kernel(layout).struct(
+            "Faults", readings=of_readings, commands=of_commands, reading_count=len(of_readings),
+            command_count=len(of_commands), valves=valves, noise_every=noise_every,
+        )  # fmt: skip
+
+    def _ring(self, values: Vector) -> int:
+        self._rings.append(np.ascontiguousarray(values))
+        return self._rings[-1].ctypes.data

@@ -1,0 +1,29 @@
+"""The loop's own code in C, compiled once on a machine."""
+
+from functools import cache
+from importlib.resources import files
+from typing import Final
+
+from railgrip.base.units import GRAVITY
+from railgrip.fmus.native.c_library import CLibrary
+from railgrip.vehicle.signals import Layout
+from railgrip.vehicle.slip import SMALL_SPEED
+
+KERNEL: Final = files("railgrip.simulate.loop") / "kernel"
+_HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h")
+_PHYSICS: Final = f"#define GRAVITY {GRAVITY}\n#define SMALL_SPEED {SMALL_SPEED}\n"
+"""Constants in SI units; no declaration of the headers needs them."""
+
+
+@cache
+def kernel(layout: Layout) -> CLibrary:
+    """Return the sensors, plausibility checks, driver, rail, faults and cycle in C, for vectors of this layout.
+
+    Raises:
+        railgrip.base.errors.CompilerMissing: There is no C compiler.
+    """
+    constants, formation = layout.header(), layout.formation
+    names = ("export.h", *_HEADERS, *(name.replace(".h", ".c") for name in _HEADERS))
+    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
+    name = f"cycle_{formation.groups}_{formation.wheelsets}"
+    return CLibrary(sources | {"layout.h": constants + _PHYSICS}, name, _HEADERS, constants)

@@ -1,0 +1,385 @@
+"""The loop: a stop in C, which comes back to Python whenever a part written in Python is due."""
+
+import ctypes
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import ControllerFailed, EstimatorFailed, LoopError, SensorsFailed
+from railgrip.controllers.observation import Observation
+from railgrip.controllers.sampled import Sampled
+from railgrip.estimators.compiled import StepInC
+from railgrip.fmi import CoSimulation
+from railgrip.fmus.native.c_library import Struct
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.loop.library import KERNEL, kernel
+from railgrip.simulate.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
+from railgrip.simulate.loop.plausible import Plausibility
+from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
+from railgrip.vehicle.signals import BELIEVED, ESTIMATES, INNOVATION, SPREAD, Layout, length, places
+from railgrip.vehicle.slip import slip_of
+
+Vector = NDArray[np.float64]
+
+_OBSERVED = ("slip", "adhesion", "pad_friction", "wheelset_speed", "driver_demand", "pressure")
+"""What an observation has of each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ending:
+    """How a run of the loop ended.
+
+    Attributes:
+        outcome: The kind of end.
+        reason: In one sentence.
+        samples: Rows written.
+    """
+
+    outcome: Outcome
+    reason: str
+    samples: int
+
+
+class Loop:
+    """One stop: brakes until the train stands, the horizon is reached, or a part fails in a way that is a result.
+
+    The order of events in a sample is that of `kernel/cycle.c`. Where the parts have no controller, the caller is it:
+
+        while (observation := loop.next_decision()) is not None:
+            loop.demand(pressures)
+
+    Attributes:
+        ending: How the stop ended; None before.
+    """
+
+    def __init__(self, parts: Parts, progress: Callable[[float], None] | None = None) -> None:
+        """Start the plant.
+
+        Args:
+            parts: Not yet started.
+            progress: Called with the train speed [m/s] every `BLOCK` samples, which is also how long Ctrl-C waits.
+
+        Raises:
+            PlantFailed: The plant did not start.
+            ScenarioError: It does not show what the rail depends on.
+            LoopError: A law is for another number of groups.
+        """
+        self.ending: Ending | None = None
+        self._parts, self._progress = parts, progress
+        layout, sensors, estimator = parts.layout, parts.sensors, parts.estimator
+        library = kernel(layout)
+        self._functions = functions = library.functions
+        self._plausibility = Plausibility(layout, parts.clock.period, parts.start_speed, parts.slowing)
+        inputs = np.zeros(layout.inputs)
+        parts.rail.write_inputs(inputs)
+        truth = parts.plant.start(inputs)
+        parts.rail.check_plant(truth)
+        self._struct = struct = _cycle(parts, self._plausibility)
+        self._cycle = struct.pointer
+        self._truth, self._inputs, self._reading = (struct.view(name) for name in ("truth", "inputs", "reading"))
+        self._observation, self._demand = struct.view("observation"), struct.view("demand")
+        self._truth[:], self._inputs[:] = truth, inputs
+        if np.isnan(truth[layout.output["slip"]]).any():
+            struct.set(slip_radius=np.array(layout.formation.wheel_radius, dtype=np.float64))
+        if isinstance(parts.plant, CoSimulation):
+            _step_from_c(struct, parts.plant)
+        if isinstance(sensors, ServiceSensors):
+            struct.set(service=sensors.struct)
+        elif isinstance(sensors, WhiteSensors):
+            struct.set(read_of=sensors.places, gain=sensors.gain, bias=sensors.bias, noise=sensors.noise)
+        elif isinstance(sensors, IdealSensors):
+            struct.set(read_of=sensors.places)
+        self._provides = frozenset[str]()
+        estimate = self._advance_filter
+        if isinstance(estimator, StateEstimator):
+            self._provides = frozenset(("slip", "adhesion", "pad_friction"))
+            self._squared = _filter_from_c(struct, estimator, parts)
+        elif estimator is not None:
+            self._provides, estimate = frozenset(estimator.provides), self._estimate
+            self._direct = _Direct(struct, estimator, parts)
+        self._steps = {
+            functions.BLOCK_DUE: self._begin_block,
+            functions.PLANT_DUE: self._step_plant,
+            functions.SENSORS_DUE: self._read_sensors,
+            functions.ESTIMATOR_DUE: estimate,
+        }
+
+    def run(self) -> Ending:
+        """Brake with the parts' controller, and return how the stop ended.
+
+        Raises:
+            PlantFailed: The plant refused a step; the recorder holds the rows before.
+        """
+        while (observation := self.next_decision()) is not None:
+            assert self._parts.controller is not None
+            try:
+                demands = self._parts.controller.decide(observation)
+            except ControllerFailed as failed:
+                return self.fail(failed)
+            self.demand(demands)
+        assert self.ending is not None
+        return self.ending
+
+    def next_decision(self) -> Observation | None:
+        """Go on until a controller in Python is due, and return what it is shown; None at the end of the stop.
+
+        Raises:
+            PlantFailed: The plant refused a step; the recorder holds the rows before.
+        """
+        functions, cycle = self._functions, self._cycle
+        step, due_controller, steps = functions.cycle, functions.CONTROLLER_DUE, self._steps
+        try:
+            while (due := step(cycle)) != due_controller:
+                if due not in steps:
+                    self._end(*self._outcome(due))
+                    return None
+                steps[due]()
+        except (SensorsFailed, EstimatorFailed) as failed:
+            is_sensors = isinstance(failed, SensorsFailed)
+            reason = str(failed) if is_sensors else f"{failed} At {self._time:.3f} s."
+            self._end(Outcome.SENSORS_FAILED if is_sensors else Outcome.DIVERGED, reason)
+            return None
+        except BaseException:
+            self._finish()
+            raise
+        return self._observe(self._provides)
+
+    def demand(self, demands: Sequence[float]) -> None:
+        """Demand a brake cylinder pressure of each group [Pa], for the decision that is due."""
+        self._demand[:] = demands
+
+    def fail(self, failed: ControllerFailed) -> Ending:
+        """End the stop where its controller failed."""
+        return self._end(Outcome.CONTROLLER_FAILED, str(failed))
+
+    @property
+    def _time(self) -> float:
+        return self._cycle.sample * self._parts.clock.period
+
+    def _begin_block(self) -> None:
+        sensors, sample = self._parts.sensors, self._cycle.sample
+        if isinstance(sensors, WhiteSensors | ServiceSensors) and sample % (BLOCK * self._parts.clock.sensors) == 0:
+            sensors.draw()
+        if self._progress is not None and sample > 0:
+            self._progress(float(self._truth[self._parts.layout.output["speed"].start]))
+
+    def _step_plant(self) -> None:
+        self._truth[:] = self._parts.plant.step(self._inputs)
+
+    def _read_sensors(self) -> None:
+        assert isinstance(self._parts.sensors, Sensors)
+        self._reading[:] = self._parts.sensors.read(self._cycle.sample // self._parts.clock.sensors, self._truth)
+
+    def _advance_filter(self) -> None:
+        estimator = self._parts.estimator
+        assert isinstance(estimator, StateEstimator)
+        try:
+            estimator.filter.advance()
+        except ArithmeticError as diverged:
+            raise EstimatorFailed(str(diverged)) from diverged
+        self._squared[0] = estimator.filter.squared_innovation
+
+    def _estimate(self) -> None:
+        self._direct.step(self._observe(frozenset()))
+
+    def _observe(self, provides: frozenset[str]) -> Observation:
+        """Return what was observed last, with quantities of each group that an estimator provides."""
+        values = self._observation.copy()
+        values.flags.writeable = False  # for what is seen by several parts
+        slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = values[2:].reshape(len(_OBSERVED), -1)
+        return Observation(
+            self._time,
+            float(values[0]),
+            float(values[1]),
+            wheelset_speed,
+            slip,
+            "slip" in provides,
+            adhesion if "adhesion" in provides else None,
+            pad_friction if "pad_friction" in provides else None,
+            pressure,
+            driver_demand,
+        )
+
+    def _outcome(self, due: int) -> tuple[Outcome, str]:
+        """Return how the stop ended, and why, from what the cycle returned."""
+        functions, cycle, output = self._functions, self._cycle, self._parts.layout.output
+        clock, time = self._parts.clock, self._time
+        speed, distance = (float(self._truth[output[name].start]) for name in ("speed", "distance"))
+        if due == functions.STANDING:
+            return Outcome.STANDSTILL, f"Stopped after {distance:.2f} m and {time:.3f} s."
+        if due == functions.NOT_PLAUSIBLE:
+            return Outcome.IMPLAUSIBLE, self._plausibility.reason(time)
+        if due == functions.DIVERGED:
+            return Outcome.DIVERGED, f"{self._failure_of_the_filter()} At {time:.3f} s."
+        if due == functions.NO_COMMAND:
+            command = tuple(self._struct.view("command").tolist())
+            reason = f"The controller's command at {time:.3f} s is {command}, not {len(command)} numbers."
+            return Outcome.CONTROLLER_FAILED, reason
+        if due == functions.PLANT_FAILED:
+            assert isinstance(self._parts.plant, CoSimulation)
+            self._parts.plant.note_steps(cycle.crossed, cycle.failure)  # raises PlantFailed
+        end = clock.samples * clock.period
+        return Outcome.HORIZON, f"Still moving at {speed:.2f} m/s after {end:g} s and {distance:.1f} m."
+
+    def _failure_of_the_filter(self) -> str:
+        estimator = self._parts.estimator
+        if self._cycle.failure == self._functions.NEGATIVE_VARIANCE or not isinstance(estimator, StateEstimator):
+            return "The estimator diverged: a variance is negative or not a number."
+        assert isinstance(estimator.filter, StepInC)
+        return estimator.filter.failure(self._cycle.failure)
+
+    def _end(self, outcome: Outcome, reason: str) -> Ending:
+        self._finish()
+        self.ending = Ending(outcome=outcome, reason=reason, samples=self._cycle.written)
+        return self.ending
+
+    def _finish(self) -> None:
+        """Complete the rows that were written.
+
+        What follows from the estimates is computed for all rows at once: slips, and deviations for variances. Adhesion
+        is a force that the readings tell over a load that they do not: its relative error is the load's as well.
+        """
+        recorder, estimator = self._parts.recorder, self._parts.estimator
+        recorder.written = min(self._cycle.written, len(recorder.rows))
+        if not isinstance(estimator, StateEstimator):
+            return
+        rows, columns = recorder.rows[: recorder.written], recorder.columns
+        spread = rows[:, recorder.block(SPREAD)]
+        load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
+        rows[:, columns["estimate_adhesion_sd"]] += load_error**2
+        np.sqrt(spread, out=spread)
+        speed = rows[:, columns["estimate_speed"]]
+        rolling = np.asarray(estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
+        rows[:, columns["estimate_slip"]] = slip_of(speed, rolling)
+
+
+class _Direct:
+    """An estimator that gives quantities themselves, and where the cycle finds them."""
+
+    def __init__(self, struct: Struct, estimator: DirectEstimator, parts: Parts) -> None:
+        provided = [signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimator.provides]
+        self._step = estimator.step
+        self._estimates = {
+            name.removeprefix("estimate_"): place for name, place in places(provided, parts.layout.formation).items()
+        }
+        self._values = np.full(length(places(provided, parts.layout.formation)), np.nan)
+        self._replaced = struct.view("replaced")
+        self._replaced[:] = np.nan
+        groups = parts.layout.formation.groups
+        self._observed = {name: slice(2 + i * groups, 2 + (i + 1) * groups) for i, name in enumerate(_OBSERVED)}
+        self._observed["speed"] = slice(0, 1)
+        struct.set(
+            estimates=self._values, estimates_count=self._values.size,
+            estimates_at=parts.recorder.block(provided).start,
+        )  # fmt: skip
+
+    def step(self, observation: Observation) -> None:
+        values = self._step(observation)
+        for name, place in self._estimates.items():
+            self._values[place] = values[name]
+            if name in self._observed:
+                self._replaced[self._observed[name]] = values[name]
+
+
+def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
+    """Return the argument of the cycle, with all parts that are always in C."""
+    layout, clock, driver, recorder, law = parts.layout, parts.clock, parts.driver, parts.recorder, parts.law
+    free_wheel = parts.estimator.free_wheel if isinstance(parts.estimator, StateEstimator) else None
+    groups = layout.formation.groups
+    struct = kernel(layout).struct("Cycle", plausibility=plausibility.struct, rail=parts.rail.struct,
+        driver=driver.struct if driver.has_phases else None, full=np.array(driver.full, dtype=np.float64),
+        faults=parts.faults and parts.faults.struct, radius=np.array(parts.wheel_radius, dtype=np.float64),
+        law=_formula(layout, parts.controller, 2 + len(_OBSERVED) * groups),
+        valves=_formula(layout, parts.valves, 2 * groups), free_wheel=_formula(layout, free_wheel, 1 + 2 * groups),
+        period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
+        sensors_every=clock.sensors, estimator_every=clock.estimator, controller_every=clock.controller,
+        rows=recorder.rows, width=recorder.rows.shape[1], capacity=recorder.rows.shape[0],
+        true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(layout.sent_signals).start,
+        read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
+        driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
+        traction_at=recorder.at.get("traction", -1), reference_at=recorder.at.get("reference_speed", -1),
+    )  # fmt: skip
+    struct.view("reference")[0] = math.nan
+    if law is not None:
+        struct.set(law_state=law.values, law_of=law.places, law_count=law.places.size)
+        struct.set(law_at=recorder.block(law.signals).start)
+    return struct
+
+
+def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
+    """Return a formula for the cycle, which writes vectors of `inputs` numbers; an empty one for what is none.
+
+    Raises:
+        LoopError: It is for another number of groups.
+    """
+    if not isinstance(formula, Sampled):
+        return kernel(layout).struct("Formula")
+    if formula.step.numel_in(1) != inputs:
+        raise LoopError(
+            f"{formula.formula.name}: takes {formula.step.numel_in(1)} inputs, and {inputs} belong to "
+            f"{layout.formation.groups} groups."
+        )
+    address = _address_of(formula.step)
+    return kernel(layout).struct("Formula", call=address, state=formula.state, parameter=formula.parameters)
+
+
+@cache
+def _address_of(step: ca.Function) -> int:
+    """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
+
+    It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.
+
+    Raises:
+        railgrip.base.errors.CompilerMissing: There is no C compiler.
+    """
+    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
+    generator.add(step)
+    sizes = {
+        "NX": step.numel_out(0), "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(),
+        "RESULTS": step.sz_res(),
+    }  # fmt: skip
+    header = "".join(
+        [
+            *(f"#define {name} {value}\n" for name, value in sizes.items()),
+            "#define CASADI_SYMBOL_EXPORT static\n",
+            generator.dump(),
+        ]
+    )
+    sources = {"step.h": header, "formula.c": (KERNEL / "formula.c").read_text(encoding="utf-8")}
+    library = ctypes.CDLL(str(shared_library(sources, "formula")))
+    return ctypes.cast(library.call, ctypes.c_void_p).value or 0
+
+
+def _step_from_c(struct: Struct, plant: CoSimulation) -> None:
+    """Let the cycle step a plant that has been started."""
+    interface = plant.c_interface()
+    struct.set(
+        cross=interface.cross, set_step_get=interface.plan, taken=interface.inputs, shown=interface.outputs,
+        present=interface.present, present_count=interface.present.size,
+    )  # fmt: skip
+
+
+def _filter_from_c(struct: Struct, estimator: StateEstimator, parts: Parts) -> Vector:
+    """Let the cycle write readings for a filter and read its belief; return where it finds the squared innovation."""
+    filter_, squared = estimator.filter, np.zeros(1)
+    of_groups = estimator.wheelset_speed, estimator.adhesion, estimator.pad_friction
+    struct.set(
+        mean=filter_.mean, covariance=filter_.covariance,
+        row=filter_.covariance.strides[0] // filter_.covariance.itemsize, held=filter_.inputs, seen=filter_.readings,
+        used=filter_.selection, squared=squared, seen_count=estimator.reading_places.size,
+        seen_of=np.ascontiguousarray(estimator.reading_places, dtype=np.longlong),
+        believed_of=np.concatenate([[estimator.speed], *of_groups]).astype(np.longlong),
+        radius=np.array(estimator.wheel_radius, dtype=np.float64),
+    )  # fmt: skip
+    blocks = {"believed_at": BELIEVED, "spread_at": SPREAD, "innovation_at": INNOVATION}
+    struct.set(**{name: parts.recorder.block(block).start for name, block in blocks.items()})
+    if isinstance(filter_, StepInC):
+        advance, memory, squared_address = filter_.entry
+        struct.set(advance=advance, memory=memory, squared=squared_address)
+    return squared

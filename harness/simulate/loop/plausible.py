@@ -1,0 +1,108 @@
+"""Checks of a plant's outputs against what was asked and against physics; bounds and their reasons are in plausible.c.
+
+What the tolerances leave of an error in the braking distance: 0.2 % by the start speed; 0.2 % by a speed that falls
+faster than adhesion, track force, running resistance and track brakes allow, in any interval of time, and 0.1 % by that
+bound; 0.1 %, a sample of travel and a centimetre by a distance that is not the integral of the speed. The integral of
+the acceleration, which estimators and controllers read, agrees with the speed to 0.1 % of the highest speed.
+
+The bound allows for what a plant may not show: rolling resistance of 0.02 m/s2 and a drag area of 12 m2. It says
+nothing of a plant that brakes less than adhesion allows; `railgrip.simulate.trial` tries one from outside at two levels
+of friction before its stop.
+
+The checks are in `kernel/plausible.c`.
+"""
+
+from dataclasses import dataclass
+from math import inf
+
+from railgrip.simulate.loop.library import kernel
+from railgrip.vehicle.signals import Layout
+
+_ROLLING = 0.02  # m/s2; freight trains roll with some 2 N/kN, and most of it acts through the wheels
+_AIR = 7.2  # N/(m/s)2; 12 m2 of drag area, more than a blunt locomotive has, in air of 1.2 kg/m3
+_AIR_OF_LENGTH = 2e-5  # 1/m, over the mass; of a train of 400 m and 400 t it is 8 N/(m/s)2
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slowing:
+    """Bounds of what slows a train beside adhesion.
+
+    Attributes:
+        lightest, heaviest: Bounds of the mass that track force acts on [kg]; the latter may be infinite.
+        constant, quadratic: Most deceleration by running resistance and brakes on the rail itself,
+            constant + quadratic v² [m/s2, 1/m]; may be infinite.
+    """
+
+    lightest: float
+    heaviest: float
+    constant: float
+    quadratic: float
+
+    def most(self, speed: float) -> float:
+        """Return the most deceleration at a speed [m/s] without adhesion and track force [m/s2]."""
+        return self.constant + self.quadratic * speed**2
+
+
+UNBOUNDED = Slowing(lightest=1.0, heaviest=inf, constant=inf, quadratic=0.0)
+"""Of a plant that is slowed by a drive, such as a roller rig."""
+
+
+def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: float = 0.0) -> Slowing:
+    """Return the bounds for a train.
+
+    Args:
+        mass: Of the train [kg].
+        is_known: Whether that is the plant's mass; else half of it and any mass above that are allowed for.
+        drag: Of its air resistance over the square of the speed [N s2/m2], where that is more than is usual.
+        track_brakes: Greatest force of brakes on the rail itself [N].
+    """
+    lightest = mass if is_known else 0.5 * mass
+    return Slowing(
+        lightest=lightest,
+        heaviest=mass if is_known else inf,
+        constant=_ROLLING + track_brakes / lightest,
+        quadratic=max(drag, _AIR) / mass + _AIR_OF_LENGTH,
+    )
+
+
+_CHECKS = (
+    ("", "", ""),
+    ("speed", "m/s", "[start] speed asks for {expected}"),
+    ("distance", "m", "it counts from the brake demand, and {expected} is wanted there"),
+    (
+        "speed",
+        "m/s",
+        "friction, gradient, resistance, traction and [vehicle.formation] track_brakes allow {expected}",
+    ),
+    ("acceleration", "m/s2", "with both as means since the start, its speed changes by {expected}"),
+    ("distance", "m", "the integral of its speed gives {expected}"),
+    ("slip", "", "a braked wheel between rolling and locked has {expected}"),
+    ("adhesion", "", "the rail gives {expected}"),
+)
+"""Signal, unit and what was expected, in the order of the enum in plausible.h."""
+_EACH = ("slip", "adhesion")
+
+
+class Plausibility:
+    """The memory of the checks during one stop.
+
+    Attributes:
+        struct: `Plausibility` of plausible.h.
+    """
+
+    def __init__(self, layout: Layout, period: float, start_speed: float, slowing: Slowing) -> None:
+        """Prepare for the first sample: communication period [s], requested start speed [m/s]."""
+        bounds = {name: getattr(slowing, name) for name in ("lightest", "heaviest", "constant", "quadratic")}
+        self.struct = kernel(layout).struct("Plausibility", period=period, start_speed=start_speed, **bounds)
+
+    def reason(self, time: float) -> str:
+        """Return what was wrong at a time [s], and what was expected, in a sentence."""
+        failed = self.struct.pointer
+        signal, unit, why = _CHECKS[failed.check]
+        name = f"{signal}[{failed.element + 1}]" if signal in _EACH else signal
+        span = f"{failed.least:.6g} to {failed.most:.6g}{unit and f' {unit}'}"
+        value = f"{failed.value:.6g}{unit and f' {unit}'}"
+        return (
+            f"At {time:.3f} s the plant shows {name} = {value}, but {why.format(expected=span)}; look at unit and sign "
+            f"of '{signal}' in [vehicle.map], and at [vehicle.parameters]."
+        )

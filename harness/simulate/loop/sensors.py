@@ -1,0 +1,212 @@
+"""Sensors: the truth as the train sees it, in readings as `railgrip.vehicle.signals.Layout` orders them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.fmus.native.c_library import Struct
+from railgrip.simulate.loop.library import kernel
+from railgrip.vehicle.signals import Layout
+
+Vector = NDArray[np.float64]
+
+
+BLOCK = 1024
+"""Samples between two draws of noise."""
+
+
+class IdealSensors:
+    """Readings are the plant's outputs.
+
+    Attributes:
+        places: Which output each entry of a reading shows.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        """Read a vehicle whose vectors have this layout."""
+        places = [layout.output[name] for name in layout.reading]
+        self.places = np.concatenate([np.arange(place.start, place.stop) for place in places])
+
+
+class WhiteSensors:
+    """Readings are the plant's outputs times a gain, plus a bias and noise that is white from sample to sample.
+
+    Attributes:
+        places: Which output each entry of a reading shows.
+        gain, bias: Of each entry, constant over a stop.
+        noise: Of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
+    """
+
+    def __init__(
+        self, places: NDArray[np.intp], gain: Vector, bias: Vector, deviation: Vector, random: np.random.Generator
+    ) -> None:
+        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it."""
+        self.places, self.gain, self.bias = places, gain, bias
+        self.noise = np.empty((BLOCK, deviation.size))
+        self._deviation, self._random = deviation, random
+
+    def draw(self) -> None:
+        """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
+        self.noise[:] = self._random.standard_normal(self.noise.shape) * self._deviation
+
+    def read(self, sample: int, truth: Vector) -> Vector:
+        """Return the reading of a sample; they come one after the other, from 0 on."""
+        if sample % BLOCK == 0:
+            self.draw()
+        return truth.take(self.places) * self.gain + self.bias + self.noise[sample % BLOCK]
+
+
+@dataclass(frozen=True, slots=True)
+class MissingTeeth:
+    """Teeth in a row that a pole wheel has lost, from a sample on until before another."""
+
+    count: int = 0
+    begin: int = 0
+    end: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Course:
+    """A quantity along the track, straight between even places; beyond its ends it is what it is there.
+
+    Attributes:
+        begin, step: Of the places [m].
+        values: Shape (n,).
+    """
+
+    begin: float
+    step: float
+    values: Vector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RoughRail:
+    """A rail of which the primary suspension feels the short waves.
+
+    Attributes:
+        height: Under the wheels, over the distance that the leading wheelset has gone [m].
+        position: Of each wheelset behind the leading one, shape (wheelsets,) [m].
+        forward, back: Coefficients b0, b1, b2 and a1, a2 of the digital filter from height to deflection.
+        state: Of it at the first sample, shape (wheelsets, 2) [m].
+    """
+
+    height: Course
+    position: Vector
+    forward: Vector
+    back: Vector
+    state: Vector
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServiceInstruments:
+    """Instruments as a train in service may have them.
+
+    Attributes:
+        pulses: Of the wheel encoder, per revolution.
+        pitch_error: 1σ of a tooth's pitch over the pitch; repeats each revolution [1].
+        clock: Tick of the clock that times the pulses [s].
+        cut_off: Peripheral speed below which a wheel encoder reads zero [m/s].
+        wheel_radius: To turn `cut_off` into a rotational speed [m].
+        speed_noise: 1σ of each reading of the train speed [m/s].
+        speed_factor: Reading over train speed, of one reading after the other, and again from the first; NaN where it
+            is lost, shape (n,) [1].
+        speed_every: Samples between two readings of the train speed.
+        speed_latency: Age of a reading of the train speed, in samples; made up for by the acceleration read.
+        acceleration_noise: 1σ [m/s²].
+        acceleration_bias: Constant over a stop [m/s²].
+        deflection_noise: 1σ [m].
+        pressure_offset: Of each transducer, constant over a stop, shape (groups,) [Pa].
+        pressure_step: Of the converter [Pa].
+        pressure_lag: First-order time constant [s].
+        missing_teeth: Of each pole wheel; empty where none are.
+        gravity: Along the track, uphill positive, which the accelerometer feels [m/s²]; None: it does not.
+        rail: That the deflection shows; None: it does not.
+    """
+
+    pulses: int
+    pitch_error: float
+    clock: float
+    cut_off: float
+    wheel_radius: float
+    speed_noise: float
+    speed_factor: Vector
+    speed_every: int
+    speed_latency: int
+    acceleration_noise: float
+    acceleration_bias: float
+    deflection_noise: float
+    pressure_offset: Vector
+    pressure_step: float
+    pressure_lag: float
+    missing_teeth: tuple[MissingTeeth, ...] = ()
+    gravity: Course | None = None
+    rail: RoughRail | None = None
+
+
+class ServiceSensors:
+    """Pulse-timing wheel encoders, a speed sensor with its rate and latency, accelerometer, travel and pressure.
+
+    Wheel encoders: each sample the shaft has turned on; every tooth that passed is stamped with its time, on the ticks
+    of the clock. The reading is the nominal angle between the last pulse of this sample and the last pulse before it
+    over the time between the two. Without a new pulse there is no new reading, until so much time has passed that even
+    one pulse now would mean less than the cut-off: then the reading is zero. Where a tooth is missing there is no
+    pulse, which the electronics does not know.
+
+    The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so that the same seed gives the
+    same readings. Samples are read one after the other, from 0 on.
+    """
+
+    def __init__(
+        self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
+    ) -> None:
+        """Read a vehicle of this layout every `period` [s], with noise from `random`."""
+        groups = layout.formation.groups
+        self._random = random
+        whole = (MissingTeeth(),) * groups
+        encoders = [_encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or whole]
+        self._deviation = np.array(
+            [instruments.speed_noise, instruments.acceleration_noise]
+            + [instruments.deflection_noise] * layout.formation.wheelsets
+        )
+        self._noise = np.empty((BLOCK, self._deviation.size))
+        self.struct = kernel(layout).struct("Service", encoder=encoders, noise=self._noise,
+            offset_steps=instruments.pressure_offset / instruments.pressure_step,
+            past=np.empty(instruments.speed_latency + 1), period=period,
+            acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
+            pressure_share=period / (instruments.pressure_lag + period),
+            block=BLOCK, speed_every=instruments.speed_every, speed_latency=instruments.speed_latency,
+            speed_factor=instruments.speed_factor, speed_factors=instruments.speed_factor.size,
+        )  # fmt: skip
+        if instruments.gravity is not None:
+            self.struct.set(gravity=_course(layout, instruments.gravity))
+        if (rail := instruments.rail) is not None:
+            self.struct.set(
+                rail=_course(layout, rail.height), position=rail.position, shift=rail.state, forward=rail.forward,
+                back=rail.back,
+            )  # fmt: skip
+
+    def draw(self) -> None:
+        """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
+        self._noise[:] = self._random.standard_normal(self._noise.shape) * self._deviation
+
+
+def _encoder(
+    layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator, missing: MissingTeeth
+) -> Struct:
+    """Return a pole wheel whose pulses are timed, mounted at a random angle."""
+    pitch = 2.0 * np.pi / instruments.pulses
+    # Errors of the tooth positions, not of the gaps: they close after one revolution by construction.
+    teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
+    return kernel(layout).struct(
+        "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,
+        period=period, angle=float(random.uniform(0.0, pitch)), stamp=-1.0,
+        silence=pitch * instruments.wheel_radius / max(instruments.cut_off, 1e-3),
+        missing=missing.count, begin=missing.begin, end=missing.end,
+    )  # fmt: skip
+
+
+def _course(layout: Layout, course: Course) -> Struct:
+    return kernel(layout).struct(
+        "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
+    )

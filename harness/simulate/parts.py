@@ -1,0 +1,296 @@
+"""The parts of a scenario's stop, open and ready for a loop."""
+
+import platform
+from collections.abc import Callable, Collection, Generator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, replace
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railgrip.base.errors import PlantFailed, ScenarioError
+from railgrip.base.registry import Role
+from railgrip.fmi import Description
+from railgrip.scenario.kinds import Custom
+from railgrip.scenario.outcome import Outcome
+from railgrip.scenario.parts import KalmanFilter, OwnLaw
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import sampled_every
+from railgrip.scenario.vehicle import PythonClass, Vehicle
+from railgrip.simulate import custom
+from railgrip.simulate.controller import controlling, law_states, over_the_train, valve_logic_of
+from railgrip.simulate.estimator import state_estimator
+from railgrip.simulate.faults.site import faults_of
+from railgrip.simulate.importing import Origin, origin_of, part_of, table_of
+from railgrip.simulate.instruments import sensors_of
+from railgrip.simulate.loop.loop import Ending, Loop
+from railgrip.simulate.loop.parts import Clock, Controller, Parts, StateEstimator
+from railgrip.simulate.plant import fmu_plant, python_plant
+from railgrip.simulate.rail import driver_of, rail_of
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.trace.adhesion_use import over_the_rail
+from railgrip.trace.bound import with_bound
+from railgrip.trace.metrics import measure
+from railgrip.trace.recorder import Recorder
+from railgrip.trace.stop import Stop
+from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, sent
+
+_MOST_OF_THE_RAIL = 1.005
+"""Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
+
+_PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnParts:
+    """Objects of the user's own that take the place of what a scenario names; see `railgrip.simulate.custom`.
+
+    Attributes:
+        controller, estimator, sensors, plant: None leaves it to the scenario.
+        folders: Where modules that a scenario names are looked for, beside the installed environment.
+    """
+
+    controller: custom.Controller | None = None
+    estimator: custom.Estimator | None = None
+    sensors: custom.Sensors | None = None
+    plant: custom.Plant | None = None
+    folders: tuple[Path, ...] = ()
+
+    def standing_for(self, scenario: Scenario) -> Scenario:
+        """Return the scenario that names these objects' classes, as the results of a stop with them must."""
+        objects = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
+        tables: dict[str, Any] = {name: table_of(own) for name, own in objects.items() if own is not None}
+        if self.controller is not None:
+            over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
+            tables["controller"] = OwnLaw(**tables["controller"].model_dump(), **over)
+        if self.plant is not None:
+            vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
+            tables["vehicle"] = Vehicle.model_validate(vehicle)
+        return scenario.model_copy(update=tables)
+
+
+NO_OWN_PARTS = OwnParts()
+"""None but those that the scenario names."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assembled:
+    """The parts of a stop, open.
+
+    Attributes:
+        vehicle: What is known of the scenario's.
+        parts: What the loop is given.
+        fmus: Those that take part, by name.
+        classes: Of the user's own that take part, by part.
+        limits: What limits the demands of a controller that is no law of ours.
+    """
+
+    vehicle: VehicleData
+    parts: Parts
+    fmus: Mapping[str, Description]
+    classes: Mapping[str, Origin]
+    limits: custom.DemandLimits
+
+    @property
+    def recorder(self) -> Recorder:
+        """What the loop writes into."""
+        return self.parts.recorder
+
+    def run(self, progress: Callable[[float], None] | None = None) -> Ending:
+        """Run the stop to its end, once.
+
+        Args:
+            progress: Called with the train speed [m/s] now and then.
+        """
+        try:
+            return Loop(self.parts, progress).run()
+        except PlantFailed as problem:
+            return self.failed(problem)
+
+    def failed(self, problem: PlantFailed) -> Ending:
+        """Return the end of a run whose plant failed."""
+        return Ending(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
+
+    def stop(self, ending: Ending) -> Stop:
+        """Return the stop that a run of the loop gave."""
+        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+        self.recorder.rows[self.recorder.written : 1] = np.nan
+        stop = judged(self.vehicle, self.recorder, ending, self.fmus)
+        return replace(
+            stop,
+            classes={name: origin.to_plain() for name, origin in self.classes.items()},
+            reason=stop.reason + self.limits.sentence(),
+            limited_demands=self.limits.limited,
+        )
+
+
+@contextmanager
+def assembled(
+    scenario: Scenario,
+    notify: Callable[[str], None] = lambda sentence: None,
+    own: OwnParts = NO_OWN_PARTS,
+    capacity: int | None = None,
+) -> Generator[Assembled]:
+    """Open the parts of a scenario's stop; they are closed when the block ends.
+
+    Args:
+        notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
+        own: Objects in place of what the scenario names.
+        capacity: Of the recorder; all samples without it.
+
+    Raises:
+        ScenarioError: The scenario asks for something that its parts cannot do.
+        FmuError: An FMU does not fit.
+    """
+    scenario = own.standing_for(scenario)
+    vehicle = VehicleData(scenario)
+    source = scenario.vehicle.source
+    fmus = {} if isinstance(source, PythonClass) else {vehicle.file.file.name: vehicle.file}
+    formation, layout, demand = vehicle.nominal.formation, vehicle.layout, scenario.demand
+    radius = tuple(group.wheel_radius for group in formation.brakes)
+    pneumatic, period = scenario.actuation.kind == "pneumatic", scenario.periods.communication
+    samples = round(scenario.limits.horizon / period)
+    classes: dict[str, Origin] = {}
+
+    def part(role: Role, table: object, instance: object) -> Any:
+        """Return the object of the user's own that plays a part, if one does."""
+        if not isinstance(table, Custom):
+            return None
+        player = part_of(table, role, own.folders) if instance is None else instance
+        classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
+        return player
+
+    with ExitStack() as stack:
+        if isinstance(source, PythonClass):
+            arguments = {key: value.entry for key, value in scenario.vehicle.parameters.items()}
+            table = Custom(kind=source.name, parameters=arguments) if own.plant is None else table_of(own.plant)
+            plant = python_plant(vehicle, part("plants", table, own.plant))
+        else:
+            plant = fmu_plant(vehicle, notify, stack)
+        filter_: StateEstimator | custom.CustomEstimator | None = None
+        estimates = frozenset[str]()
+        if (estimator := part("estimators", scenario.estimator, own.estimator)) is not None:
+            filter_ = custom.CustomEstimator(estimator, formation)
+            estimates = frozenset(filter_.provides)
+        elif isinstance(scenario.estimator, KalmanFilter):
+            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
+            estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
+        if (instruments := part("sensors", scenario.sensors, own.sensors)) is not None:
+            noise = generator(scenario.seed, "sensors.custom")
+            sensors = custom.CustomSensors(instruments, layout, formation, period, noise)
+        else:
+            sensors = sensors_of(scenario, layout, radius[0])
+        commands_valves, limits = False, custom.DemandLimits(formation)
+        if (own_law := part("controllers", scenario.controller, own.controller)) is not None:
+            controller = custom.Limited(custom.CustomController(own_law, formation), limits)
+            controller = over_the_train(vehicle, controller)
+        else:
+            controller, commands_valves = controlling(vehicle, estimates, fmus, limits, notify, stack)
+        valves = None if commands_valves else valve_logic_of(vehicle)
+        _require_estimates(scenario, controller, estimates)
+        if commands_valves and demand is not None:
+            raise ScenarioError(
+                f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
+                "commands the valves; leave out [demand], or let it give demand [Pa]"
+            )
+        law = law_states(controller)
+        signals = (
+            *layout.plant_signals,
+            *sent(layout, pneumatic=pneumatic),
+            *layout.reading_signals,
+            *(() if commands_valves else DEMANDED),
+            *(() if law is None else law.signals),
+            *(DRIVEN if demand is not None else ()),
+            *(TRACTION if demand is not None and demand.has_traction else ()),
+            *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
+            *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
+        )
+        parts = Parts(
+            layout=layout,
+            plant=plant,
+            rail=rail_of(vehicle),
+            sensors=sensors,
+            estimator=filter_,
+            controller=controller,
+            valves=valves,
+            driver=driver_of(vehicle),
+            faults=faults_of(scenario, layout, formation.brakes, outputs=vehicle.shown, valves=pneumatic),
+            wheel_radius=radius,
+            law=law,
+            clock=Clock(
+                period=period,
+                estimator=scenario.periods.every("estimator"),
+                controller=scenario.periods.every("controller"),
+                samples=samples,
+                sensors=sampled_every(scenario.sensors, period),
+            ),
+            slowing=vehicle.slowing,
+            start_speed=scenario.start.speed,
+            stop_speed=scenario.limits.stop_speed,
+            recorder=Recorder(signals, formation, min(capacity or samples + 1, samples + 1)),
+        )
+        yield Assembled(
+            vehicle=vehicle,
+            parts=parts,
+            fmus=fmus,
+            classes=classes,
+            limits=limits,
+        )
+
+
+def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
+    """Refuse a law that needs what nobody estimates.
+
+    Raises:
+        ScenarioError: It says what is missing.
+    """
+    missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
+    if missing:
+        choice = ", ".join(sorted(estimates)) or "nothing"
+        raise ScenarioError(
+            f"{scenario.name}: [controller] '{scenario.controller.kind}' needs estimates of {' and '.join(missing)}, "
+            f"[estimator] '{scenario.estimator.kind}' provides {choice}"
+        )
+
+
+def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
+    """Return the stop that a run of the loop gave, with bound and figures."""
+    scenario = vehicle.scenario
+    trace = recorder.trace(max(ending.samples, 1), scenario.periods.communication)
+    # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
+    # that does not show its brakes has none; the figures that need it are empty.
+    with suppress(ScenarioError):
+        trace = with_bound(trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max)
+    share = over_the_rail(trace)
+    if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+        ending = Ending(
+            outcome=Outcome.IMPLAUSIBLE,
+            reason=f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot "
+            "be: its contact is not that of [adhesion] polach.",
+            samples=ending.samples,
+        )
+    metrics = measure(
+        trace, outcome=ending.outcome, alpha_max=scenario.limits.alpha_max, actuation=scenario.actuation.kind
+    )
+    since = (
+        "" if scenario.demand is None else f" {metrics.distance_travelled:.2f} m of that since the first brake demand."
+    )
+    return Stop(
+        scenario=scenario,
+        outcome=ending.outcome,
+        reason=ending.reason + since,
+        trace=trace,
+        metrics=metrics,
+        versions=versions() | {name: description.generator for name, description in fmus.items()},
+        fmus={name: description.digest for name, description in fmus.items()},
+    )
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of what takes part in a stop."""
+    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}

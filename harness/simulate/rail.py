@@ -1,0 +1,75 @@
+"""What acts on the train of a scenario: the rail with its sand, and the driver."""
+
+from math import inf
+
+import numpy as np
+
+from railgrip.base.errors import ScenarioError
+from railgrip.rolling_stock.files import load_train
+from railgrip.scenario.adhesion import position_of, profile_of, reach_of
+from railgrip.scenario.demand import phases_of
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.vehicle import TrainFile
+from railgrip.simulate.loop.driver import Driver
+from railgrip.simulate.loop.rail import Field, SandedRail, Sander, TabulatedRail
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.vehicle.formation import Formation
+
+
+def rail_of(vehicle: VehicleData) -> TabulatedRail:
+    """Return the rail of a scenario, before any wheel has passed.
+
+    Raises:
+        ScenarioError: Nobody says where the wheelsets are, or there is no wheelset where a sander is.
+    """
+    scenario, layout = vehicle.scenario, vehicle.layout
+    adhesion, formation = scenario.adhesion, layout.formation
+    field = None
+    if adhesion.recovery is not None:
+        position_of(scenario, formation)
+        *_, share, decay = vehicle.curves[0].tolist()
+        falling = adhesion.polach.model_copy(update={"A": share, "B": decay})
+        field = Field(layout, adhesion.recovery, falling, reach_of(scenario))
+    sand = None
+    if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
+        position_of(scenario, formation)
+        sand = SandedRail(layout, sanders, reach_of(scenario), **dict(adhesion.sand))
+    return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
+
+
+def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
+    """Return the sanders of a scenario, or those of its train."""
+    sanders, source = scenario.sanders, scenario.vehicle.source
+    if not sanders and isinstance(source, TrainFile):
+        sanders = load_train(source.file.path).sanders
+    for number, sander in enumerate(sanders, start=1):
+        if sander.wheelset > formation.wheelsets:
+            raise ScenarioError(
+                f"{scenario.name}: [sanders[{number}]] is at wheelset {sander.wheelset}, the vehicle has "
+                f"{formation.wheelsets}"
+            )
+    return [
+        Sander(
+            rate=sander.rate,
+            density=inf if sander.density is None else sander.density,
+            begin=sander.begin + sander.delay,
+            end=inf if sander.end is None else sander.end + sander.delay,
+            wheelset=sander.wheelset - 1,
+        )
+        for sander in sanders
+    ]
+
+
+def driver_of(vehicle: VehicleData) -> Driver:
+    """Return the driver of a scenario, who knows the brakes by their nominal data.
+
+    Raises:
+        ScenarioError: [demand] gives pressures for another number of groups, or more than any brake has.
+    """
+    scenario, layout = vehicle.scenario, vehicle.layout
+    brakes, demand = layout.formation.brakes, scenario.demand
+    full = np.array([brake.pressure_max for brake in brakes])
+    touching = np.array([brake.pressure_of(0.0) for brake in brakes])
+    phases = () if demand is None else phases_of(demand, full.tolist(), scenario.name)
+    binding = not getattr(scenario.controller, "redistribute", False)
+    return Driver(layout, scenario.periods.communication, full=full, touching=touching, phases=phases, binding=binding)

@@ -1,0 +1,243 @@
+"""The instruments of a train in service."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, StrictBool, StrictInt, model_validator
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import SampledSensors
+from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken, optional
+from railgrip.scenario.track.table import gravity_along, slope_of
+from railgrip.simulate.faults.pole_wheel import missing_teeth
+from railgrip.simulate.loop.sensors import Course, RoughRail, ServiceInstruments, ServiceSensors
+from railgrip.vehicle.signals import Layout
+
+_PERIOD = 1e-3
+"""Sampling period of the instruments of a train in service [s]."""
+
+_OFF = "a sensor so far off is none"
+SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]
+AccelerationError = Annotated[float, Unit("m/s2", at_least=0, at_most=1000, because=_OFF)]
+TravelError = Annotated[float, Unit("m", at_least=0, at_most=1, because=_OFF)]
+
+Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
+
+
+class WheelEncoder(Table):
+    """Pulse-timing encoder of each independent wheelset."""
+
+    pulses: Annotated[StrictInt, Field(ge=1, le=10000)] = Field(description="pulses per revolution")
+    pitch_error: Deviation = Field(description="1σ error of a tooth's pitch over the pitch; repeats each revolution")
+    clock: Tick = Field(description="tick of the clock that times the pulses")
+    cut_off: SpeedError = Field(description="speed below which it reads zero")
+
+
+class SpeedSensor(Table):
+    """Speed over ground: Doppler radar or GNSS, which differ by the numbers below."""
+
+    noise: SpeedError = Field(description="1σ, white, each reading")
+    scale_error: Deviation = Field(description="1σ of the relative error, drawn once a stop")
+    scale_offset: Annotated[float, Unit("1", at_least=-0.5, at_most=0.5, because=_OFF)] = Field(
+        default=0.0, description="relative error of every stop, which adds to the drawn one"
+    )
+    period: Period
+    latency: Lag
+    drift: Deviation = optional("1σ of a relative error that wanders, a Gauss-Markov process", default=0.0)
+    drift_time: Duration | None = optional("over which the autocorrelation of the drift falls to 1/e")
+    dropouts: Deviation = optional("share of the time without readings", default=0.0)
+    dropout_time: Duration | None = optional("mean length of a drop-out")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_principle(cls, entry: Any) -> Any:
+        if isinstance(entry, dict) and "principle" in entry:
+            raise broken("has the key 'principle' of earlier versions, which changed nothing; remove it")
+        return entry
+
+    @model_validator(mode="after")
+    def _times(self) -> Self:
+        for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
+            if bool(getattr(self, name)) != (time is not None):
+                raise broken(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
+        return self
+
+
+class Accelerometer(Table):
+    """Longitudinal acceleration of the car body."""
+
+    noise: AccelerationError = Field(description="1σ, white, each reading")
+    bias: AccelerationError = Field(description="1σ, drawn once a stop")
+    feels_gradient: StrictBool = optional("whether it reads the gravity along the track, too", default=False)
+
+
+class RailUnderWheels(Table):
+    """Irregularities of the track under the wheels, as the frames of the bogies answer to them."""
+
+    track: Literal["erri-low", "erri-high", "fra-4", "fra-5", "fra-6"] = Field(
+        description="published spectrum of the height: ERRI B176, or classes of the FRA"
+    )
+    frequency: Annotated[float, Unit("Hz", above=0, at_most=100)] = Field(
+        description="natural frequency of a frame on its primary suspension"
+    )
+    damping: Annotated[float, Unit("1", above=0, at_most=2)] = Field(description="damping ratio of that")
+
+
+class DeflectionSensor(Table):
+    """Travel of the primary suspension at each wheelset."""
+
+    noise: TravelError = Field(description="1σ, white, each reading")
+    irregularity: RailUnderWheels | None = optional()
+
+
+class PressureTransducer(Table):
+    """Cylinder pressure of each group."""
+
+    full_scale: Annotated[float, Unit("Pa", at_least=1e3, at_most=1e8, because="brake cylinders hold some bar")]
+    error: Deviation = Field(description="1σ of the offset over full scale, drawn once a stop")
+    bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")
+    lag: Lag = Field(description="first-order time constant")
+
+
+class Service(SampledSensors):
+    """Sensors as a train in service may have them."""
+
+    kind: Literal["service"]
+    wheel: WheelEncoder
+    speed: SpeedSensor
+    acceleration: Accelerometer
+    deflection: DeflectionSensor
+    pressure: PressureTransducer
+
+    @property
+    def pulses(self) -> int:
+        """Teeth of each pole wheel."""
+        return self.wheel.pulses
+
+    @property
+    def pressure_lag(self) -> float:
+        """Time constant of the readings of the cylinder pressure [s]."""
+        return self.pressure.lag
+
+    def sampled_every(self, communication: float) -> int:
+        """Return the communication steps [s] between two readings."""
+        return max(round((self.period or _PERIOD) / communication), 1)
+
+    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
+        """Return them at the begin of a stop; what is constant over it is drawn here."""
+        period = scenario.periods.communication * self.sampled_every(scenario.periods.communication)
+        lot = generator(scenario.seed, "sensors.lot")
+        instruments = ServiceInstruments(
+            pulses=self.wheel.pulses,
+            pitch_error=self.wheel.pitch_error,
+            clock=self.wheel.clock,
+            cut_off=self.wheel.cut_off,
+            wheel_radius=wheel_radius,
+            speed_noise=self.speed.noise,
+            speed_factor=_speed_factor(
+                scenario, self.speed, self.speed.scale_error * float(lot.standard_normal()), period
+            ),
+            speed_every=max(round(self.speed.period / period), 1),
+            speed_latency=round(self.speed.latency / period),
+            acceleration_noise=self.acceleration.noise,
+            acceleration_bias=self.acceleration.bias * float(lot.standard_normal()),
+            deflection_noise=self.deflection.noise,
+            pressure_offset=self.pressure.error
+            * self.pressure.full_scale
+            * lot.standard_normal(layout.formation.groups),
+            pressure_step=self.pressure.full_scale / float(np.exp2(self.pressure.bits)),
+            pressure_lag=self.pressure.lag,
+            missing_teeth=missing_teeth(scenario, layout.formation),
+            gravity=_gravity(scenario) if self.acceleration.feels_gradient else None,
+            rail=_rough_rail(scenario, self.deflection.irregularity, layout, period),
+        )
+        return ServiceSensors(layout, instruments, period, generator(scenario.seed, "sensors.noise"))
+
+
+def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: float) -> NDArray[np.float64]:
+    """Return what a speed sensor makes of the speed at each of its readings; NaN in drop-outs."""
+    fixed = 1.0 + (table.scale_offset + scale)
+    if not table.drift and not table.dropouts:
+        return np.array([fixed])
+    every = max(round(table.period / period), 1) * period
+    count = int(scenario.limits.horizon / every) + 2
+    factor, random = np.full(count, fixed), generator(scenario.seed, "sensors.speed")
+    if table.drift_time is not None:
+        from scipy.signal import lfilter  # half a second to load, which most scenarios need not spend
+
+        keeps = math.exp(-every / table.drift_time)
+        fresh = random.standard_normal(count) * np.append(1.0, np.full(count - 1, math.sqrt(1.0 - keeps**2)))
+        factor += table.drift * np.asarray(lfilter([1.0], [1.0, -keeps], fresh))
+    if table.dropout_time is not None:
+        # A chain of two states whose stay in the second lasts dropout_time on average, in its steady state.
+        returns = min(every / table.dropout_time, 1.0)
+        fails = min(returns * table.dropouts / (1.0 - table.dropouts), 1.0)
+        silent = random.uniform() < table.dropouts
+        for i, chance in enumerate(random.uniform(size=count)):
+            if silent:
+                factor[i] = np.nan
+            silent = chance >= returns if silent else chance < fails
+    return factor
+
+
+def _gravity(scenario: Scenario) -> Course:
+    """Return what an accelerometer along the track feels of its slopes; one that changes does so over 0.1 m."""
+    track, step = scenario.track, 0.1
+    begin, end = 0.0, max((section.begin for section in track.gradient), default=0.0)
+    if (plan := track.plan) is not None:
+        begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.laid().length))
+        step = 1.0
+    places = np.arange(begin, end + 2.0 * step, step)
+    slope = slope_of(track)
+    slopes = np.array([slope(min(place, end)) for place in places.tolist()]) + scenario.truth.gradient
+    return Course(begin=begin, step=step, values=gravity_along(slopes))
+
+
+_LONGEST_RAIL = 5000.0
+"""m of irregularities; beyond them the rail is even."""
+_FINE = 0.02
+"""m between two places of a rail: a sixtieth of its shortest wave."""
+_LEAD_IN = 2.0
+"""s that a frame has been rolling before the stop begins."""
+
+
+def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layout, period: float) -> RoughRail | None:
+    """Return the rail that the deflections show.
+
+    A frame on its primary suspension moves as z̈ = ω² (r - z) + 2 ζ ω (ṙ - ż) over the height r under a wheelset; read
+    is r - z.
+
+    Raises:
+        ScenarioError: Nobody says where the wheelsets are.
+    """
+    if table is None:
+        return None
+    if not layout.formation.wheelset_position:
+        raise ScenarioError(
+            f"{scenario.name}: [sensors.deflection.irregularity] wants the places of the wheelsets: give "
+            "[vehicle.formation] wheelset_position"
+        )
+    from scipy.signal import bilinear, lfilter
+
+    from railgrip.scenario.track.irregularity import realise
+
+    position = np.array(layout.formation.wheelset_position)
+    lead_in = scenario.start.speed * _LEAD_IN
+    begin = -float(position.max()) - lead_in
+    length = min(scenario.start.speed * scenario.limits.horizon, _LONGEST_RAIL) - begin
+    rail = realise(table.track, length, generator(scenario.seed, f"track.{table.track}"), kinds=("vertical",))
+    height = Course(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
+    omega = 2.0 * math.pi * table.frequency
+    filter_ = bilinear([1.0, 0.0, 0.0], [1.0, 2.0 * table.damping * omega, omega**2], fs=1.0 / period)
+    forward, back = (np.asarray(part, dtype=np.float64) for part in filter_)
+    travel = np.arange(-lead_in, 0.0, scenario.start.speed * period)
+    before = np.interp(travel[:, None] - position, begin + _FINE * np.arange(height.values.size), height.values)
+    _, state = lfilter(forward, back, before, axis=0, zi=np.zeros((2, position.size)))
+    return RoughRail(
+        height=height, position=position, forward=forward, back=back[1:], state=np.ascontiguousarray(state.T)
+    )

@@ -1,0 +1,178 @@
+"""Sensors with white noise, constant errors and a GNSS receiver."""
+
+import math
+from collections.abc import Collection, Mapping
+from typing import Annotated, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from railgrip.base.errors import ScenarioError, SensorsFailed
+from railgrip.scenario.quantity import Magnitude, Unit, in_units
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.seed import generator
+from railgrip.scenario.sensors import SampledSensors
+from railgrip.scenario.table import Deviation, Duration, Period, Table
+from railgrip.scenario.track.table import gravity_along, slope_of
+from railgrip.simulate.loop.sensors import WhiteSensors
+from railgrip.vehicle.signals import EXTRA_READINGS, READINGS, Layout, Signal
+
+GNSS = ("latitude", "longitude", "height")
+"""What a receiver reads."""
+
+_SOURCE = {"acceleration_along": "acceleration"} | dict.fromkeys(GNSS, "distance")
+"""What the plant shows of a quantity that has another name, or takes the place of."""
+
+_ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
+
+_PlaceError = Annotated[float, Unit("m", at_least=0, at_most=1000, because="a sensor so far off is none")]
+
+
+class Gnss(Table):
+    """A receiver of carrier phases in the middle of the train: small errors beside one that wanders slowly.
+
+    Each of north, east and height has both, the wandering one a Gauss-Markov process.
+    """
+
+    period: Period
+    horizontal: _PlaceError = Field(description="1σ of either, white, each reading")
+    height: _PlaceError = Field(description="1σ, white, each reading")
+    horizontal_wander: _PlaceError = Field(description="1σ of either")
+    height_wander: _PlaceError = Field(description="1σ")
+    wander_time: Duration = Field(description="over which the autocorrelation of the wander falls to 1/e")
+
+
+class White(SampledSensors):
+    """Readings are the plant's outputs with errors, every sample; a quantity that no table names is read as it is.
+
+    Quantities are what every train reads (speed, wheelset_speed, deflection, acceleration, cylinder_pressure) and
+    whatever else the plant shows, such as pad_force: once it is named, the trace has it as reading_pad_force. So are
+    acceleration_along, of an accelerometer over each group that feels the gradient, too, and latitude, longitude and
+    height by GNSS, NaN between its readings.
+    """
+
+    kind: Literal["white"]
+    noise: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, white from sample to sample")
+    bias: dict[str, Magnitude] = Field(default={}, description="1σ of each quantity, drawn once a stop for each sensor")
+    scale: dict[str, Deviation] = Field(default={}, description="1σ of the relative error, drawn once a stop")
+    gnss: Gnss | None = Field(default=None, description="wants [track.plan]")
+
+    @property
+    def named(self) -> frozenset[str]:
+        """Quantities with errors."""
+        receiver = () if self.gnss is None else GNSS
+        return frozenset((*self.noise, *self.bias, *self.scale, *receiver))
+
+    def extra_readings(self, scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, ...]:
+        """Return the signals of the named quantities that not all sensors show.
+
+        Raises:
+            ScenarioError: A quantity is named that is none, or that the plant does not show.
+        """
+        unknown = sorted(self.named - set(_ALL))
+        absent = sorted(self.named - set(unknown) - set(outputs) - set(_SOURCE))
+        if unknown or absent:
+            problem = f"there is no quantity {unknown[0]}" if unknown else f"the plant does not show {absent[0]}"
+            choice = ", ".join(name for name in _ALL if name in outputs or name in _SOURCE)
+            raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {choice}")
+        return tuple(signal for name, signal in _ALL.items() if name in self.named and signal in EXTRA_READINGS)
+
+    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | OnTrack":
+        """Return them at the begin of a stop; what is constant over it is drawn here."""
+
+        def each(values: Mapping[str, float]) -> NDArray[np.float64]:
+            vector = np.zeros(layout.readings)
+            for name, value in values.items():
+                if name not in layout.reading:
+                    raise ScenarioError(
+                        f"{scenario.name}: [sensors] names '{name}', which this plant does not show; its sensors read "
+                        f"{', '.join(layout.reading)}"
+                    )
+                vector[layout.reading[name]] = value
+            return vector
+
+        def shown(name: str) -> NDArray[np.intp]:
+            source, at = layout.output[_SOURCE.get(name, name)], layout.reading[name]
+            return source.start + np.arange(at.stop - at.start) % (source.stop - source.start)
+
+        lot = generator(scenario.seed, "sensors.lot")
+        white = WhiteSensors(
+            np.concatenate([shown(name) for name in layout.reading]),
+            1.0 + each(self.scale) * lot.standard_normal(layout.readings),
+            each(_deviations(scenario, "bias", self.bias)) * lot.standard_normal(layout.readings),
+            each(_deviations(scenario, "noise", self.noise)),
+            generator(scenario.seed, "sensors.noise"),
+        )
+        every = self.sampled_every(scenario.periods.communication)
+        return OnTrack(white, layout, scenario, self.gnss, every) if _SOURCE.keys() & layout.reading.keys() else white
+
+
+class OnTrack:
+    """White sensors, accelerometers that feel the gradient, and a GNSS receiver."""
+
+    def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, gnss: Gnss | None, every: int) -> None:
+        """Add to `white`, read `every` so many communication steps, what the track of a scenario does."""
+        self._white, self._slope = white, slope_of(scenario.track)
+        self._distance = layout.output["distance"].start
+        self._along, self._position = layout.reading.get("acceleration_along"), slice(0, 0)
+        self._receiver = None
+        if gnss is not None:
+            self._position = slice(layout.reading[GNSS[0]].start, layout.reading[GNSS[-1]].stop)
+            self._receiver = _Receiver(gnss, scenario, every)
+
+    def read(self, sample: int, truth: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the reading of a sample; they come one after the other, from 0 on.
+
+        Raises:
+            SensorsFailed: The train has left its track.
+        """
+        reading, distance = self._white.read(sample, truth), float(truth[self._distance])
+        if self._along is not None:
+            reading[self._along] += gravity_along(self._slope(distance))
+        if self._receiver is not None:
+            reading[self._position] = self._receiver.read(sample, distance)
+        return reading
+
+
+class _Receiver:
+    def __init__(self, table: Gnss, scenario: Scenario, every: int) -> None:
+        assert scenario.track.plan is not None  # the scenario has been checked
+        self._track, self._random = scenario.track.plan, generator(scenario.seed, "sensors.gnss")
+        self._plan = self._track.laid().plan()
+        step = scenario.periods.communication
+        self._every = max(round(table.period / (step * every)), 1)
+        self._keeps = math.exp(-table.period / table.wander_time)
+        self._wander = self._random.standard_normal(3)
+        self._wanders = np.array([table.horizontal_wander, table.horizontal_wander, table.height_wander])
+        self._white = np.array([table.horizontal, table.horizontal, table.height])
+
+    def read(self, sample: int, distance: float) -> NDArray[np.float64]:
+        """Return latitude, longitude [deg] and height [m], NaN where there is no new reading."""
+        if sample % self._every:
+            return np.full(3, np.nan)
+        place, length = float(self._track.place(distance)), self._plan.track.length
+        if not 0.0 <= place <= length:
+            raise SensorsFailed(
+                f"The train has left its track at {place:.0f} m of [track.plan], which is {length:g} m long; move its "
+                "start, or lay more."
+            )
+        if sample:
+            fresh = math.sqrt(1.0 - self._keeps**2)
+            self._wander = self._keeps * self._wander + fresh * self._random.standard_normal(3)
+        north, east, up = self._wander * self._wanders + self._white * self._random.standard_normal(3)
+        latitude, longitude, height = self._plan.positions(place)
+        # Radii of the sphere are within 0.4 % of the ellipsoid's: less than a millimetre of a wander.
+        metre = math.degrees(1.0 / 6.371e6)
+        return np.array(
+            [latitude + north * metre, longitude + east * metre / math.cos(math.radians(latitude)), height + up]
+        )
+
+
+def _deviations(scenario: Scenario, table: str, magnitudes: Mapping[str, Magnitude]) -> dict[str, float]:
+    where = f"{scenario.name}: [sensors.{table}]"
+    values = in_units(where, magnitudes, {name: signal.unit for name, signal in _ALL.items()})
+    negative = next((name for name, value in values.items() if value < 0.0), None)
+    if negative is not None:
+        raise ScenarioError(f"{where} {negative} is a standard deviation and not negative, got {values[negative]:g}")
+    return values

@@ -1,0 +1,193 @@
+"""A short run of a plant from outside before its stop: whether map, units and signs are what they are taken for.
+
+The train coasts, then brakes fully on a good rail. What is compared are ratios that physics knows: distance over the
+integral of the speed, speed over that of the acceleration, speed of the train over that of its wheels. The same on a
+poor rail shows whether friction bounds its deceleration.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.units import GRAVITY, mistake
+from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.plausible import Slowing
+from railgrip.vehicle.signals import Layout
+
+Matrix = NDArray[np.float64]
+
+_COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 to 5 s (UIC 540)
+GOOD_RAIL = 0.4
+POOR_RAIL = 0.01
+"""Friction of 0.1 m/s2, which is less than any full brake has, and more than what rounds a small number to 0."""
+_CLOSE = 0.01  # m/s2; of a speed that is shown in steps of 0.1 km/h, over 5 s
+_CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
+"""Polach (2005), dry."""
+_WEAR = 0.08
+"""A new wheel and a worn one differ by as much; one that differs by more looks like a wheel in slide."""
+_LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """What the run showed of a signal.
+
+    Attributes:
+        signal: Ours.
+        good: Whether it is as it must be.
+        sentence: Numbers, and what was expected.
+    """
+
+    signal: str
+    good: bool
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trial:
+    """The outputs of a plant that coasted and braked.
+
+    Attributes:
+        layout: Of the plant's vectors.
+        rows: A row for each sample, as `layout` orders the outputs; NaN where the plant shows nothing.
+        coasting: Number of them before the brakes were applied.
+        period: Of the samples [s].
+    """
+
+    layout: Layout
+    rows: Matrix
+    coasting: int
+    period: float
+
+    @property
+    def deceleration(self) -> float:
+        """Mean deceleration in braking [m/s2]."""
+        speed = self.rows[:, self.layout.output["speed"].start]
+        return float((speed[self.coasting - 1] - speed[-1]) / ((len(speed) - self.coasting) * self.period))
+
+
+def tried(
+    layout: Layout,
+    plant: Plant,
+    *,
+    period: float,
+    release: tuple[float, ...],
+    brake: tuple[float, ...],
+    friction: float = GOOD_RAIL,
+) -> Trial:
+    """Let a plant coast and brake fully, until it has lost half of its speed or 5 s are over.
+
+    Args:
+        layout: Of the plant's vectors.
+        plant: Not yet started.
+        period: Its communication period [s].
+        release: Command of each group that leaves the brakes released.
+        brake: The one that applies them fully.
+        friction: Of the rail.
+
+    Raises:
+        PlantFailed: It refused a step.
+    """
+    command = layout.input["command"]
+    inputs = np.zeros(layout.inputs)
+    inputs[command], inputs[layout.input["mu0"]] = release, friction
+    for name, place in layout.input.items():
+        if name in _CURVE:
+            inputs[place] = _CURVE[name]
+    rows = [plant.start(inputs)]
+    coasting = max(round(_COAST / period), 2)
+    rows += [plant.step(inputs) for _ in range(coasting)]
+    inputs[command] = brake
+    speed = layout.output["speed"].start
+    for _ in range(max(round(_BRAKE / period), 2)):
+        rows.append(plant.step(inputs))
+        if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
+            break
+    return Trial(layout=layout, rows=np.array(rows), coasting=coasting + 1, period=period)
+
+
+def findings(
+    trial: Trial, poor: Trial, *, speed: float, radius: tuple[float, ...], pressure: tuple[float, ...], slowing: Slowing
+) -> tuple[Finding, ...]:
+    """Return what two trials showed; a signal that the plant lacks is not among it.
+
+    Args:
+        trial: Of the plant on a rail of `GOOD_RAIL`.
+        poor: On one of `POOR_RAIL`.
+        speed: That it was asked to start with [m/s].
+        radius: Of the wheels of each group, as the harness believes [m].
+        pressure: Full brake cylinder pressure of each group [Pa].
+        slowing: What slows the train beside adhesion.
+    """
+    outputs = {name: trial.rows[:, place] for name, place in trial.layout.output.items()}
+    v, x, a = (outputs[name][:, 0] for name in ("speed", "distance", "acceleration"))
+    last = trial.coasting - 1
+    results = [_ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")]
+    results.append(
+        _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
+    )
+    loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
+    results.append(
+        Finding(
+            signal="pressure_command",
+            good=trial.deceleration >= _LEAST_DECELERATION,
+            sentence=f"full brakes slow the train by {trial.deceleration:.3g} m/s2, {_LEAST_DECELERATION:g} and more "
+            "is expected",
+        )
+    )
+    most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
+    results.append(
+        Finding(
+            signal="mu0",
+            good=poor.deceleration <= most,
+            sentence=f"does not bound the brakes: they slow the train by {trial.deceleration:.3g} m/s2 with friction "
+            f"of {GOOD_RAIL:g} and by {poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} and less is "
+            "expected; brakes on the rail itself stand in [vehicle.formation] track_brakes",
+        )
+    )
+    if abs(loss) > 0.1:
+        results.append(
+            _ratio("acceleration", integral, loss, 0.1, "m/s as its integral in braking, the speed changes by")
+        )
+    for g, value in enumerate(radius):
+        wheel, slip = outputs["wheelset_speed"][last, g], outputs["slip"][last, g]
+        name = f"wheelset_speed[{g + 1}]"
+        rolling = v[last] / wheel if wheel else math.inf
+        words = f"m of radius by speed over wheel speed; the harness believes {value:.6g} m"
+        near = abs(rolling / value - 1) <= _WEAR
+        hint = "" if near else _hint(value / rolling)
+        if not near and not hint:
+            hint = f": a constant slip of {1 - value / rolling:.0%}; give the controller and the estimator this r_wheel"
+        results.append(Finding(signal=name, good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}"))
+        if not math.isnan(slip):
+            braking = outputs["slip"][-1, g]
+            good = abs(slip) <= 0.02 and braking > -0.005
+            sentence = f"is {slip:.3g} coasting and {braking:.3g} in full braking; 0, and then above, is expected"
+            results.append(Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence))
+        results.append(
+            _ratio(f"cylinder_pressure[{g + 1}]", outputs["cylinder_pressure"][-1, g], pressure[g], 0.5, "Pa of")
+        )
+    for i, adhesion in enumerate(outputs["adhesion"][-1]):
+        if not math.isnan(adhesion):
+            good = 0 < adhesion <= GOOD_RAIL * 1.01
+            sentence = f"is {adhesion:.3g} in full braking; above 0 and at most mu0 = {GOOD_RAIL:g} is expected"
+            results.append(Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence))
+    return tuple(results)
+
+
+def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> Finding:
+    """Compare a value with what it must be, up to a share of it, and name the mistake that the ratio looks like."""
+    ratio = value / expected if expected else math.inf
+    good = abs(ratio - 1) <= tolerance
+    return Finding(
+        signal=signal,
+        good=good,
+        sentence=f"shows {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
+    )
+
+
+def _hint(ratio: float) -> str:
+    likely = mistake(ratio)
+    return f"; it looks like {likely}" if likely else ""

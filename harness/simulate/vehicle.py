@@ -1,0 +1,332 @@
+"""The vehicle of a scenario, as its controller knows it and as it is.
+
+Nominal data come from the plant's Modelica class through its FMU; a scenario changes them for the controller in
+[controller.parameters] and for the plant in [vehicle.parameters], so that the two may differ on purpose.
+"""
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import replace
+from functools import cached_property
+from math import isclose
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import ScenarioError
+from railgrip.rolling_stock.files import load_train
+from railgrip.scenario.faults import TRUTH_KEYS
+from railgrip.scenario.kinds import Custom
+from railgrip.scenario.parts import ControllerFmu
+from railgrip.scenario.quantity import in_units
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.track.table import TrackForce, force_along, track_force_of
+from railgrip.scenario.vehicle import CompiledHere, FormationTable, OfOurParts, PythonClass, TrainFile
+from railgrip.simulate.contact import compiled_contact
+from railgrip.simulate.faults.brake import isolated_groups, isolated_units
+from railgrip.simulate.files import description_of, lowered, parameters_of, plant_description, recipe_file, units_of
+from railgrip.simulate.instruments import readings_of
+from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
+from railgrip.trace.contact import Contact
+from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.formation import Formation, carried_mass
+from railgrip.vehicle.parameters import (
+    COUNTS,
+    DESCRIPTIVE,
+    VALVES,
+    Vehicle,
+    array_of,
+    counts_of,
+    masses_by_name,
+    units_of_brakes,
+    units_of_nominal_data,
+    with_each,
+)
+from railgrip.vehicle.resistance import air_resistance
+from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, SENT, Layout, layout_of
+
+CATALOGUE = "TwoPartTrain"
+"""The recipe whose parameters are the nominal data of a plant of the same formation that does not say its own."""
+
+CATALOGUE_WITH_VALVES = "TwoPartTrainPneumatic"
+
+
+class VehicleData:
+    """What FMU, [vehicle], [controller.parameters], [truth] and [[faults]] say of a vehicle; each worked out once.
+
+    Attributes:
+        scenario: Whose vehicle it is.
+        file: Description of the plant's FMU; of a plant in Python, which has none, an empty one.
+        own: Numeric parameters of that FMU.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Find the plant.
+
+        Raises:
+            ScenarioError: [vehicle] train names a file that is no train.
+            FmuError: The plant is no FMU.
+        """
+        self.scenario, self.file = scenario, plant_description(scenario)
+        self.own = parameters_of(self.file)
+
+    @cached_property
+    def formation(self) -> Formation:
+        """What the FMU says of itself, else [vehicle.formation]; without brakes, and loads that only the FMU says.
+
+        Where neither says how many wheelsets there are, the plant is taken for one like the catalogue train; its arrays
+        tell if it is not.
+
+        Raises:
+            ScenarioError: FMU and table disagree, or either does with itself.
+        """
+        origin, file = f"{self.scenario.name}: [vehicle.formation]", self.file
+        table = self.scenario.vehicle.formation or FormationTable()
+        values: dict[str, tuple[float, ...]] = {}
+        for name, unit in DESCRIPTIVE.items():
+            own, entry = array_of(self.own, name), getattr(table, name)
+            if own and file.variables[f"{name}[1]"].unit_name not in (unit, ""):
+                raise ScenarioError(
+                    f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit_name}'; by that "
+                    f"name the harness takes '{unit}'"
+                )
+            if own and entry and own != tuple(entry):
+                raise ScenarioError(
+                    f"{origin} {name} is {list(entry)}, {file.file.name} has "
+                    f"{[float(f'{value:g}') for value in own]}; leave it out"
+                )
+            values[name] = own or entry
+        try:
+            return Formation(
+                tuple(map(int, values[COUNTS])) or catalogue_counts(),
+                tuple(map(int, values["wheelsets_per_car"])),
+                values["wheelset_position"],
+                table.wheelset_load,
+                groups_per_valve=tuple(map(int, values["groups_per_valve"])),
+            )
+        except ValueError as problem:
+            raise ScenarioError(f"{origin if table.model_fields_set else file.file.name}: {problem}") from problem
+
+    @cached_property
+    def declared(self) -> dict[str, float]:
+        """Parameters that plant and file tell everybody: the plant's own, else those of [vehicle.formation].
+
+        An FMU from outside has names of its own. What neither says is that of the catalogue train if the plant is
+        alike, else left to [controller.parameters].
+
+        Raises:
+            ScenarioError: Plant and [vehicle.formation] disagree.
+        """
+        formation, where = self.formation, f"{self.scenario.name}: [vehicle.formation]"
+        vehicle = self.scenario.vehicle
+        table = vehicle.formation or FormationTable()
+        entries = in_units(f"{where} brakes", table.brakes, units_of_brakes(formation))
+        if formation.load is not None:
+            entries |= masses_by_name(carried_mass(formation.load))
+        entries = with_each(entries, formation)
+        if not isinstance(vehicle.source, CompiledHere):
+            catalogue = _catalogue()
+            alike = formation.wheelsets_per_group == counts_of(catalogue)
+            return (catalogue if alike else {}) | entries
+        own = with_each(self.own, formation)
+        with suppress(ScenarioError):
+            own |= masses_by_name(Vehicle(formation, self.own).masses)
+        for name, value in own.items():
+            if name in entries and not isclose(entries[name], value, rel_tol=1e-3):
+                key = "wheelset_load" if name.startswith("m_wheelset") else f"brakes {name}"
+                raise ScenarioError(
+                    f"{where} {key} says {name} = {entries[name]:g}, {self.file.file.name} has {value:g}; leave it "
+                    "out, or change [vehicle.parameters] or [controller.parameters]"
+                )
+        return self.own | entries
+
+    @cached_property
+    def nominal(self) -> Vehicle:
+        """The vehicle that controller, estimator and driver are told: as declared, with [controller.parameters].
+
+        Raises:
+            ScenarioError: Plant and [vehicle.formation] disagree, or a parameter is wrong.
+        """
+        formation, nominal, controller = self.formation, self.declared, self.scenario.controller
+        if isinstance(controller, ControllerFmu | Custom):
+            return Vehicle(formation, self._with_valves(nominal))
+        units = units_of_nominal_data(formation)
+        entries = {name: value for name, value in controller.parameters.items() if name in units}
+        entries = in_units("[controller.parameters]", entries, units)
+        nominal = with_each(nominal, formation) | with_each(entries, formation)
+        if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
+            nominal |= masses_by_name(np.full(formation.wheelsets, entries["m"] / formation.wheelsets))
+        return Vehicle(formation, self._with_valves(nominal))
+
+    @cached_property
+    def true(self) -> Vehicle:
+        """The vehicle that runs. Of a plant from outside the times of the valves are the nominal ones.
+
+        Raises:
+            ScenarioError: A change of the plant's parameters is wrong.
+        """
+        vehicle, parameters = self.scenario.vehicle, self.own | self.changes
+        if not isinstance(vehicle.source, CompiledHere):
+            parameters |= self.nominal.valves
+        isolated = isolated_groups(self.scenario, self.formation)
+        return Vehicle(self.formation, self._with_valves(parameters), tuple(isolated))
+
+    def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
+        """Return parameters with all times of valves, if it has any; those that nobody says are the catalogue train's.
+
+        Args:
+            parameters: Of the plant.
+        """
+        known = Vehicle(self.formation, parameters).valves
+        if self.scenario.actuation.kind == "ideal" or known.keys() == VALVES.keys():
+            return parameters
+        catalogue = parameters_of(description_of(recipe_file(CATALOGUE_WITH_VALVES)))
+        return {name: catalogue[name] for name in VALVES if name not in known} | parameters
+
+    @cached_property
+    def changes(self) -> dict[str, float]:
+        """What [vehicle.parameters], [truth] and isolated brake units change of the FMU, in its units.
+
+        None of them changes what controller, estimator and driver know.
+
+        Raises:
+            ScenarioError: There is no such parameter, its unit has another dimension, or it only describes the plant.
+        """
+        scenario, factors = self.scenario, self.scenario.truth.factors()
+        vehicle = scenario.vehicle
+        if isinstance(vehicle.source, PythonClass):  # [vehicle.parameters] are arguments of the class
+            if factors:
+                key = TRUTH_KEYS.get(next(iter(factors)), "creep")
+                raise ScenarioError(
+                    f"{scenario.name}: [truth] {key} changes parameters of an FMU; the plant is a class of Python"
+                )
+            return {}
+        fixed = next((name for name in vehicle.parameters if name.partition("[")[0] in DESCRIPTIVE), None)
+        if fixed is not None:
+            raise ScenarioError(
+                f"[vehicle.parameters] {fixed} says how {self.file.file.name} is made and cannot be set; name another "
+                "one"
+            )
+        changes = in_units("[vehicle.parameters]", vehicle.parameters, units_of(self.file))
+        if not factors and not scenario.faults:
+            return changes
+        base = self.own | scenario.adhesion.polach.plant_parameters() | changes
+        for name, each in factors.items():
+            elements = [name] if name in base else [f"{name}[{i + 1}]" for i in range(len(array_of(base, name)))]
+            where = f"{scenario.name}: [truth] {TRUTH_KEYS.get(name, f'creep.{name}')}"
+            if not elements:
+                raise ScenarioError(f"{where} changes the parameter {name}, which the plant does not have")
+            if len(each) not in (1, len(elements)):
+                raise ScenarioError(f"{where} has {len(each)} factors, the plant has {len(elements)} of {name}")
+            changes |= {element: base[element] * each[i % len(each)] for i, element in enumerate(elements)}
+        return changes | isolated_units(scenario, self.formation, base)
+
+    @cached_property
+    def slowing(self) -> Slowing:
+        """Bounds of what slows the vehicle as it is, beside adhesion.
+
+        A plant from outside may hide its mass, or call something else so; that of the controller stands for it.
+        """
+        if "drive_torque" in self.shown:
+            return UNBOUNDED
+        vehicle = self.scenario.vehicle
+        known = self.true.mass if isinstance(vehicle.source, OfOurParts) else None
+        brakes = 0.0 if vehicle.formation is None else vehicle.formation.track_brakes
+        if isinstance(vehicle.source, TrainFile):
+            brakes += load_train(vehicle.source.file.path).track_brake_force
+        if known is None:
+            believed = carried_mass(sum(self.nominal.formation.wheelset_load))
+            return slowing_of(believed, is_known=False, track_brakes=brakes)
+        return slowing_of(known, is_known=True, drag=air_resistance(self.true.parameters), track_brakes=brakes)
+
+    @cached_property
+    def track_force(self) -> TrackForce:
+        """Force of the track, and of the gradient that nobody was told.
+
+        Raises:
+            ScenarioError: There is such a gradient, and the plant does not say its mass.
+        """
+        force, slope = track_force_of(self.scenario.track), self.scenario.truth.gradient
+        if not slope:
+            return force
+        if self.true.mass is None:
+            raise ScenarioError(
+                f"{self.scenario.name}: [truth] gradient wants the mass of the plant, which does not say it; write "
+                "[track] gradient with train_mass"
+            )
+        more = float(force_along(slope, 0.0, self.true.mass))
+        return replace(force, forces=tuple(one + more for one in force.forces))
+
+    @cached_property
+    def shown(self) -> frozenset[str]:
+        """Names of what the plant shows."""
+        table = set(self.scenario.vehicle.map)
+        available = {name.partition("[")[0] for name in self.file.variables} | table
+        extra = table | (available & {name.partition("[")[0] for name in self.file.names("output")})
+        return frozenset(
+            {"slip"} | {s.name for s in PLANT if s.name in available} | {s.name for s in EXTRA if s.name in extra}
+        )
+
+    @cached_property
+    def layout(self) -> Layout:
+        """Of the vectors that the plant and the sensors exchange.
+
+        Raises:
+            ScenarioError: The sensors are to read what the plant does not show.
+        """
+        extra = tuple(s for s in EXTRA if s.name in self.shown)
+        several = len(self.scenario.adhesion.curves) > 1
+        readings = readings_of(self.scenario, self.shown)
+        return layout_of(self.nominal.formation, (*PLANT, *extra), readings, (*SENT, *CURVE) if several else SENT)
+
+    @cached_property
+    def curves(self) -> NDArray[np.float64]:
+        """Polach's k_A, k_S, A and B [s/m] of the rail's creep curves as they are, shape (curves, 4).
+
+        They are the scenario's, but for what [truth] says, and [vehicle.parameters] where there is one.
+
+        Raises:
+            ScenarioError: There are several, and [vehicle.parameters] gives another one for all of them.
+        """
+        curves = [curve.plant_parameters() for curve in self.scenario.adhesion.curves]
+        if len(curves) == 1:
+            return np.array([[self.changes.get(name, value) for name, value in curves[0].items()]])
+        for name in curves[0].keys() & self.scenario.vehicle.parameters.keys():
+            raise ScenarioError(
+                f"{self.scenario.name}: [vehicle.parameters] {name} is of one creep curve, [adhesion] lays several; "
+                "leave it out, or change all of them by [truth] creep"
+            )
+        factors = self.scenario.truth.factors()
+        return np.array([[value * factors.get(name, (1.0,))[0] for name, value in curve.items()] for curve in curves])
+
+    @cached_property
+    def contact(self) -> Contact:
+        """Adhesion as a function of slip, speed, load and mu0, with the first of the creep curves or others."""
+        curve = dict(zip(self.scenario.adhesion.polach.plant_parameters(), self.curves[0].tolist(), strict=True))
+        return self.contact_with(self.changes | curve)
+
+    def contact_with(self, parameters: Mapping[str, float]) -> Contact:
+        """Return the contact with parameters of the plant, of which those that the contact has are taken."""
+        model = lowered("RailBraking.FMUs.ContactPoint")
+        shape = self.scenario.adhesion.polach.plant_parameters()
+        names = {variable.name for variable in model.parameters} - shape.keys()
+        return compiled_contact(
+            model,
+            {name: value for name, value in parameters.items() if name in names},
+            {name: parameters[name] for name in shape},
+        )
+
+
+def catalogue_counts() -> tuple[int, ...]:
+    """Return the number of wheelsets of each group of the catalogue train."""
+    return counts_of(_catalogue())
+
+
+def catalogue_brakes(groups: int) -> tuple[Brake, ...]:
+    """Return brakes as the catalogue train has them, for a plant of so many groups that says nothing of its own."""
+    brakes = Vehicle(Formation(catalogue_counts()), _catalogue()).formation.brakes
+    return tuple(brakes[g % len(brakes)] for g in range(groups))
+
+
+def _catalogue() -> dict[str, float]:
+    return parameters_of(description_of(recipe_file(CATALOGUE)))

@@ -1,0 +1,167 @@
+"""What a stop costs: the build of the FMUs, a cycle of the loop, many at once; and what a train costs as it grows."""
+
+import os
+import resource
+import tempfile
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median
+from time import perf_counter, process_time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.cache import VARIABLE
+from railgrip.campaign.run import CampaignRun, run_campaigns
+from railgrip.controllers.observation import Observation
+from railgrip.fmi.description import describe
+from railgrip.fmus.build import build, build_class
+from railgrip.fmus.recipe import read_recipes
+from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.scenario.load import load
+from railgrip.simulate.loop.loop import Loop
+from railgrip.simulate.parts import OwnParts, assembled
+from railgrip.simulate.run import braking_distance, run_stop
+from railgrip.studies.bench import Row, microseconds
+from railgrip.studies.bench.fmi import plant_step
+from railgrip.vehicle.formation import Formation
+
+BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
+"""Inputs of a service braking on a rail that holds it; pressure [Pa]."""
+
+
+class InPython:
+    """The library's two-state slip control as a class of one's own, a few lines that cost a few microseconds."""
+
+    def start(self, formation: Formation) -> None:
+        """Take the greatest pressures, and brake every group."""
+        self._full, self._brakes = formation.pressure_max, np.ones(formation.groups, dtype=bool)
+
+    def decide(self, observation: Observation) -> NDArray[np.float64]:
+        """Return the full pressure of each group, or none between 15 % of slip and 10 %."""
+        self._brakes = np.where(self._brakes, observation.slip <= 0.15, observation.slip < 0.1)
+        return np.where(self._brakes, self._full, 0.0)
+
+
+def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
+    """Yield what a cycle of 1 ms costs in the library's trapezoid, with a compiled law and with one in Python, in turn.
+
+    A run before them compiles what has to be.
+    """
+    scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
+    simulated = run_stop(scenario).metrics.duration
+    cycles = simulated / scenario.periods.communication
+    laws = {"compiled": OwnParts(), "Python": OwnParts(controller=InPython())}
+    cycle: dict[str, list[float]] = {name: [] for name in laws}
+    for _ in range(3):
+        for name, own in laws.items():
+            with assembled(scenario, own=own) as parts:
+                begin = process_time()
+                parts.run()
+                cycle[name].append((process_time() - begin) / cycles * 1e6)
+    alone = InPython()
+    with assembled(scenario, own=OwnParts(controller=alone)) as parts:
+        loop = Loop(parts.parts)
+        observation = loop.next_decision()
+        assert observation is not None
+        law = microseconds(lambda: alone.decide(observation), rounds=5)
+    compiled, python = (median(cycle[name]) for name in laws)
+    figures = microseconds(lambda: run_stop(scenario), rounds=3, clock=process_time) / cycles
+    bare = microseconds(lambda: braking_distance(scenario), rounds=5, clock=process_time) / cycles
+    yield f"{what}: a cycle, law compiled", f"{compiled:.1f} µs", ""
+    yield "  with assembly and figures", f"{figures:.1f} µs", ""
+    yield "  with assembly, without a trace", f"{bare:.1f} µs", "10 µs"
+    yield "  a cycle, the same law in Python", f"{python:.1f} µs", ""
+    yield "  of that the law itself", f"{law:.1f} µs", ""
+    yield "  law in Python over compiled, the law's own time apart", f"{(python - law) / compiled:.2f}", "1.5"
+
+
+def of_predictions() -> Iterator[Row]:
+    """Yield what a stop without a trace costs by what the filter evaluates, the kinds in turn."""
+    kinds = ("compiled", "fmu", "python")
+    scenarios = {kind: load(Path("trapezoid"), [f"estimator.kind={kind}"]) for kind in kinds}
+    seconds: dict[str, list[float]] = {kind: [] for kind in kinds}
+    for scenario in scenarios.values():
+        braking_distance(scenario)  # compiles what has to be
+    for _ in range(3):
+        for kind, scenario in scenarios.items():
+            begin = process_time()
+            braking_distance(scenario)
+            seconds[kind].append(process_time() - begin)
+    compiled, fmu, python = (median(seconds[kind]) for kind in kinds)
+    yield "a stop with the filter over compiled equations", f"{compiled:.2f} s", ""
+    yield "  over the prediction FMU", f"{fmu:.2f} s", ""
+    yield "  in numpy over the equations", f"{python:.2f} s", ""
+    yield "  prediction FMU over compiled", f"{fmu / compiled:.2f}", "2.5"
+
+
+def of_workers(count: int = 24) -> Iterator[Row]:
+    """Yield how many stops two processes end while one ends one.
+
+    From the first that ends to the last: starting a process takes seconds, once.
+    """
+    stops = tuple(
+        PlannedStop(name=f"{lot}", variants={}, scenario=load(Path("trapezoid"), [f"seed={lot}"]), keep_trace=False)
+        for lot in range(count)
+    )
+    campaign = Campaign(name="bench", description="", stops=stops, references=())
+    rates: list[float] = []
+    for workers in (1, 2):
+        ends: list[float] = []
+        with tempfile.TemporaryDirectory() as folder:
+            run_campaigns(
+                [CampaignRun(campaign, Path(folder))], run_stop,
+                workers=workers, notify=lambda report, ends=ends: ends.append(perf_counter()),
+            )  # fmt: skip
+        rates.append((count - workers) / (ends[-1] - ends[workers - 1]))
+    yield "stops that two processes end, over one", f"{rates[1] / rates[0]:.2f}", "1.9"
+
+
+def of_consists() -> Iterator[Row]:
+    """Yield step and build of trains of equal four-axle cars with bogie frames on primary suspension.
+
+    Each axle has a brake; nothing of the build is kept from before.
+    """
+    for cars in (1, 2, 4, 8, 16):
+        with tempfile.TemporaryDirectory() as folder:
+            # A name that was never built: the description string is part of what the cache looks up.
+            source = Path(folder) / "Cars.mo"
+            source.write_text(f'block Cars "{folder}"\n  extends RailBraking.Plants.Consist(cars={cars});\nend Cars;\n')
+            begin = perf_counter()
+            description = describe(build_class("Cars", source, compiler="native").path)
+            seconds = perf_counter() - begin
+            step, states = plant_step(description, BRAKING), len(description.states)
+            what = f"train of {cars} four-axle cars, {states} states: step of 1 ms in a loop in C"
+            yield what, f"{step:.1f} µs", "25 µs for four cars" if cars == 4 else ""
+            yield "  build of its FMU", f"{seconds:.1f} s", "30 s for eight cars" if cars == 8 else ""
+
+
+def of_recipes() -> Iterator[Row]:
+    """Yield the cold build of every recipe: into an empty folder, with nothing in the user's cache."""
+    names = list(read_recipes().recipes)
+    with tempfile.TemporaryDirectory() as folder, _empty_cache(Path(folder) / "cache"):
+        before, start = _processor(), perf_counter()
+        for _ in build(names, "native", Path(folder)):
+            pass
+        wall, processor = perf_counter() - start, _processor() - before
+    yield f"cold build of {len(names)} FMUs", f"{wall:.1f} s ({processor:.1f} s of processor)", "10 s"
+
+
+@contextmanager
+def _empty_cache(folder: Path) -> Generator[None]:
+    """Let FMUs and C libraries be looked for and kept in a folder that has none."""
+    before = os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = str(folder)
+    try:
+        yield
+    finally:
+        os.environ.pop(VARIABLE)
+        if before is not None:
+            os.environ[VARIABLE] = before
+
+
+def _processor() -> float:
+    """Return the time that this process and those it has waited for have spent on processors [s]."""
+    own, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
+    return own.ru_utime + own.ru_stime + others.ru_utime + others.ru_stime

@@ -1,0 +1,21 @@
+"""Step costs compare ways that do the same work, and say so when they do not."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tiny_fmu import tiny
+
+from railgrip.studies.bench import fmi
+
+
+def test_three_ways_over_the_boundary_end_on_the_same_outputs(foundry: Path):
+    times = fmi.step_times(tiny(foundry), count=20, rounds=2)
+    assert list(times) == ["ours", "fmpy", "c"]
+    assert all(len(rounds) == 2 and min(rounds) > 0.0 for rounds in times.values())
+
+
+def test_ways_that_disagree_are_not_compared(foundry: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(fmi, "seconds_of_fmpy", lambda *_, **__: (1.0, np.zeros(2)))
+    with pytest.raises(AssertionError, match=r"well\.fmu: fmpy and ours end on different outputs"):
+        fmi.step_times(tiny(foundry), count=20, rounds=1)

@@ -1,0 +1,145 @@
+"""An archive is refused before it is unpacked, and its description before it is parsed, when they are beyond limits."""
+
+import stat
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from tiny_fmu import tiny, xml
+
+from railgrip.base.errors import FmuError
+from railgrip.base.limits import FmuLimits
+from railgrip.fmi import describe
+
+MIB = 1 << 20
+
+
+def with_more(foundry: Path, folder: Path, *entries: tuple[str | zipfile.ZipInfo, bytes]) -> Path:
+    """Return the well-behaved FMU with more in its archive."""
+    file = folder / "more.fmu"
+    file.write_bytes(tiny(foundry).read_bytes())
+    with zipfile.ZipFile(file, "a", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in entries:
+            archive.writestr(name, content, zipfile.ZIP_DEFLATED)
+    return file
+
+
+@pytest.mark.parametrize(
+    ("limits", "sentence"),
+    [
+        ({"files": 2}, "the archive has 3 entries, allowed are 2; raise files under [limits.fmu] if you trust it."),
+        ({"member_mib": 19}, "'resources/zeros' unpacks to 20 MiB, allowed are 19; raise member_mib"),
+        ({"unpacked_mib": 20}, "the archive unpacks to 20 MiB, allowed are 20; raise unpacked_mib"),
+        ({"ratio": 100}, "times its size, allowed are 100; raise ratio"),
+        ({"variables": 10}, "modelDescription.xml has more than 10 variables, allowed are 10; raise variables"),
+    ],
+)
+def test_each_limit_ends_in_a_sentence_that_names_it(
+    foundry: Path, tmp_path: Path, limits: dict[str, int], sentence: str
+):
+    file = with_more(foundry, tmp_path, ("resources/zeros", b"\0" * 20 * MIB))
+    describe(file, FmuLimits(ratio=1000))
+    with pytest.raises(FmuError) as error:
+        describe(file, FmuLimits(**{"ratio": 1000} | limits))
+    assert str(error.value).startswith(f"{file}: ")
+    assert sentence in str(error.value)
+
+
+def test_a_description_of_two_gibibytes_takes_no_memory(tmp_path: Path):
+    file = tmp_path / "bomb.fmu"
+    with (
+        zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
+        archive.open("modelDescription.xml", "w", force_zip64=True) as stream,
+    ):
+        for _ in range(2048):
+            stream.write(b" " * MIB)
+    code = (
+        "import resource, sys; from pathlib import Path; from railgrip.base.errors import FmuError\n"
+        "from railgrip.fmi import describe\n"
+        "before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss\n"
+        "try: describe(Path(sys.argv[1]))\n"
+        "except FmuError as error: print(error)\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code, str(file)], capture_output=True, text=True, check=False)
+    sentence, more = result.stdout.splitlines()
+    assert "modelDescription.xml has 2048 MiB, allowed are 32; raise description_mib" in sentence
+    assert int(more) < 50_000, "KiB"
+
+
+def test_entries_that_overlap_count_each(foundry: Path, tmp_path: Path):
+    """A small archive whose directory names the same megabytes a thousand times."""
+    file = with_more(foundry, tmp_path, ("resources/zeros", b"\0" * 15 * MIB))
+    with zipfile.ZipFile(file, "a") as archive:
+        (original,) = (entry for entry in archive.infolist() if entry.filename == "resources/zeros")
+        for number in range(1000):
+            twin = zipfile.ZipInfo(f"resources/z{number}")
+            for name in ("compress_type", "CRC", "compress_size", "file_size", "header_offset", "flag_bits"):
+                setattr(twin, name, getattr(original, name))
+            archive.filelist.append(twin)
+            archive.NameToInfo[twin.filename] = twin
+        archive._didModify = True
+    with pytest.raises(FmuError, match=r"the archive unpacks to 1\d{4} MiB, allowed are 2048"):
+        describe(file)
+
+
+@pytest.mark.parametrize("name", ["../evil", "resources/../../evil", "/etc/evil", "C:/evil", "resources\\..\\evil"])
+def test_an_entry_that_would_land_elsewhere_is_refused(foundry: Path, tmp_path: Path, name: str):
+    with pytest.raises(FmuError, match=r"more\.fmu: entry '.*evil' of the archive would be unpacked outside"):
+        describe(with_more(foundry, tmp_path, (name, b"")))
+
+
+def test_a_link_is_refused(foundry: Path, tmp_path: Path):
+    link = zipfile.ZipInfo("resources/link")
+    link.external_attr = (stat.S_IFLNK | 0o777) << 16
+    with pytest.raises(FmuError, match=r"entry 'resources/link' of the archive is a link or device"):
+        describe(with_more(foundry, tmp_path, (link, b"/etc/passwd")))
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_a_description_that_is_there_twice_is_refused(foundry: Path, tmp_path: Path):
+    with pytest.raises(FmuError, match=r"the archive has 'modelDescription\.xml' twice"):
+        describe(with_more(foundry, tmp_path, ("modelDescription.xml", xml().encode())))
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("<fmiModel", '<!DOCTYPE f [<!ENTITY a "b">]>\n<fmiModel'), "has a document type, which FMI does not"),
+        (("<ModelVariables>", "<VendorAnnotations>" + "<a>" * 100_000), "more than 64 elements inside each other"),
+        (
+            ('<Derivatives><Unknown index="2"/>', '<Derivatives><Unknown index="99"/>'),
+            r"ModelStructure \(line 27 of modelDescription\.xml\) names variable number '99', but there are 11, from 1",
+        ),
+        (('<Unknown index="2"/>', '<Unknown index="0"/>'), "names variable number '0', but there are 11, from 1"),
+        (
+            ('<Unknown index="2"/>', '<Unknown index="2" dependencies="1 x"/>'),
+            "names variable number 'x', but there are 11",
+        ),
+    ],
+)
+def test_a_description_nobody_can_follow_is_refused(foundry: Path, change: tuple[str, str], sentence: str):
+    with pytest.raises(FmuError, match=sentence):
+        describe(tiny(foundry, description=xml().replace(*change)))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ('modelName="Tiny"', 'modelName="Tiny" colour="blue"'),
+        ('Real start="2" min="0.1" max="10"', 'Real min="0.1" max="10"'),
+        ('<LogCategories>', '<VendorNotes/><LogCategories>'),
+        ('unit="km/h"', 'unit="furlong"'),
+    ],
+    ids=["attribute", "no start", "element", "unit"],
+)  # fmt: skip
+def test_a_blemish_that_changes_nothing_is_told_and_run(foundry: Path, change: tuple[str, str]):
+    """FMPy refuses these when it validates, and runs them when it does not."""
+    description = describe(tiny(foundry, description=xml(state_unit="km/h").replace(*change)))
+    assert description.blemishes.startswith("modelDescription.xml is not valid FMI 2.0: ")
+    plain = describe(tiny(foundry, description=xml(state_unit="km/h")))
+    assert plain.blemishes == ""
+    assert [*description.variables] == [*plain.variables]
+    assert description.states == plain.states

@@ -1,0 +1,319 @@
+"""A co-simulation FMU gives its closed form, fails with a sentence, and leaves nothing behind."""
+
+import pickle
+import zipfile
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+from faulty_fmu import faulty_fmu
+from tiny_fmu import GUID, tied, tiny, xml
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi import CoSimulation, describe
+from railgrip.fmi.instance import Instance, unpack
+
+PERIOD = 1e-3
+
+
+def opened(file: Path, **parameters: object) -> CoSimulation:
+    description = describe(file)
+    return CoSimulation(description, tied(description), period=PERIOD, parameters=parameters)
+
+
+def closed_form(t: float, rate: float, gain: float, u: float, x: float = 1.0) -> float:
+    """Solution of dx/dt = −rate x + gain u."""
+    return gain * u / rate + (x - gain * u / rate) * np.exp(-rate * t)
+
+
+def failing(file: Path, steps: int = 10) -> PlantFailed:
+    with opened(file) as plant:
+        try:
+            plant.start(np.zeros(1))
+            for _ in range(steps):
+                plant.step(np.zeros(1))
+        except PlantFailed as failed:
+            return failed
+    raise AssertionError(f"{file.name} did not fail in {steps} steps")
+
+
+def test_a_thousand_steps_give_the_closed_form(foundry: Path):
+    with opened(tiny(foundry), rate=4.0, gain=1.5, allowed=10**6) as plant:
+        np.testing.assert_array_equal(plant.start(np.array([2.0])), [1.0, 4.0])
+        outputs = [plant.step(np.array([2.0])) for _ in range(1000)]
+        assert plant.sample == 1000
+        assert plant.time == 1.0
+    x = closed_form(1.0, rate=4.0, gain=1.5, u=2.0)
+    # A thousand roundings of 1e-16 each.
+    np.testing.assert_allclose(outputs[-1], [x, 2 * x + 2.0], rtol=1e-13)
+
+
+def test_inputs_are_held_over_the_step_that_they_are_given_to(foundry: Path):
+    with opened(tiny(foundry)) as plant:
+        plant.start(np.zeros(1))
+        first = plant.step(np.array([1.0]))[0]
+        second = plant.step(np.array([-1.0]))[0]
+    x = closed_form(PERIOD, 2.0, 3.0, 1.0)
+    assert first == pytest.approx(x, rel=1e-15)
+    assert second == pytest.approx(closed_form(PERIOD, 2.0, 3.0, -1.0, x), rel=1e-15)
+
+
+def test_time_is_counted_and_not_summed(foundry: Path):
+    """The FMU fails unless it is given k · period to the last bit; a sum of periods is off after a few steps."""
+    with opened(tiny(foundry), label="strict") as plant:
+        plant.start(np.zeros(1))
+        for _ in range(30_000):
+            plant.step(np.zeros(1))
+        assert plant.time == 30_000 * PERIOD
+    assert sum([PERIOD] * 30_000) != 30_000 * PERIOD
+
+
+def test_earlier_outputs_are_not_overwritten(foundry: Path):
+    with opened(tiny(foundry)) as plant:
+        first = plant.start(np.zeros(1))
+        plant.step(np.zeros(1))
+        np.testing.assert_array_equal(first, [1.0, 2.0])
+
+
+def test_a_wrong_number_of_inputs_is_refused(foundry: Path):
+    with opened(tiny(foundry)) as plant, pytest.raises(ValueError, match=r"a vector of 1, got shape \(2,\)"):
+        plant.start(np.zeros(2))
+
+
+def test_two_plants_do_not_share_anything(foundry: Path):
+    file = tiny(foundry)
+    with opened(file, rate=1.0) as slow, opened(file, rate=9.0) as fast:
+        slow.start(np.zeros(1))
+        fast.start(np.zeros(1))
+        slow_x, fast_x = slow.step(np.zeros(1))[0], fast.step(np.zeros(1))[0]
+    assert slow_x == pytest.approx(np.exp(-1.0 * PERIOD), rel=1e-15)
+    assert fast_x == pytest.approx(np.exp(-9.0 * PERIOD), rel=1e-15)
+
+
+# --- failures --------------------------------------------------------------------------------------------------
+
+
+def test_fmi2_error_ends_the_stop_with_the_fmus_own_words(foundry: Path, protests: Path):
+    failure = failing(tiny(foundry, "ERROR_STATUS"))
+    assert failure.failure.reason == "error"
+    assert failure.failure.time == pytest.approx(0.003)
+    assert str(failure) == (
+        "error_status.fmu: at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003."
+    )
+    # Freed, and not terminated: after fmi2Error only freeing is legal.
+    assert protests.read_text() == "freed\n"
+
+
+@pytest.mark.parametrize(
+    ("misbehaviour", "sentence"),
+    [
+        ("ENDS", "at 0.003 s the FMU asked to end the simulation"),
+        ("PENDING", "asynchronous FMUs are not supported"),
+        # Not "at most a warning".
+        ("NO_STATUS", "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."),
+        ("NAN_OUTPUT", "nan_output.fmu: at 0.004 s output 'y' is not a finite number (nan)."),
+    ],
+)
+def test_a_step_that_fails_says_when_and_how(foundry: Path, protests: Path, misbehaviour: str, sentence: str):
+    failure = failing(tiny(foundry, misbehaviour))
+    assert sentence in str(failure)
+    assert failure.failure.variable == ("y" if misbehaviour == "NAN_OUTPUT" else "")
+    assert misbehaviour != "NO_STATUS" or protests.read_text() == "freed\n", "after an error only freeing is legal"
+
+
+def test_a_discarded_step_tells_how_far_it_came(foundry: Path):
+    failure = failing(tiny(foundry, "DISCARD")).failure
+    assert (failure.reason, failure.call) == ("discard", "fmi2DoStep")
+    assert failure.reached == pytest.approx(0.0035)
+
+
+def test_after_fmi2_fatal_nothing_is_called(foundry: Path, protests: Path):
+    assert failing(tiny(foundry, "FATAL")).failure.reason == "fatal"
+    assert protests.read_text() == ""
+
+
+def test_a_number_that_is_no_status_ends_many_steps(foundry: Path):
+    with opened(tiny(foundry, "NO_STATUS")) as plant:
+        plant.start(np.zeros(1))
+        with pytest.raises(PlantFailed, match=r"at 0\.003 s fmi2DoStep returned a number that is no fmi2Status \(-5\)"):
+            plant.follow(np.zeros((9, 1)))
+
+
+def test_large_finite_outputs_are_not_mistaken_for_infinite_ones(foundry: Path):
+    """Their sum would overflow; each of them does not."""
+    with opened(tiny(foundry)) as plant:
+        np.testing.assert_array_equal(plant.start(np.array([1.5e308])), [1.0, 1.5e308])
+
+
+def test_an_infinite_output_is_a_failure(foundry: Path):
+    with (
+        opened(tiny(foundry)) as plant,
+        pytest.raises(PlantFailed, match=r"output 'y' is not a finite number \(inf\)"),
+    ):
+        plant.start(np.array([np.inf]))
+
+
+def test_an_fmu_that_refuses_to_start_says_why(foundry: Path):
+    with pytest.raises(PlantFailed, match="gave no instance; it says: error: no licence for plant"):
+        opened(tiny(foundry, "REFUSES")).__enter__()
+
+
+def test_a_binary_of_another_model_is_refused_by_itself(foundry: Path):
+    text = xml().replace(GUID, "{other}")
+    with pytest.raises(PlantFailed, match="the FMU could not be started"):
+        opened(tiny(foundry, description=text)).__enter__()
+
+
+def test_a_failed_initialisation_is_told(foundry: Path):
+    failure = failing(tiny(foundry, "BAD_INITIALISATION"))
+    assert failure.failure.call == "fmi2ExitInitializationMode"
+    assert "the rate does not suit it: 2" in str(failure)
+
+
+def test_a_spent_plant_repeats_its_failure_instead_of_running(foundry: Path):
+    with opened(tiny(foundry, "ERROR_STATUS"), allowed=0) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(2):
+            with pytest.raises(PlantFailed, match="the wheel came off at 0"):
+                plant.step(np.zeros(1))
+
+
+def test_two_fmus_of_one_guid_and_library_name_are_two_libraries(foundry: Path):
+    """One of them fails in its first step; the other, open at the same time, steps as it should."""
+    with opened(tiny(foundry, "ERROR_STATUS"), allowed=0) as ill, opened(tiny(foundry)) as well:
+        ill.start(np.zeros(1))
+        well.start(np.zeros(1))
+        with pytest.raises(PlantFailed):
+            ill.step(np.zeros(1))
+        assert well.step(np.ones(1))[0] == pytest.approx(closed_form(PERIOD, 2.0, 3.0, 1.0), rel=1e-15)
+
+
+def test_a_failure_survives_the_way_between_processes(foundry: Path):
+    failure = failing(tiny(foundry, "ERROR_STATUS"))
+    assert pickle.loads(pickle.dumps(failure)).failure == failure.failure
+
+
+def test_a_library_that_does_not_load_is_told(foundry: Path, tmp_path: Path):
+    file = tiny(foundry)
+    path = tmp_path / "broken.fmu"
+    with zipfile.ZipFile(file) as source, zipfile.ZipFile(path, "w") as target:
+        for name in source.namelist():
+            target.writestr(name, b"no library" if name.startswith("binaries/") else source.read(name))
+    with pytest.raises(FmuError, match="its binary does not load on this machine"):
+        opened(path).__enter__()
+
+
+def test_a_plant_needs_co_simulation(foundry: Path):
+    file = tiny(foundry, description=xml(ways=("ModelExchange",)))
+    with pytest.raises(FmuError, match="this FMU offers only Model Exchange; export it as Co-Simulation"):
+        opened(file).__enter__()
+
+
+# --- parameters ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("parameters", "sentence"),
+    [
+        ({"rat": 1.0}, r"has no variable 'rat'; did you mean 'rate'\?"),
+        ({"rate": 11.0}, "'rate' of .* is at most 10, got 11"),
+        ({"rate": 0}, "'rate' of .* is at least 0.1, got 0"),
+        ({"rate": "fast"}, "'rate' of .* is a number, got 'fast'"),
+        ({"rate": True}, "'rate' of .* is a number, got True"),
+        ({"rate": float("nan")}, "'rate' of .* is a finite number, got nan"),
+        ({"allowed": 2.5}, "'allowed' of .* is a whole number, got 2.5"),
+        ({"label": 3}, "'label' of .* is a text, got 3"),
+        ({"y": 3.0}, "'y' of .* cannot be set, it is calculated or constant; .* rate, gain, label, allowed"),
+        ({"u": 3.0}, "'u' of .* cannot be set, it is an input"),
+        ({"gain": [1.0, 2.0]}, r"has no variable 'gain\[1\]'; did you mean 'gain'"),
+    ],
+)
+def test_a_wrong_parameter_is_refused_before_anything_runs(foundry: Path, parameters: dict[str, object], sentence: str):
+    with pytest.raises(FmuError, match=sentence):
+        opened(tiny(foundry), **parameters)
+
+
+def test_an_array_parameter_is_set_element_by_element(foundry: Path):
+    text = xml().replace('name="rate"', 'name="k[1]"').replace('name="gain"', 'name="k[2]"')
+    with opened(tiny(foundry, description=text), k=[5.0, 7.0], label="second") as plant:
+        plant.start(np.ones(1))
+        assert plant.step(np.ones(1))[0] == pytest.approx(closed_form(PERIOD, 5.0, 7.0, 1.0), rel=1e-15)
+
+
+def test_the_start_value_of_a_state_can_be_set(foundry: Path):
+    with opened(tiny(foundry), x=4.0) as plant:
+        assert plant.start(np.zeros(1))[0] == 4.0
+
+
+@pytest.mark.parametrize("period", [0.0, -1e-3, float("nan"), float("inf")])
+def test_a_period_is_a_positive_time(foundry: Path, period: float):
+    description = describe(tiny(foundry))
+    with pytest.raises(FmuError, match="the communication period is a positive time"):
+        CoSimulation(description, tied(description), period=period, parameters={})
+
+
+# --- what is left behind ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("misbehaviour", ["WELL", "ERROR_STATUS", "DISCARD", "FATAL", "NAN_OUTPUT", "REFUSES"])
+def test_no_file_is_left_behind(foundry: Path, scratch: Path, misbehaviour: str):
+    file = tiny(foundry, misbehaviour)
+    during: list[Path] = []
+    try:
+        with opened(file) as plant:
+            during = list(scratch.iterdir())
+            plant.start(np.zeros(1))
+            for _ in range(10):
+                plant.step(np.zeros(1))
+    except PlantFailed:
+        pass
+    assert bool(during) == (misbehaviour != "REFUSES")
+    assert list(scratch.iterdir()) == []
+
+
+def test_nothing_is_left_when_the_caller_fails(foundry: Path, scratch: Path, protests: Path):
+    def careless() -> None:
+        with opened(tiny(foundry)) as plant:
+            plant.start(np.zeros(1))
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        careless()
+    assert list(scratch.iterdir()) == []
+    assert protests.read_text() == "freed\n"
+
+
+def test_a_plant_is_used_inside_with_and_started_first(foundry: Path):
+    plant = opened(tiny(foundry))
+    with pytest.raises(RuntimeError, match="inside 'with'"):
+        plant.start(np.zeros(1))
+    with opened(tiny(foundry)) as plant:
+        with pytest.raises(RuntimeError, match="started before it is stepped"):
+            plant.step(np.zeros(1))
+        plant.start(np.zeros(1))
+        with pytest.raises(RuntimeError, match="started once"):
+            plant.start(np.zeros(1))
+    with pytest.raises(RuntimeError, match="inside 'with'"):
+        plant.step(np.zeros(1))
+
+
+@pytest.mark.parametrize("when", ["TALKS", "TALKS_AT_ONCE"])
+@pytest.mark.parametrize("tool", ["OpenModelica Compiler OpenModelica v1.27.0", "another tool"])
+def test_of_what_an_fmu_prints_only_openmodelicas_lines_on_its_solver_are_kept_out(
+    foundry: Path, tool: str, when: str, capfd: pytest.CaptureFixture[str]
+):
+    """1.28 prints them in fmi2Instantiate."""
+    description = describe(faulty_fmu(foundry, when, tool=tool))
+    with unpack(description) as folder:
+        print("before")
+        fmu = Instance(description, "co-simulation", folder, name="m")
+    with closing(fmu):
+        fmu.enter_initialization()
+        fmu.exit_initialization()
+        print("after")
+    printed = capfd.readouterr().out
+    assert ("LOG_SOLVER" in printed) is (tool == "another tool")
+    assert ("equidistant" in printed) is (tool == "another tool")
+    if tool != "another tool":
+        assert printed.split() == ["before", "first", "word", "last", "word", "after"]

@@ -1,0 +1,118 @@
+"""What an FMU says about itself is read right, and a file that cannot be a plant is refused with a sentence."""
+
+import hashlib
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+from tiny_fmu import tiny, xml
+
+from railgrip.base.errors import FmuError
+from railgrip.fmi import describe
+
+
+def archive(file: Path, members: dict[str, str]) -> Path:
+    with zipfile.ZipFile(file, "w") as made:
+        for name, text in members.items():
+            made.writestr(name, text)
+    return file
+
+
+def test_a_description_holds_what_the_xml_says(foundry: Path):
+    description = describe(tiny(foundry, description=xml(state_unit="km/h")))
+    assert description.model == "Tiny"
+    assert description.states == ("x",)
+    assert description.derivatives == ("der(x)",)
+    assert description.names("input") == ("u", "mode")
+    assert description.names("parameter") == ("rate", "gain", "label", "allowed")
+    rate = description.variables["rate"]
+    assert (rate.reference, rate.kind, rate.minimum, rate.maximum, rate.start) == (3, "Real", 0.1, 10.0, "2")
+    unit = description.variables["x"].unit
+    assert unit is not None
+    assert unit.factor == pytest.approx(1 / 3.6, rel=1e-15)
+    assert unit.dimension == "m.s-1"
+    assert description.co_simulation is not None
+    assert description.model_exchange is not None
+    assert description.model_exchange.directional_derivatives
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "dimension"),
+    [
+        ("rad/s", 1.0, "s-1.rad"),
+        ("Hz", 1.0, "s-1"),
+        ("1/s", 1.0, "s-1"),
+        ("a word of their own", 1.0, "s-1"),
+        ("rad/s", 6.283185307179586, "s-1"),  # contradicts its name in more than the radian
+    ],
+)
+def test_a_radian_left_out_of_a_definition_is_read_from_the_name(
+    foundry: Path, name: str, factor: float, dimension: str
+):
+    """SI's radian is one, FMI's a base unit, and tools differ: OpenModelica's "rad/s" is s⁻¹."""
+    definitions = f'<UnitDefinitions>\n<Unit name="{name}"><BaseUnit s="-1" factor="{factor}"/></Unit>'
+    text = xml(state_unit=name).replace("<UnitDefinitions>", definitions)
+    unit = describe(tiny(foundry, description=text)).variables["x"].unit
+    assert unit is not None
+    assert (unit.dimension, unit.factor) == (dimension, factor)
+
+
+def test_the_digest_is_that_of_the_file(foundry: Path):
+    file = tiny(foundry)
+    assert describe(file).digest == hashlib.sha256(file.read_bytes()).hexdigest()
+
+
+def test_a_difference_is_known_as_one(foundry: Path):
+    assert describe(tiny(foundry, description=xml(relative=True))).variables["x"].relative
+    assert not describe(tiny(foundry)).variables["x"].relative
+
+
+def test_a_description_is_a_value(foundry: Path):
+    description = describe(tiny(foundry))
+    with pytest.raises(AttributeError):
+        description.model = "other"  # type: ignore[misc]
+    with pytest.raises(TypeError):
+        description.variables["x"] = description.variables["y"]  # type: ignore[index]
+
+
+def test_a_file_that_is_missing_or_no_zip_archive_is_named(tmp_path: Path):
+    (tmp_path / "text.fmu").write_text("not a zip")
+    with pytest.raises(FmuError, match=r"text\.fmu: not an FMU: it is not a zip archive"):
+        describe(tmp_path / "text.fmu")
+    with pytest.raises(FmuError, match=r"absent\.fmu: there is no such file; build it .* or correct the path"):
+        describe(tmp_path / "absent.fmu")
+
+
+def test_a_damaged_archive_is_refused(tmp_path: Path, foundry: Path):
+    content = bytearray(tiny(foundry).read_bytes())
+    where = content.index(b"fmiModelDescription")  # stored uncompressed by the fixture
+    content[where] ^= 0xFF
+    file = tmp_path / "damaged.fmu"
+    file.write_bytes(content)
+    with pytest.raises(FmuError, match=r"damaged\.fmu: the archive is damaged, 'modelDescription\.xml'"):
+        describe(file)
+
+
+def test_an_fmu_for_another_platform_is_refused(foundry: Path, tmp_path: Path):
+    file = tiny(foundry, platform="win32").rename(tmp_path / "windows.fmu")
+    with pytest.raises(FmuError, match=r"no binary for this platform, .* is missing; it has binaries for win32"):
+        describe(file)
+
+
+@pytest.mark.parametrize(
+    ("members", "sentence"),
+    [
+        ({"readme.txt": "hello"}, "not an FMU: the archive has no modelDescription.xml"),
+        ({"modelDescription.xml": "<fmiModel"}, "modelDescription.xml is not XML"),
+        ({"modelDescription.xml": xml(version="1.0")}, "runs FMI 2.0, this is FMI 1.0; export it again"),
+        ({"modelDescription.xml": xml(version="3.0")}, "runs FMI 2.0, this is FMI 3.0; export it again"),
+        ({"modelDescription.xml": xml().replace('name="gain"', 'name="rate"')}, 'not valid FMI 2.0: '),
+        ({"modelDescription.xml": xml(), "sources/tiny.c": ""}, "it has no binaries at all"),
+        ({"modelDescription.xml": xml(), "binaries/": "", "binaries/linux32/": ""}, "it has no binaries at all"),
+    ],
+    ids=["no description", "no XML", "FMI 1", "FMI 3", "twice one name", "sources alone", "empty folders"],
+)  # fmt: skip
+def test_an_archive_that_cannot_be_a_plant_is_refused(tmp_path: Path, members: dict[str, str], sentence: str):
+    with pytest.raises(FmuError, match=rf"bad\.fmu: .*{re.escape(sentence)}"):
+        describe(archive(tmp_path / "bad.fmu", members))

@@ -1,0 +1,219 @@
+"""A prediction FMU is the function it was written as, in the order asked for, with as few calls as possible."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tiny_fmu import CURVED_OUTPUTS, curved, tiny, xml
+
+from railgrip.base.errors import FilterDiverged, FmuError, PlantFailed
+from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.fmi import FmuPrediction, describe
+from railgrip.fmi.exchange import column_groups
+
+K = 1.7
+POINTS = [
+    (np.array([0.3, -0.8, 0.5]), np.array([0.2, -0.1])),
+    (np.array([-4.0, 2.0, 9.0]), np.array([10.0, 3.0])),
+    (np.zeros(3), np.zeros(2)),
+]
+
+
+def opened(file: Path, states: str = "abc", **more: object) -> FmuPrediction:
+    return FmuPrediction(
+        describe(file),
+        parameters={"k": K},
+        states=tuple(states),
+        inputs=("u[1]", "u[2]"),
+        outputs=CURVED_OUTPUTS,
+        **more,  # type: ignore[arg-type]
+    )
+
+
+@pytest.fixture
+def prediction(foundry: Path) -> Iterator[FmuPrediction]:
+    with opened(curved(foundry)) as made:
+        yield made
+
+
+def derivative(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+    a, b, c = x
+    return np.array([-K * a + u[0], a * b + np.sin(c), b - c**3 + u[1]])
+
+
+def jacobians(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    a, b, c = x
+    return np.array([[-K, 0, 0], [b, a, np.cos(c)], [0, 1, -3 * c**2]]), np.array([[1, c, b], [0, 0, 1]])
+
+
+@pytest.mark.parametrize(("x", "u"), POINTS)
+def test_it_is_the_function_of_its_equations(prediction: FmuPrediction, x: np.ndarray, u: np.ndarray):
+    # The same few operations in C: rounding only.
+    np.testing.assert_allclose(prediction.derivative(x, u), derivative(x, u), rtol=1e-14)
+    np.testing.assert_allclose(prediction.output(x, u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+
+
+@pytest.mark.parametrize(("x", "u"), POINTS)
+def test_directional_and_central_jacobians_are_the_closed_form(foundry: Path, x: np.ndarray, u: np.ndarray):
+    exact_f, exact_h = jacobians(x)
+    with opened(curved(foundry)) as exact, opened(curved(foundry, directional=False)) as central:
+        np.testing.assert_allclose(exact.derivative_jacobian(x, u), exact_f, rtol=1e-14)
+        np.testing.assert_allclose(exact.output_jacobian(x, u), exact_h, rtol=1e-14)
+        # Central differences lose a third of the digits: ε^(2/3) = 4e-11 of values up to 9³ here.
+        np.testing.assert_allclose(central.derivative_jacobian(x, u), exact_f, atol=4e-8)
+        np.testing.assert_allclose(central.output_jacobian(x, u), exact_h, atol=4e-8)
+
+
+@pytest.mark.parametrize("order", ["abc", "cab", "bca"])
+@pytest.mark.parametrize("directional", [True, False])
+def test_states_come_in_the_order_asked_for(foundry: Path, order: str, directional: bool):
+    x, u = POINTS[0]
+    order_of = ["abc".index(s) for s in order]
+    f_x, h_x = jacobians(x)
+    with opened(curved(foundry, directional=directional), order) as made:
+        assert made.states == tuple(order)
+        np.testing.assert_allclose(made.derivative(x[order_of], u), derivative(x, u)[order_of], rtol=1e-14)
+        np.testing.assert_allclose(made.output(x[order_of], u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+        np.testing.assert_allclose(made.derivative_jacobian(x[order_of], u), f_x[np.ix_(order_of, order_of)], atol=4e-8)
+        np.testing.assert_allclose(made.output_jacobian(x[order_of], u), h_x[:, order_of], atol=4e-8)
+
+
+@pytest.mark.parametrize("directional", [True, False])
+def test_outputs_and_jacobians_after_derivatives_are_those_of_the_same_point(foundry: Path, directional: bool):
+    """OpenModelica's FMUs up to 1.27.0 take outputs for evaluated once derivatives were read."""
+    with opened(curved(foundry, directional=directional, forgets=True)) as made:
+        for x, u in POINTS:
+            np.testing.assert_allclose(made.derivative(x, u), derivative(x, u), rtol=1e-14)
+            np.testing.assert_allclose(made.output(x, u), [x[0] + x[1] * x[2], x[2] + u[0]], rtol=1e-14)
+            made.derivative(x, u)
+            np.testing.assert_allclose(made.output_jacobian(x, u), jacobians(x)[1], atol=4e-8)
+            np.testing.assert_allclose(made.derivative_jacobian(x, u), jacobians(x)[0], atol=4e-8)
+
+
+def test_a_filter_step_makes_no_call_twice(foundry: Path):
+    """The FMU counts: how often values were sent to it (`sent`) and asked of it (`asked`)."""
+    x, u = POINTS[0]
+    with FmuPrediction(
+        describe(curved(foundry)), parameters={"k": K}, states=tuple("abc"), inputs=("u[1]", "u[2]"),
+        outputs=("sent", "asked"),
+    ) as model:  # fmt: skip
+        step = CompiledFilter(model, np.ones(3), np.ones(2), 1e-3)
+        belief = step.start(x, np.ones(3))
+        before = model.output(x, u)
+        step.step(belief, u, np.full(2, np.nan))
+        after = model.output(x, u)
+    # States at the prior mean, at three stages of Runge-Kutta and at the predicted mean; inputs once; and what `after`
+    # sends: one state, one input.
+    # Derivatives at four points, outputs at one, both Jacobians once by three directions each; and what `after` asks.
+    np.testing.assert_array_equal(after - before, [5 + 1 + 2, 4 + 1 + 3 + 3 + 1])
+
+
+@given(st.lists(st.sets(st.integers(0, 11)), max_size=12))
+def test_columns_of_a_group_share_no_row_and_each_column_is_in_one_group(rows: list[set[int]]):
+    columns = 12
+    groups = column_groups(tuple(tuple(sorted(row)) for row in rows), columns)
+    for members in groups:
+        assert all(len(row.intersection(members)) <= 1 for row in rows)
+    assert sorted(column for members in groups for column in members) == sorted(set().union(*rows))
+
+
+def test_a_diagonal_needs_one_directional_derivative_and_a_full_row_one_for_each_column():
+    assert len(column_groups(tuple((i,) for i in range(9)), 9)) == 1
+    assert len(column_groups((tuple(range(9)),), 9)) == 9
+
+
+def test_results_are_not_overwritten_by_the_next_point(prediction: FmuPrediction):
+    (x, u), (other, _), _ = POINTS
+    first = prediction.derivative(x, u), prediction.derivative_jacobian(x, u)
+    prediction.derivative(other, u)
+    prediction.derivative_jacobian(other, u)
+    np.testing.assert_allclose(first[0], derivative(x, u), rtol=1e-14)
+    np.testing.assert_allclose(first[1], jacobians(x)[0], rtol=1e-14)
+
+
+def test_a_point_changed_in_place_is_a_new_point(prediction: FmuPrediction):
+    x, u = POINTS[0][0].copy(), POINTS[0][1]
+    prediction.derivative(x, u)
+    prediction.derivative_jacobian(x, u)
+    x[0] = 5.0
+    np.testing.assert_allclose(prediction.derivative(x, u), derivative(x, u), rtol=1e-14)
+    np.testing.assert_allclose(prediction.derivative_jacobian(x, u), jacobians(x)[0], rtol=1e-14)
+
+
+def test_a_derivative_that_is_no_number_is_named(prediction: FmuPrediction):
+    with pytest.raises(PlantFailed, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
+        prediction.derivative(np.array([0.0, 0.0, 2000.0]), np.zeros(2))
+
+
+def test_a_filter_in_c_over_it_is_the_filter_in_numpy(foundry: Path):
+    """With the FMU's own derivatives and with differences, which both filters take in the same way."""
+    rng = np.random.default_rng(4)
+    for directional in (True, False):
+        with opened(curved(foundry, directional=directional), "cab") as model:
+            arguments = model, np.full(3, 1e-3), np.full(2, 1e-2), 1e-2
+            fast, plain = CompiledFilter(*arguments), ExtendedKalmanFilter(*arguments)
+            belief = fast.start(np.array([0.1, 0.3, -0.2]), np.full(3, 0.1))
+            for _ in range(50):
+                inputs, readings = rng.normal(size=2), rng.normal(size=2)
+                expected = plain.step(belief, inputs, readings)
+                belief = fast.step(belief, inputs, readings)
+                # The same sums in another order, of numbers of size one.
+                np.testing.assert_allclose(belief.mean, expected.mean, atol=1e-13)
+                np.testing.assert_allclose(belief.covariance, expected.covariance, atol=1e-13)
+
+
+def test_a_filter_says_which_derivative_of_its_fmu_is_no_number(prediction: FmuPrediction):
+    step = CompiledFilter(prediction, np.ones(3), np.ones(2), 1e-3)
+    belief = step.start(np.array([0.0, 0.0, 2000.0]), np.ones(3))
+    with pytest.raises(FilterDiverged, match=r"output 'der\(c\)' is not a finite number \(a prediction\)"):
+        step.step(belief, np.zeros(2), np.zeros(2))
+
+
+def test_a_wrong_number_of_states_is_refused(prediction: FmuPrediction):
+    with pytest.raises(ValueError, match="has 3 states and 2 inputs, got shapes"):
+        prediction.derivative(np.zeros(4), np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    ("claims", "states", "inputs", "sentence"),
+    [
+        ({}, ("mu",), ("u",), "missing: mu; unexpected: x"),
+        ({}, ("x",), (), "leaves inputs undriven: u"),
+        ({"indicators": 2}, ("x",), ("u",), "a prediction must be smooth, this FMU has 2 event indicators"),
+        ({"output_unit": "km/h"}, ("x",), ("u",), "'y' of a prediction is in 'km/h', SI is wanted"),
+    ],
+)
+def test_an_fmu_that_is_not_the_prediction_wanted_is_refused(
+    foundry: Path, claims: dict[str, Any], states: tuple[str, ...], inputs: tuple[str, ...], sentence: str
+):
+    description = describe(tiny(foundry, description=xml(ways=("ModelExchange",), **claims)))
+    with pytest.raises(FmuError, match=sentence):
+        FmuPrediction(description, parameters={}, states=states, inputs=inputs, outputs=("y",))
+
+
+def test_a_prediction_needs_model_exchange(foundry: Path):
+    text = (
+        xml(ways=("CoSimulation",))
+        .replace(
+            'name="mode" valueReference="10" causality="input"', 'name="mode" valueReference="10" causality="local"'
+        )
+        .replace(
+            'variability="discrete"><Integer start="0"/>', 'variability="discrete" initial="exact"><Integer start="0"/>'
+        )
+    )
+    description = describe(tiny(foundry, description=text))
+    with pytest.raises(FmuError, match="this FMU offers only Co-Simulation; export it as Model Exchange"):
+        FmuPrediction(description, parameters={}, states=("x",), inputs=("u",), outputs=("y",)).__enter__()
+
+
+def test_nothing_is_left_behind(foundry: Path, scratch: Path):
+    with opened(curved(foundry)) as made:
+        assert len(list(scratch.iterdir())) == 1
+    assert list(scratch.iterdir()) == []
+    with pytest.raises(RuntimeError, match="inside 'with'"):
+        made.derivative(*POINTS[0])

@@ -1,0 +1,107 @@
+"""An FMU in a process of its own gives the same numbers, and whatever it does ends in a sentence."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tiny_fmu import tied, tiny
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.base.limits import FmuLimits
+from railgrip.fmi import (
+    CoSimulation,
+    IsolatedCoSimulation,
+    describe,
+    open_plant,
+)
+from railgrip.simulate.loop.parts import Plant
+
+PERIOD = 1e-3
+AT_LEISURE = FmuLimits(patience=100.0)
+SOON = 0.5  # s of real time; only an FMU that never returns waits this long
+
+
+def isolated(file: Path, limits: FmuLimits = AT_LEISURE, **parameters: object) -> IsolatedCoSimulation:
+    description = describe(file)
+    return IsolatedCoSimulation(description, tied(description), period=PERIOD, parameters=parameters, limits=limits)
+
+
+def test_the_numbers_are_those_of_the_same_process(foundry: Path):
+    description = describe(tiny(foundry))
+    inputs = np.random.default_rng(7).normal(size=(20, 1))
+    outputs: list[np.ndarray] = []
+    for kind in (CoSimulation, IsolatedCoSimulation):
+        with kind(description, tied(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
+            assert isinstance(plant, Plant)
+            rows = [plant.start(inputs[0])]
+            rows += [plant.step(u) for u in inputs]
+            assert (plant.sample, plant.time) == (20, 0.02)
+        outputs.append(np.array(rows))
+    np.testing.assert_array_equal(outputs[0], outputs[1])
+
+
+@pytest.mark.parametrize(
+    ("misbehaviour", "sentence"),
+    [
+        ("NEVER_STOPS", "at 0.003 s the FMU did not return (within 0.5 s of real time, it was stopped)."),
+        ("CRASH", "at 0.003 s the FMU crashed (its process was ended by SIGSEGV)."),
+        ("EXITS", "at 0.003 s the FMU crashed (it ended its process with code 7)."),
+        (
+            "ERROR_STATUS",
+            "at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003.",
+        ),
+        ("NAN_OUTPUT", "at 0.004 s output 'y' is not a finite number (nan)."),
+    ],
+)
+def test_whatever_it_does_ends_in_a_sentence(foundry: Path, scratch: Path, misbehaviour: str, sentence: str):
+    plant = isolated(tiny(foundry, misbehaviour))
+    with plant:
+        plant.start(np.zeros(1))
+        process = plant._process
+        for _ in range(3):  # the steps allowed to it
+            plant.step(np.zeros(1))
+        if misbehaviour == "NEVER_STOPS":
+            plant._patience = SOON  # a good step may take longer on a busy machine
+        with pytest.raises(PlantFailed) as error:
+            plant.step(np.zeros(1))
+    assert str(error.value) == f"{misbehaviour.lower()}.fmu: {sentence}"
+    assert process is not None
+    assert process.poll() is not None, "the child has ended"
+    assert list(scratch.iterdir()) == [], "its files are gone"
+
+
+def test_it_stays_failed(foundry: Path):
+    with isolated(tiny(foundry, "CRASH"), allowed=0) as plant:
+        plant.start(np.zeros(1))
+        for _ in range(2):
+            with pytest.raises(PlantFailed, match="ended by SIGSEGV"):
+                plant.step(np.zeros(1))
+
+
+def test_a_refusal_to_start_comes_through(foundry: Path, scratch: Path):
+    with pytest.raises(PlantFailed, match="no licence for plant"):
+        isolated(tiny(foundry, "REFUSES")).__enter__()
+    assert list(scratch.iterdir()) == []
+
+
+def test_a_wrong_parameter_is_refused_before_a_process_starts(foundry: Path):
+    with pytest.raises(FmuError, match=r"'rate' of .* is at most 10"):
+        isolated(tiny(foundry), rate=11.0)
+
+
+def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
+    description = describe(tiny(foundry))
+    messages: list[str] = []
+    for trust, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
+        plant = open_plant(
+            description,
+            tied(description),
+            period=PERIOD,
+            parameters={},
+            trusted=trust,
+            notify=messages.append,
+        )
+        assert isinstance(plant, kind)
+        assert len(messages) == count
+    assert "well.fmu comes from outside" in messages[0]
+    assert "set trust = true under [vehicle]" in messages[0]

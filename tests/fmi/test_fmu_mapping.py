@@ -1,0 +1,271 @@
+"""Our signals find the FMU's variables under other names, units and signs, or the author is told what is wrong."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tiny_fmu import tiny, xml
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi import Binding, CoSimulation, Description, Signal, bind, describe
+
+WHERE = "city.toml: [vehicle.map]"
+
+
+def signal(name: str, unit: str = "1", size: int = 0, *, needed: bool = True) -> Signal:
+    return Signal(name=name, unit=unit, size=size, needed=needed)
+
+
+def tied(description: Description, table: dict[str, object] | None = None, **more: object) -> Binding:
+    values: dict[str, object] = {
+        "inputs": [signal("command", "Pa")],
+        "outputs": [signal("speed", "m/s")],
+        "table": {"command": "u", "speed": "x"} | (table or {}),
+        "where": WHERE,
+    }
+    return bind(description, **(values | more))  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def foreign(foundry: Path) -> Description:
+    """Speed in km/h, pressure in bar, and y without a unit."""
+    return describe(tiny(foundry, description=xml(state_unit="km/h", input_unit="bar")))
+
+
+@pytest.mark.parametrize(
+    ("table", "pressure", "sign"),
+    [
+        ({}, 2e5, 1),
+        ({"speed": "-x"}, 2e5, -1),
+        # ours = scale · theirs: with scale −2, sending −4e5 Pa is 2 bar of theirs.
+        ({"command": {"variable": "-u", "scale": 2}}, -4e5, 1),
+    ],
+)
+def test_values_arrive_in_the_units_and_signs_of_each_side(
+    foreign: Description, table: dict[str, object], pressure: float, sign: int
+):
+    """1 km/h is 1/3.6 m/s, 2e5 Pa is 2 bar: seen through a step of the closed-form FMU."""
+    binding = tied(foreign, table)
+    # dx/dt = -2 x + 3 u with x = 1 km/h and u = 2 bar at first; after h, x = 3 - 2 exp(-2 h).
+    with CoSimulation(foreign, binding, period=0.5, parameters={}) as plant:
+        at_start = plant.start(np.array([pressure]))
+        after = plant.step(np.array([pressure]))
+    # Two conversions and one exponential: rounding only.
+    np.testing.assert_allclose(at_start, [sign / 3.6], rtol=1e-14)
+    np.testing.assert_allclose(after, [sign * (3 - 2 * np.exp(-1)) / 3.6], rtol=1e-14)
+
+
+def test_truth_values_and_counts_travel_as_numbers(foundry: Path):
+    description = describe(tiny(foundry))
+    binding = bind(
+        description,
+        inputs=[signal("command"), signal("mode")],
+        outputs=[signal("count"), signal("y"), signal("flag"), signal("x")],
+        table={"command": "u"},
+    )
+    with CoSimulation(description, binding, period=1e-3, parameters={"allowed": 9}) as plant:
+        plant.start(np.array([1.0, 2.0]))
+        outputs = [plant.step(np.array([1.0, 2.0])) for _ in range(3)][-1]
+    x = 1.5 - 0.5 * np.exp(-2 * 3e-3)
+    np.testing.assert_allclose(outputs, [3, 2 * x + 1, 1, x], rtol=1e-14)
+
+
+def test_the_layout_says_where_each_signal_is(tmp_path: Path, foundry: Path):
+    text = xml().replace('name="x"', 'name="bogie[1].n"').replace('name="y"', 'name="bogie[2].n"')
+    description = describe(tiny(foundry, description=text))
+    binding = bind(
+        description,
+        inputs=[signal("mode"), signal("command")],
+        outputs=[signal("flag"), signal("wheel", size=2)],
+        table={"command": "u", "wheel": "bogie[{i}].n"},
+    )
+    assert binding.outputs.elements == ("flag", "wheel[1]", "wheel[2]")
+    assert binding.outputs.layout == {"flag": slice(0, 1), "wheel": slice(1, 3)}
+    assert binding.inputs.layout == {"mode": slice(0, 1), "command": slice(1, 2)}
+    listing = bind(
+        description,
+        inputs=[],
+        outputs=[signal("wheel", size=2)],
+        table={"wheel": ["bogie[2].n", {"variable": "bogie[1].n", "scale": 3}]},
+    )
+    assert listing.outputs.channels[0].variables == ("bogie[2].n", "bogie[1].n")
+    np.testing.assert_array_equal(listing.outputs.channels[0].gain, [1, 3])
+
+
+def test_inputs_that_nothing_drives_are_told(foreign: Description):
+    assert tied(foreign).unused == ("mode",)
+
+
+def test_a_missing_unit_must_be_stated(foreign: Description):
+    with pytest.raises(FmuError, match=r"does not say the unit of 'y'; state it .* unit = \"m/s\""):
+        tied(foreign, {"speed": "y"})
+    binding = tied(foreign, {"speed": {"variable": "y", "unit": "km/h"}})
+    np.testing.assert_allclose(binding.outputs.channels[0].gain, [1 / 3.6], rtol=1e-15)
+
+
+def test_a_unit_named_but_not_defined_is_read_by_its_name(foundry: Path):
+    text = xml(state_unit="km/h").replace(
+        '<BaseUnit m="1" s="-1" factor="0.2777777777777778"/>', '<DisplayUnit name="mph"/>'
+    )
+    description = describe(tiny(foundry, description=text))
+    np.testing.assert_allclose(
+        tied(description, {"command": {"variable": "u", "unit": "Pa"}}).outputs.channels[0].gain, [1 / 3.6]
+    )
+
+
+def test_an_offset_is_dropped_for_a_difference(foundry: Path):
+    outputs = [signal("rise", "K")]
+    table: dict[str, object] = {"rise": "x"}
+    for relative, shift in ((False, 273.15), (True, 0.0)):
+        description = describe(tiny(foundry, description=xml(state_unit="degC", relative=relative)))
+        channel = bind(description, inputs=[], outputs=outputs, table=table).outputs.channels[0]
+        assert channel.shift[0] == shift
+
+
+def test_temperatures_cross_with_their_offset_both_ways(foundry: Path):
+    """Sending 293.15 K is 20 degC of theirs; their x, in degC too, comes back in K."""
+    description = describe(tiny(foundry, description=xml(state_unit="degC", input_unit="degC")))
+    binding = bind(
+        description, inputs=[signal("air", "K")], outputs=[signal("disc", "K")], table={"air": "u", "disc": "x"}
+    )
+    with CoSimulation(description, binding, period=0.5, parameters={}) as plant:
+        at_start = plant.start(np.array([293.15]))
+        after = plant.step(np.array([293.15]))
+    np.testing.assert_allclose(at_start, [274.15], rtol=1e-15)
+    # dx/dt = -2 x + 3 u from x = 1 degC with u = 20 degC; the offset's own rounding is 6e-14 K.
+    np.testing.assert_allclose(after, [273.15 + 30 - 29 * np.exp(-1)], rtol=1e-14)
+
+
+def test_everything_missing_is_told_at_once(foundry: Path):
+    with pytest.raises(
+        FmuError, match=r"no output 'cont' \(did you mean 'count'\?\), 'torque\[1\]', 'torque\[2\]'; it has"
+    ):
+        bind(describe(tiny(foundry)), inputs=[], outputs=[signal("cont"), signal("torque", "N.m", 2)])
+
+
+def test_the_vectors_keep_their_layout_when_something_is_absent(foundry: Path):
+    """What the FMU lacks is NaN among outputs and dropped among inputs; the rest is where it always is."""
+    description = describe(tiny(foundry))
+    binding = bind(
+        description,
+        inputs=[signal("wind", "N", 2, needed=False), signal("u")],
+        outputs=[signal("heat", "J", needed=False), signal("y"), signal("slip", size=2, needed=False), signal("flag")],
+    )
+    assert binding.outputs.absent == ("heat", "slip")
+    assert binding.outputs.layout["flag"] == slice(4, 5)
+    with CoSimulation(description, binding, period=1e-3, parameters={}) as plant:
+        for outputs in (plant.start(np.array([5.0, 6.0, 0.5])), plant.step(np.array([5.0, 6.0, 0.5]))):
+            np.testing.assert_array_equal(np.isnan(outputs), [True, False, True, True, False])
+    x = 0.75 + 0.25 * np.exp(-2e-3)
+    np.testing.assert_allclose(outputs[[1, 4]], [2 * x + 0.5, 1.0], rtol=1e-14)
+
+
+def test_a_failure_names_our_signal_when_something_is_absent(foundry: Path):
+    description = describe(tiny(foundry, "NAN_OUTPUT"))
+    binding = bind(description, inputs=[], outputs=[signal("heat", "J", needed=False), signal("x"), signal("y")])
+    with CoSimulation(description, binding, period=1e-3, parameters={"allowed": 0}) as plant:
+        plant.start(np.zeros(0))
+        with pytest.raises(PlantFailed, match="output 'y' is not a finite number"):
+            plant.step(np.zeros(0))
+
+
+def test_half_an_array_is_a_mistake(foundry: Path):
+    description = describe(tiny(foundry, description=xml().replace('name="y"', 'name="slip[1]"')))
+    with pytest.raises(FmuError, match=r"no output 'slip\[2\]'"):
+        bind(description, inputs=[], outputs=[signal("slip", size=2, needed=False)])
+
+
+@pytest.mark.parametrize(
+    ("entry", "sentence"),
+    [
+        ({"variable": "x", "factor": 2}, "has no key 'factor'; it has variable, scale and unit"),
+        ({"variable": "x", "scale": 0}, "scale is a finite number other than 0, got 0"),
+        ({"variable": "x", "scale": "2"}, "scale is a finite number other than 0, got '2'"),
+        ({"variable": "x", "unit": 3}, "unit is a text as 'bar', got 3"),
+        ({"variable": "x", "unit": "m/s"}, "already gives 'km/h'; leave it out, or use scale"),
+        ({"scale": 2}, "the name of an FMU variable is wanted, got None"),
+        (7, "the name of an FMU variable is wanted, got 7"),
+        ("", "the name of an FMU variable is wanted, got ''"),
+        (["x", "y"], "the list names 2 variables, the signal has one value, not a list"),
+        ("label", "'label' of .* is a parameter, an output is wanted"),
+        ({"variable": "y", "unit": "parsec"}, "'parsec' is not a unit known here"),
+    ],
+)
+def test_a_wrong_entry_is_refused(foreign: Description, entry: object, sentence: str):
+    with pytest.raises(FmuError, match=sentence):
+        tied(foreign, {"speed": entry})
+
+
+ARRAY = [signal("speed", "m/s", 4)]
+
+
+@pytest.mark.parametrize(
+    ("table", "signals", "sentence"),
+    [
+        ({"sped": "x"}, {}, rf"{WHERE[:9]}.* has no signal 'sped'; did you mean 'speed'\?"),
+        (
+            {"speed": "rats"},
+            {"outputs": [signal("speed", "m/s", needed=False)]},
+            r"speed: .* has no variable 'rats'; did you mean 'rate'\?",
+        ),
+        ({"speed": "x"}, {"outputs": ARRAY}, r"4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"),
+        ({"speed": ["x"]}, {"outputs": ARRAY}, r"the list names 1 variables, the signal has 4 elements"),
+        ({}, {"inputs": [signal("command", "N.m")]}, r"'u' is in 'bar', the harness sends 'command' in 'N\.m'"),
+        ({"p_max": "u"}, {"parameters": [signal("p_max", "bar")]}, r"'u' of .* is an input, a parameter is wanted"),
+        ({}, {"parameters": [signal("start_speed", "m/s")]}, "no parameter 'start_speed'; it has rate, gain"),
+    ],
+)
+def test_a_table_that_does_not_fit_is_refused(
+    foreign: Description, table: dict[str, object], signals: dict[str, object], sentence: str
+):
+    with pytest.raises(FmuError, match=sentence):
+        tied(foreign, table, **signals)
+
+
+def test_two_signals_cannot_drive_one_input(foundry: Path):
+    with pytest.raises(FmuError, match=r"two signals drive the same input of .*: u"):
+        bind(
+            describe(tiny(foundry)),
+            inputs=[signal("a"), signal("b")],
+            outputs=[],
+            table={"a": "u", "b": "u"},
+        )
+
+
+def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
+    text = xml().replace('start="2" min="0.1" max="10"', 'unit="km/h" start="2"')
+    description = describe(tiny(foundry, description=text))
+    binding = bind(
+        description,
+        inputs=[],
+        outputs=[],
+        parameters=[signal("start_speed", "m/s")],
+        table={"start_speed": "rate"},
+    )
+    assert binding.translate({"start_speed": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
+
+
+def test_a_speed_in_turns_that_names_none_is_asked_what_turns(foundry: Path):
+    """`1/min` is 2π away from what a unit library reads in it; nobody may guess."""
+    definitions = '<UnitDefinitions>\n<Unit name="1/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
+    text = xml(state_unit="1/min").replace("<UnitDefinitions>", definitions)
+    description = describe(tiny(foundry, description=text))
+    outputs = [signal("wheel", "rad/s")]
+    with pytest.raises(
+        FmuError, match=r'say in mapping what turns: \{ variable = "x", unit = "rev/min" \}, or rad/min'
+    ):
+        bind(description, inputs=(), outputs=outputs, table={"wheel": "x"})
+    table = {"wheel": {"variable": "x", "unit": "rev/min"}}
+    gain = bind(description, inputs=(), outputs=outputs, table=table).outputs.channels[0].gain
+    np.testing.assert_allclose(gain, [np.pi / 30], rtol=1e-15)
+    with pytest.raises(FmuError, match="already gives '1/min'"):
+        bind(description, inputs=(), outputs=outputs, table={"wheel": {"variable": "x", "unit": "rev/s"}})
+
+
+def test_a_name_in_turns_is_believed_where_its_definition_counts_them(foundry: Path):
+    definitions = '<UnitDefinitions>\n<Unit name="rev/min"><BaseUnit s="-1" factor="0.016666666666666666"/></Unit>'
+    text = xml(state_unit="rev/min").replace("<UnitDefinitions>", definitions)
+    bound = bind(
+        describe(tiny(foundry, description=text)), inputs=(), outputs=[signal("wheel", "rad/s")], table={"wheel": "x"}
+    )
+    np.testing.assert_allclose(bound.outputs.channels[0].gain, [np.pi / 30], rtol=1e-15)

@@ -1,0 +1,183 @@
+"""Makes the tiny FMU of tiny.c, well-behaved or misbehaving in one way, with any modelDescription.xml."""
+
+import zipfile
+from pathlib import Path
+
+import fmpy
+
+from railgrip.fmi import Binding, Description, Signal, bind
+from railgrip.fmus.native.toolchain import shared_library
+
+GUID = "{7d1c6f0e-tiny}"
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+SOURCES = {
+    name: (Path(__file__).parent / name).read_text() for name in ("tiny.c", "curved.c", "quiet.h", "reals_only.h")
+}
+
+UNITS = """
+  <UnitDefinitions>
+    <Unit name="km/h"><BaseUnit m="1" s="-1" factor="0.2777777777777778"/></Unit>
+    <Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>
+    <Unit name="bar"><BaseUnit kg="1" m="-1" s="-2" factor="1e5"/></Unit>
+    <Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>
+  </UnitDefinitions>"""
+
+WAYS = {
+    "CoSimulation": '<CoSimulation modelIdentifier="tiny" canGetAndSetFMUstate="true" '
+    'canHandleVariableCommunicationStepSize="true"/>',
+    "ModelExchange": '<ModelExchange modelIdentifier="tiny" providesDirectionalDerivative="true"/>',
+}
+
+
+def _row(name: str, reference: int, causality: str, variability: str, initial: str, value: str) -> str:
+    how = f' initial="{initial}"' if initial else ""
+    return (
+        f'    <ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" '
+        f'variability="{variability}"{how}><{value}/></ScalarVariable>'
+    )
+
+
+def xml(
+    *,
+    version: str = "2.0",
+    ways: tuple[str, ...] = ("ModelExchange", "CoSimulation"),
+    state_unit: str = "",
+    input_unit: str = "",
+    output_unit: str = "",
+    directional: bool = True,
+    relative: bool = False,
+    indicators: int = 0,
+) -> str:
+    """Return a modelDescription.xml for tiny.c.
+
+    Args:
+        version: fmiVersion it claims.
+        ways: Interfaces it offers.
+        state_unit: Unit of x, '' for none.
+        input_unit: Unit of u.
+        output_unit: Unit of y.
+        directional: It offers directional derivatives.
+        relative: x is a difference.
+        indicators: Event indicators it claims.
+    """
+
+    def real(unit: str = "", more: str = "") -> str:
+        return "Real" + (f' unit="{unit}"' if unit else "") + more
+
+    difference = ' relativeQuantity="true"' if relative else ""
+    rows = [
+        _row("x", 0, "output", "continuous", "exact", real(state_unit, f' start="1"{difference}')),
+        _row("der(x)", 1, "local", "continuous", "calculated", real(more=' derivative="1"')),
+        _row("u", 2, "input", "continuous", "", real(input_unit, ' start="0"')),
+        _row("rate", 3, "parameter", "fixed", "exact", real(more=' start="2" min="0.1" max="10"')),
+        _row("gain", 4, "parameter", "fixed", "exact", real(more=' start="3"')),
+        _row("y", 5, "output", "continuous", "calculated", real(output_unit)),
+        _row("flag", 6, "output", "discrete", "calculated", "Boolean"),
+        _row("count", 7, "output", "discrete", "calculated", "Integer"),
+        _row("label", 8, "parameter", "fixed", "exact", 'String start="tiny"'),
+        _row("allowed", 9, "parameter", "fixed", "exact", 'Integer start="3"'),
+    ]
+    if "CoSimulation" in ways:  # a prediction has no discrete inputs
+        rows.append(_row("mode", 10, "input", "discrete", "", 'Integer start="0"'))
+    interfaces = "\n  ".join(WAYS[w] for w in ways)
+    if not directional:
+        interfaces = interfaces.replace(' providesDirectionalDerivative="true"', "")
+    outputs, initial = ("".join(f'<Unknown index="{i}"/>' for i in indices) for indices in ((1, 6, 7, 8), (2, 6, 7, 8)))
+    return "\n".join(
+        [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            f'<fmiModelDescription fmiVersion="{version}" modelName="Tiny" guid="{GUID}"',
+            f'    variableNamingConvention="structured" numberOfEventIndicators="{indicators}">',
+            f"  {interfaces}{UNITS}",
+            '  <LogCategories><Category name="logStatusError"/></LogCategories>',
+            "  <ModelVariables>",
+            *rows,
+            "  </ModelVariables>",
+            f"  <ModelStructure><Outputs>{outputs}</Outputs>",
+            '  <Derivatives><Unknown index="2"/></Derivatives>',
+            f"  <InitialUnknowns>{initial}</InitialUnknowns></ModelStructure>",
+            "</fmiModelDescription>",
+        ]
+    )
+
+
+def tiny(
+    folder: Path,
+    misbehaviour: str = "WELL",
+    *,
+    description: str | None = None,
+    platform: str = fmpy.platform,
+) -> Path:
+    """Build the FMU in `folder` and return its file.
+
+    Args:
+        folder: Where the FMU is written.
+        misbehaviour: A name defined in tiny.c.
+        description: Its modelDescription.xml; None for the plain one.
+        platform: Folder of the binary inside the FMU.
+    """
+    library = shared_library(
+        {"tiny.c": SOURCES["tiny.c"], "quiet.h": SOURCES["quiet.h"]},
+        f"tiny_{misbehaviour.lower()}",
+        include=(HEADERS,),
+        flags=(f"-DMISBEHAVIOUR={misbehaviour}", f'-DTINY_GUID="{GUID}"', "-D_POSIX_C_SOURCE=200809L"),
+    )
+    file = folder / f"{misbehaviour.lower()}.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", description or xml())
+        archive.write(library, f"binaries/{platform}/tiny{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def tied(description: Description) -> Binding:
+    """Return the binding of u, x and y under their own names."""
+    plain = {"unit": "1", "size": 0, "needed": True}
+    return bind(
+        description,
+        inputs=[Signal(name="u", **plain)],
+        outputs=[Signal(name="x", **plain), Signal(name="y", **plain)],
+    )
+
+
+CURVED_OUTPUTS = ("y[1]", "y[2]")
+
+
+def curved(folder: Path, *, directional: bool = True, forgets: bool = False) -> Path:
+    """Build the smooth model-exchange FMU of curved.c in `folder` and return its file; `forgets` is said there."""
+    library = shared_library(
+        {name: SOURCES[name] for name in ("curved.c", "quiet.h", "reals_only.h")},
+        f"curved_{forgets}",
+        include=(HEADERS,),
+        flags=(f'-DTINY_GUID="{GUID}"', *(["-DFORGETS"] if forgets else [])),
+    )
+    rows = [_row(n, i, "local", "continuous", "exact", 'Real start="0" nominal="1"') for i, n in enumerate("abc")]
+    rows += [
+        _row(f"der({n})", 3 + i, "local", "continuous", "calculated", f'Real derivative="{i + 1}"')
+        for i, n in enumerate("abc")
+    ]
+    rows += [_row(f"u[{i + 1}]", 6 + i, "input", "continuous", "", 'Real start="0"') for i in range(2)]
+    rows += [_row(f"y[{i + 1}]", 8 + i, "output", "continuous", "calculated", "Real") for i in range(2)]
+    rows.append(_row("k", 10, "parameter", "fixed", "exact", 'Real start="1"'))
+    rows += [_row(n, 11 + i, "local", "continuous", "calculated", "Real") for i, n in enumerate(("sent", "asked"))]
+    attribute = ' providesDirectionalDerivative="true"' if directional else ""
+    unknown = {i: f'<Unknown index="{i}"/>' for i in range(14)}
+    structure = (
+        f"<Outputs>{unknown[9]}{unknown[10]}</Outputs><Derivatives>{unknown[4]}{unknown[5]}{unknown[6]}</Derivatives>"
+        f"<InitialUnknowns>{''.join(unknown[i] for i in (4, 5, 6, 9, 10))}</InitialUnknowns>"
+    )
+    text = "\n".join(
+        [
+            f'<fmiModelDescription fmiVersion="2.0" modelName="Curved" guid="{GUID}" numberOfEventIndicators="0">',
+            f'  <ModelExchange modelIdentifier="curved"{attribute}/>',
+            "  <ModelVariables>",
+            *rows,
+            "  </ModelVariables>",
+            f"  <ModelStructure>{structure}</ModelStructure>",
+            "</fmiModelDescription>",
+        ]
+    )
+    file = folder / f"curved_{directional}_{forgets}.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", text)
+        archive.write(library, f"binaries/{fmpy.platform}/curved{fmpy.sharedLibraryExtension}")
+    return file
