@@ -84,7 +84,7 @@ trains: $(READY)  ## trains of this project against published stops, UIC 540 and
 	$(PROGRAM) study trains $(QUICK)
 
 bench: fmus  ## speed, as medians and ratios in one run
-	$(PROGRAM) maintain bench
+	$(PROGRAM) study bench
 
 # The tests fill two cores, but for their end; types and distances, in one process each, fill what is left of them.
 test: $(DEV) fmus  ## lint, types, tests, and distances and figures against the accepted ones

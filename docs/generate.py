@@ -18,7 +18,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 import railgrip
-from railgrip import registry, signals
+from railgrip.base import registry
 from railgrip.cli.main import app
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
@@ -29,6 +29,7 @@ from railgrip.scenario.table import ONE_OR_EACH
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.files import lowered
 from railgrip.trace.metrics import meanings
+from railgrip.vehicle import signals
 
 TYPES = {float: "number", int: "integer", str: "text", bool: "true or false", NamedFile: "path", Any: "any"}
 

@@ -86,7 +86,9 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command that the arguments begin with; refuse a former spelling."""
         if args[0] in self.moved:
-            raise InputError(f"`railgrip {args[0]}` is now `railgrip {self.moved[args[0]]}`.")
+            # The first word is the program's name, which may be that of a script.
+            former = " ".join([*ctx.command_path.split()[1:], args[0]])
+            raise InputError(f"`railgrip {former}` is now `railgrip {self.moved[args[0]]}`.")
         return super().resolve_command(ctx, args)
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
@@ -133,10 +135,10 @@ class _Main(Commands):
         "rig": "study roller_rig",
         "trains": "study trains",
         "type-test": "study type_test",
+        "bench": "study bench",
         "readme": "maintain validation",
     } | {
-        name: f"maintain {name}"
-        for name in ("accept", "bench", "calibrate", "conditioning", "regress", "tune", "tune-control")
+        name: f"maintain {name}" for name in ("accept", "calibrate", "conditioning", "regress", "tune", "tune-control")
     }
 
 

@@ -1,4 +1,4 @@
-"""Commands for those who change railgrip itself: baselines, searches and timings."""
+"""Commands for those who change railgrip itself: baselines and searches."""
 
 from typing import ClassVar
 
@@ -20,10 +20,8 @@ class _Maintain(Commands):
             "tune-control": Command("searches:tune_control", "Search the parameters of the control laws."),
             "tune": Command("searches:tune", "Search the twelve noises of the field test's filter."),
         },
-        "Timing": {
-            "bench": Command("bench:bench", "Measure speed, as medians and ratios of cases that run in turn."),
-        },
     }  # fmt: skip
+    moved: ClassVar = {"bench": "study bench"}
 
 
 maintain = typer.Typer(

@@ -57,13 +57,15 @@ def test_help_cites_no_file_of_the_repository(path, capsys):
         ("rig", "study roller_rig"),
         ("monitor-study", "study pad_monitor"),
         ("readme", "maintain validation"),
-        *((name, f"maintain {name}") for name in ("accept", "bench", "calibrate", "conditioning", "regress", "tune")),
+        ("bench", "study bench"),
+        ("maintain bench", "study bench"),
+        *((name, f"maintain {name}") for name in ("accept", "calibrate", "conditioning", "regress", "tune")),
         ("tune-control", "maintain tune-control"),
     ],
 )
 def test_a_former_spelling_is_refused_with_the_new_one(old, new, capsys):
     with pytest.raises(SystemExit) as end:
-        main([old, "--out", "here"])
+        main([*old.split(), "--out", "here"])
     assert end.value.code == 2
     assert f"`railgrip {old}` is now `railgrip {new}`." in capsys.readouterr().err
 

@@ -103,3 +103,13 @@ def test_every_name_of_the_python_interface_is_described(site: Path):
     page = (site / "reference/python.html").read_text(encoding="utf-8")
     names = set(railgrip.__all__) - {"__version__"}
     assert not [name for name in names if not re.search(rf'id="railgrip\.([a-z_.]+\.)?{name}"', page)]
+
+
+def test_every_file_that_the_architecture_page_names_exists():
+    """By its path from the root, from `harness/`, or from the folder with the C of the loop."""
+    named = re.findall(r"`([\w/]+\.(?:py|c|h|toml))`", (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8"))
+    folders = (ROOT, ROOT / "harness", ROOT / "harness/simulate/loop/kernel")
+    of_any_kind = {"KIND.py", "NAME.toml", "KIND.toml"}
+    paths = [path for path in named if path.rpartition("/")[2] not in of_any_kind]
+    assert len(paths) > 20
+    assert not [path for path in paths if not any((folder / path).is_file() for folder in folders)]

@@ -1,10 +1,15 @@
-"""Everything that `railgrip maintain bench` measures: activity → its rows, in the order of the table."""
+"""Everything whose duration is measured, in the order of the table."""
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from railgrip.studies.bench import Row, filters, fmi, stop
+from railgrip.campaign.work import Work
+from railgrip.report.page import Page
+from railgrip.report.table import Table
+from railgrip.studies.bench import Row, filters, fmi, machine, stop
+from railgrip.studies.study import Study
 
 CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "cold build of all FMUs": stop.of_recipes,
@@ -22,3 +27,29 @@ CASES: Final[Mapping[str, Callable[[], Iterator[Row]]]] = {
     "stops by what the filter evaluates": stop.of_predictions,
     "stops in two processes": stop.of_workers,
 }
+"""Activity → its rows."""
+
+
+@dataclass(frozen=True)
+class Bench(Study):
+    """Measure durations, as medians and ratios of cases that run in turn.
+
+    They are printed beside their targets and are not judged. Run it while nothing else runs.
+    """
+
+    def page(self, work: Work) -> Page:
+        """Measure one case after the other, in this process, and return the table."""
+        rows: list[Row] = []
+        for doing, case in CASES.items():
+            work.notify(doing)
+            rows += case()
+        table = Table.of(("what", "measured", "target"), rows, title=machine())
+        return Page(
+            template="studies/bench/bench.md.jinja",
+            values={"machine": machine(), "durations": table},
+            tables={"durations.csv": table},
+            screen=(table,),
+        )
+
+
+STUDY = Bench
