@@ -239,7 +239,7 @@ panels = "none"
 
 def commands(folder, laws):
     """Commands by name; in the files that they are given stands a class of the folder `laws`."""
-    wagon = (Path(registry.__file__).parent / "scenario" / "library" / "wagon.toml").read_text()
+    wagon = registry.shelf("scenarios")["wagon"].read_text()
     assert 'kind = "slip_two_state"' in wagon
     (folder / "wagon.toml").write_text(wagon.replace('kind = "slip_two_state"', f'kind = "{laws}:Hold"'))
     (folder / "conditioning.toml").write_text(CAMPAIGN)
