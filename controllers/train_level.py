@@ -83,7 +83,7 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
         for quantities, symbol in ((law.formula.inputs, symbols[1]), (law.formula.parameters, symbols[2]))
     )
     numbers = range(1, len(groups) + 1)
-    missing, room = 0.0, 0.0
+    missing, available = 0.0, 0.0
     grants: list[Expression] = []
     spare: list[Expression] = []
     for g, demand in zip(numbers, demands, strict=True):
@@ -97,13 +97,13 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
         most = pressure_for(adhesion_max * brake["load"] * brake["wheel_radius"], friction, brake)
         most = choose(demand < most, demand, most)
         margin = choose(most > request, most - request, 0.0)
-        missing, room = missing + gain * (request - grant), room + gain * margin
+        missing, available = missing + gain * (request - grant), available + gain * margin
         grants.append(grant)
         spare.append(margin)
     carried = ca.SX.sym("missing")
     share = period / (T_REDISTRIBUTION + period)
     after = carried + share * (missing - carried)
-    part = choose(after < room, after / choose(room > 0.0, room, 1.0), 1.0)
+    part = choose(after < available, after / choose(available > 0.0, available, 1.0), 1.0)
     results = [grant + part * margin for grant, margin in zip(grants, spare, strict=True)]
     state = Quantity(name="missing", unit="N", description="force that groups cannot give, filtered")
     formula = replace(law.formula, states=(*law.formula.states, state))

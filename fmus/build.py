@@ -22,8 +22,8 @@ from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 if TYPE_CHECKING:
     from railgrip.fmus.native.package import Source
 
-ROOM = Path(__file__).parent
-OUTPUT = ROOM.parent / "build" / "fmus"
+FOLDER = Path(__file__).parent
+OUTPUT = FOLDER.parent / "build" / "fmus"
 """Where `railgrip build` leaves copies; nothing of ours is loaded from there."""
 
 KIND = "fmus"
@@ -40,11 +40,11 @@ class Stamp:
 
     Attributes:
         source: Digest of the C code and XML, under which the FMU is kept: the C compiler runs only when it moves.
-        face: The FMU as lock.toml records it; empty when OpenModelica built it.
+        interface: The FMU as lock.toml records it; empty when OpenModelica built it.
     """
 
     source: str
-    face: dict[str, Any]
+    interface: dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,14 +53,14 @@ class Artifact:
 
     Attributes:
         action: built; unchanged, when Modelica files moved but the model did not; current, when nothing did.
-        face: As in `Stamp`.
+        interface: As in `Stamp`.
     """
 
     name: str
     path: Path
     compiler: str
     action: Action
-    face: dict[str, Any]
+    interface: dict[str, Any]
 
 
 def fmu(name: str, compiler: Compiler = "auto") -> Path:
@@ -127,9 +127,9 @@ def _up_to_date(order: "_Order") -> Artifact:
 
 
 def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", dict[str, Any]]:
-    """Return C code and XML of a recipe's FMU from the built-in compiler, and its face for lock.toml."""
+    """Return C code and XML of a recipe's FMU from the built-in compiler, and its interface for lock.toml."""
     # CasADi, rumoca and scipy take half a second to import; when everything is up to date nobody needs them.
-    from railgrip.fmus.lock import face
+    from railgrip.fmus.lock import interface_of
     from railgrip.fmus.native import package
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.system import explicit
@@ -142,7 +142,7 @@ def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", di
         tolerance=recipe.tolerance,
         step=recipe.step,
     )
-    return source, face(recipe, system, source.digest)
+    return source, interface_of(recipe, system, source.digest)
 
 
 def build(
@@ -199,9 +199,9 @@ class _Order:
     def entry(self, source: str) -> Path | None:
         return cache.find(KIND, source, f"{self.name}.fmu")
 
-    def artifact(self, action: Action, entry: Path, face: dict[str, Any]) -> Artifact:
+    def artifact(self, action: Action, entry: Path, interface: dict[str, Any]) -> Artifact:
         path = entry if self.directory is None else _copy(entry, self.directory)
-        return Artifact(name=self.name, path=path, compiler=self.compiler, action=action, face=face)
+        return Artifact(name=self.name, path=path, compiler=self.compiler, action=action, interface=interface)
 
 
 _Translation = tuple["Source", dict[str, Any]]
@@ -214,7 +214,7 @@ def _current(order: _Order, inputs: str) -> Artifact | None:
         return None
     stamp = Stamp(**json.loads(file.read_text()))
     entry = order.entry(stamp.source)
-    return None if entry is None else order.artifact("current", entry, stamp.face)
+    return None if entry is None else order.artifact("current", entry, stamp.interface)
 
 
 def _translation_of(order: _Order) -> _Translation | None:
@@ -225,21 +225,21 @@ def _translation_of(order: _Order) -> _Translation | None:
     from railgrip.fmus.native.package import Source
 
     recipe = order.recipe.model_dump(by_alias=True)
-    source, face = confined.call("translate", order.recipe.class_name, order.library, recipe=recipe)
-    return Source(**source), face
+    source, interface = confined.call("translate", order.recipe.class_name, order.library, recipe=recipe)
+    return Source(**source), interface
 
 
 def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what `translate` does for a recipe, all as JSON has it, for `confined`."""
-    source, face = translate(Recipe.model_validate(recipe), library)
-    return asdict(source), face
+    source, interface = translate(Recipe.model_validate(recipe), library)
+    return asdict(source), interface
 
 
 def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:
     """Compile what was translated, unless it was before, and leave a stamp."""
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
-        stamp = Stamp(source=inputs, face={})
+        stamp = Stamp(source=inputs, interface={})
         with scratch("build") as folder:
             # Where it is still there when somebody reads the message that names it: beside the copy, else in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
@@ -248,15 +248,15 @@ def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Ar
     else:
         from railgrip.fmus.native import package
 
-        source, face = translation
-        stamp = Stamp(source=digest([source.digest, toolchain_digest()]), face=face)
+        source, interface = translation
+        stamp = Stamp(source=digest([source.digest, toolchain_digest()]), interface=interface)
         entry = order.entry(stamp.source)
         if entry is None:
             entry = cache.keep(KIND, stamp.source, file, package.archive_bytes(source))
         else:
             action = "unchanged"
     cache.keep(KIND, inputs, f"{order.name}.json", json.dumps(asdict(stamp)).encode())
-    return order.artifact(action, entry, stamp.face)
+    return order.artifact(action, entry, stamp.interface)
 
 
 def _copy(entry: Path, directory: Path) -> Path:

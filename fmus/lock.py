@@ -8,7 +8,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from railgrip.fmus.native.code import layout
+from railgrip.fmus.native.code import layout_of
 from railgrip.fmus.native.lowering import output_scalars
 from railgrip.fmus.native.system import System
 from railgrip.fmus.native.variables import Scalar
@@ -27,25 +27,25 @@ class Difference:
     what: str
 
 
-def face(recipe: Recipe, system: System, digest: str) -> Entry:
+def interface_of(recipe: Recipe, system: System, digest: str) -> Entry:
     """Return what lock.toml records of an FMU.
 
     Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of
     their unknowns; parameters (public ones), event_indicators, time_events, clocks, discretes, assertions as counts.
     """
-    lay = layout(system)
+    layout = layout_of(system)
     return {
         "class": recipe.class_name,
         "digest": digest,
-        "parameters": sum(not p.protected for p in lay.parameters[: lay.free]),
-        "discretes": len(lay.discretes),
+        "parameters": sum(not p.protected for p in layout.parameters[: layout.free]),
+        "discretes": len(layout.discretes),
         "event_indicators": system.indicators.numel(),
         "time_events": system.instants.numel(),
         "clocks": len(system.clocks),
         "assertions": len(system.assertions),
         "nonlinear_loops": [list(block) for block in system.loops.blocks],
-        "states": _units(lay.states),
-        "inputs": _units(lay.inputs),
+        "states": _units(layout.states),
+        "inputs": _units(layout.inputs),
         "outputs": _units(output_scalars(system)),
     }
 

@@ -277,7 +277,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
     Raises:
         ScenarioError: A class does not take its parameters, an object has some, or a folder is none.
     """
-    from railgrip.simulate.importing import made
+    from railgrip.simulate.importing import instance_of
     from railgrip.simulate.parts import OwnParts
 
     objects: dict[str, Any] = {}
@@ -285,7 +285,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
         table = _TABLES[name]
         arguments = (parameters or {}).get(table, {})
         if isinstance(part, type):
-            part = made(part, arguments, f"{name}:")
+            part = instance_of(part, arguments, f"{name}:")
         elif arguments:
             raise ScenarioError(
                 f"'{table}.parameters.{next(iter(arguments))}' is a parameter of a class, but {name} is an object "

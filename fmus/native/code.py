@@ -54,7 +54,7 @@ class Layout:
         return 1 + sum(len(self.states if name == "derivatives" else getattr(self, name)) for name in before)
 
 
-def layout(system: System) -> Layout:
+def layout_of(system: System) -> Layout:
     """Return where the variables of a system lie."""
     v = system.variables
     return Layout(
@@ -165,7 +165,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         solver: rodas3 or rodas4, the default of the parameter `_solver`.
         tolerance: Relative error of an internal step, the default of `_tolerance`.
     """
-    lay = layout(system)
+    layout = layout_of(system)
     states = jacobian(system).sparsity().get_triplet()
     outputs = ca.jacobian(split_algebraics(system)[0], system.x).sparsity().get_triplet()
     patterns = {
@@ -175,17 +175,17 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     }
     elimination = None
     if "cs" in interfaces:
-        elimination = eliminate(len(lay.states), list(zip(*patterns["jacobian"], strict=True)))
+        elimination = eliminate(len(layout.states), list(zip(*patterns["jacobian"], strict=True)))
     parts = [*SHARED, *(part for i in PARTS if i in interfaces for part in PARTS[i])]
     loud = loud_discretes(system)
-    sizes = _sizes(system, lay) | {
+    sizes = _sizes(system, layout) | {
         "NJ": len(patterns["jacobian"][0]),
         "BY_STATE": int("me" in interfaces),
         "NSJ": len(patterns["state"][0]),
         "NOJ": len(patterns["output"][0]),
         "N_LOUD": len(loud),
         "NLU": elimination.entries if elimination else 0,
-        "DISCRETE_INPUTS": int(any(s.type != "real" for s in lay.inputs)),
+        "DISCRETE_INPUTS": int(any(s.type != "real" for s in layout.inputs)),
         "DEFAULT_SOLVER": SOLVERS[solver],
         "DEFAULT_TOLERANCE": repr(float(tolerance)),
         "MODEL_GUID": string_literal(""),
@@ -193,7 +193,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     body = [
         "/* Generated from Modelica; do not edit. */",
         *(f"#define {name} {value}" for name, value in sizes.items()),
-        *_value_tables(system, lay),
+        *_value_tables(system, layout),
         table("int", "loud", loud),
         table("int", "indicator_relation", system.indicator_relation),
         *(
@@ -201,7 +201,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
             for name, pattern in patterns.items()
             for axis, places in zip(("row", "column"), pattern, strict=True)
         ),
-        *_text_tables(system, lay),
+        *_text_tables(system, layout),
         _model_functions(system, interfaces),
         '#include "layout.h"',
         elimination.code if elimination else "",
@@ -211,16 +211,16 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in ["tape.c", *parts]}
 
 
-def _sizes(system: System, lay: Layout) -> dict[str, int]:
+def _sizes(system: System, layout: Layout) -> dict[str, int]:
     """Return the sizes that depend on the system alone, not on interfaces and solver."""
     return {
-        "NX": len(lay.states),
-        "NU": len(lay.inputs),
-        "NP": len(lay.parameters),
-        "NF": lay.free,
-        "NO": len(lay.outputs),
-        "NL": len(lay.locals),
-        "ND": len(lay.discretes),
+        "NX": len(layout.states),
+        "NU": len(layout.inputs),
+        "NP": len(layout.parameters),
+        "NF": layout.free,
+        "NO": len(layout.outputs),
+        "NL": len(layout.locals),
+        "ND": len(layout.discretes),
         "NR": system.relation.numel(),
         "NZ": system.indicators.numel(),
         "NC": system.last_conditions.numel(),
@@ -233,16 +233,16 @@ def _sizes(system: System, lay: Layout) -> dict[str, int]:
     }
 
 
-def _value_tables(system: System, lay: Layout) -> list[str]:
+def _value_tables(system: System, layout: Layout) -> list[str]:
     """Return the tables of start and nominal values, and of clocks."""
     by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
-    groups = {"x": lay.states, "u": lay.inputs, "p": lay.parameters, "d": lay.discretes}
+    groups = {"x": layout.states, "u": layout.inputs, "p": layout.parameters, "d": layout.discretes}
     unknowns = {"g": guesses, "q": start_guesses}
     return [
         *(table("double", f"start_{name}", [s.start for s in group]) for name, group in groups.items()),
         *(table("double", f"start_{name}", [s.start if s else 0.0 for s in own]) for name, own in unknowns.items()),
-        table("double", "nominal_x", [nominal(s) for s in lay.states]),
+        table("double", "nominal_x", [nominal(s) for s in layout.states]),
         *(
             table("double", f"nominal_{name}", [nominal(s) if s else 1.0 for s in own])
             for name, own in unknowns.items()
@@ -253,12 +253,12 @@ def _value_tables(system: System, lay: Layout) -> list[str]:
     ]
 
 
-def _text_tables(system: System, lay: Layout) -> list[str]:
+def _text_tables(system: System, layout: Layout) -> list[str]:
     """Return the tables of names, and of assertions with the pieces of their messages: null for a value."""
     assertions = system.assertions
     return [
         table("char", "assertion_fatal", [int(a.fatal) for a in assertions]),
-        strings("x_name", [s.name for s in lay.states]),
+        strings("x_name", [s.name for s in layout.states]),
         strings("assertion_place", [a.where for a in assertions]),
         strings("message_piece", [None if isinstance(piece, SX) else piece for a in assertions for piece in a.message]),
         table("int", "message_begin", [0, *accumulate(len(a.message) for a in assertions)]),

@@ -11,7 +11,7 @@ import casadi as ca
 from railgrip.base.errors import UnitError
 from railgrip.base.units import BASE, unit
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.code import SOLVERS, Layout, layout, nominal, split_algebraics
+from railgrip.fmus.native.code import SOLVERS, Layout, layout_of, nominal, split_algebraics
 from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.variables import Scalar
 
@@ -136,9 +136,9 @@ def write(
         interfaces: Of "me" and "cs".
         step: Communication step to suggest, s.
     """
-    lay = layout(system)
+    layout = layout_of(system)
     w = Writer()
-    _variables(w, system, lay, solver, tolerance)
+    _variables(w, system, layout, solver, tolerance)
     flags = {
         "modelIdentifier": identifier,
         "canNotUseMemoryManagementFunctions": "true",
@@ -158,11 +158,11 @@ def write(
             "numberOfEventIndicators": str(system.indicators.numel()),
         },
         dict(kinds[key] for key in kinds if key in interfaces),
-        units=_units(lay),
+        units=_units(layout),
         categories={"logStatusError": "Why a call failed", "logStatusWarning": "Assertions of level warning"},
         experiment={"tolerance": repr(tolerance), "stepSize": repr(step)},
         rows=w.rows,
-        structure=_structure(w, system, lay),
+        structure=_structure(w, system, layout),
     )
 
 
@@ -210,7 +210,7 @@ def document(
     )
 
 
-def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: float) -> None:
+def _variables(w: Writer, system: System, layout: Layout, solver: str, tolerance: float) -> None:
     def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
         """Yield place, variable and value reference of what is shown: as in OpenModelica, whatever is not protected.
 
@@ -218,14 +218,14 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
         """
         return ((i, s, first(group) + i) for i, s in enumerate(members) if not s.protected)
 
-    first = lay.reference
-    for i, (s, calculated) in enumerate(zip(lay.states, system.calculated, strict=True)):
+    first = layout.reference
+    for i, (s, calculated) in enumerate(zip(layout.states, system.calculated, strict=True)):
         w.scalar(
             s, first("states") + i, "continuous", initial="calculated" if calculated else "exact",
             start=None if calculated else s.start,
             attributes={"nominal": repr(nominal(s))} if nominal(s) != 1.0 else {},
         )  # fmt: skip
-    for i, s in enumerate(lay.states):
+    for i, s in enumerate(layout.states):
         unit = s.attributes.get("unit")
         attributes = {"unit": _per_second(unit)} if unit else {}
         attributes["derivative"] = str(w.index[first("states") + i])
@@ -233,24 +233,24 @@ def _variables(w: Writer, system: System, lay: Layout, solver: str, tolerance: f
             f"der({s.name})", first("derivatives") + i, causality="local", variability="continuous",
             initial="calculated", attributes=attributes,
         )  # fmt: skip
-    for i, s in enumerate(lay.inputs):
+    for i, s in enumerate(layout.inputs):
         variability = "continuous" if _type(s) == "Real" else "discrete"
         w.scalar(s, first("inputs") + i, variability, causality="input", initial=None, start=s.start)
-    for i, s, reference in public("parameters", lay.parameters):
-        if i < lay.free:
+    for i, s, reference in public("parameters", layout.parameters):
+        if i < layout.free:
             variability = "tunable" if s.attributes["tunable"] else "fixed"
             w.scalar(s, reference, variability, causality="parameter", initial="exact", start=s.start)
         else:
             w.scalar(s, reference, "tunable", causality="calculatedParameter")
     for group, members, variability in (
-        ("outputs", lay.outputs, "continuous"),
-        ("locals", lay.locals, "continuous"),
-        ("discretes", lay.discretes, "discrete"),
+        ("outputs", layout.outputs, "continuous"),
+        ("locals", layout.locals, "continuous"),
+        ("discretes", layout.discretes, "discrete"),
     ):
         for _, s, reference in public(group, members):
             w.scalar(s, reference, variability)
     own = {"_tolerance": ("Real", tolerance, {"unit": "1"}), "_solver": ("Integer", SOLVERS[solver], _SOLVER_BOUNDS)}
-    for i, name in enumerate(lay.settings):
+    for i, name in enumerate(layout.settings):
         reference, text = first("settings") + i, SETTINGS[name]
         if name in own:
             type_, start, attributes = own[name]
@@ -276,11 +276,11 @@ def _per_second(unit: str) -> str:
     return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
-def _units(lay: Layout) -> set[str]:
+def _units(layout: Layout) -> set[str]:
     names = {"1", "s"}
-    for group in (lay.states, lay.inputs, lay.parameters, lay.outputs, lay.locals, lay.discretes):
+    for group in (layout.states, layout.inputs, layout.parameters, layout.outputs, layout.locals, layout.discretes):
         names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
-    return names | {_per_second(s.attributes["unit"]) for s in lay.states if s.attributes.get("unit")}
+    return names | {_per_second(s.attributes["unit"]) for s in layout.states if s.attributes.get("unit")}
 
 
 def _unit_definitions(names: Iterable[str]) -> list[str]:
@@ -301,13 +301,13 @@ def _unit_definitions(names: Iterable[str]) -> list[str]:
     return [*out, "  </UnitDefinitions>"]
 
 
-def _structure(w: Writer, system: System, lay: Layout) -> dict[str, list[str]]:
-    first = lay.reference
-    nx = len(lay.states)
+def _structure(w: Writer, system: System, layout: Layout) -> dict[str, list[str]]:
+    first = layout.reference
+    nx = len(layout.states)
     outputs, _ = split_algebraics(system)
     unknowns = column([system.derivative, outputs])
     knowns = ca.vertcat(system.x, system.u)
-    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(lay.inputs))]
+    references = [first("states") + i for i in range(nx)] + [first("inputs") + i for i in range(len(layout.inputs))]
     jacobian = (
         ca.jacobian(unknowns, knowns) if unknowns.numel() and knowns.numel() else SX(unknowns.numel(), knowns.numel())
     )
@@ -328,18 +328,20 @@ def _structure(w: Writer, system: System, lay: Layout) -> dict[str, list[str]]:
         )
 
     derivatives = [unknown(first("derivatives") + i, depends[i]) for i in range(nx)]
-    output_rows = [unknown(first("outputs") + i, depends[nx + i]) for i in range(len(lay.outputs))]
-    for i, s in enumerate(lay.states):
+    output_rows = [unknown(first("outputs") + i, depends[nx + i]) for i in range(len(layout.outputs))]
+    for i, s in enumerate(layout.states):
         if s.causality == "output":
             reference = first("states") + i
             output_rows.append(unknown(reference, [(w.index[reference], "constant")]))
-    discrete = [first("discretes") + i for i, s in enumerate(lay.discretes) if s.causality == "output"]
+    discrete = [first("discretes") + i for i, s in enumerate(layout.discretes) if s.causality == "output"]
     output_rows += [unknown(reference, None) for reference in discrete]
-    initial = [first("outputs") + i for i in range(len(lay.outputs))] + discrete
+    initial = [first("outputs") + i for i in range(len(layout.outputs))] + discrete
     initial += [first("states") + i for i in range(nx) if system.calculated[i]]
     initial += [first("derivatives") + i for i in range(nx)]
     initial += [
-        first("parameters") + i for i in range(lay.free, len(lay.parameters)) if not lay.parameters[i].protected
+        first("parameters") + i
+        for i in range(layout.free, len(layout.parameters))
+        if not layout.parameters[i].protected
     ]
     unknowns_at_start = [unknown(reference, None) for reference in initial if reference in w.index]
     return {

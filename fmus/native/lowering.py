@@ -36,10 +36,10 @@ def model_of(system: System) -> Model:
     names = ["t", "x", "u", "p"]
     return Model(
         class_name=system.class_name,
-        states=_edge(system.states),
-        inputs=_edge(v.inputs),
-        parameters=_edge(v.free),
-        outputs=_edge(output_scalars(system)),
+        states=_variables(system.states),
+        inputs=_variables(v.inputs),
+        parameters=_variables(v.free),
+        outputs=_variables(output_scalars(system)),
         derivative=ca.Function("derivative", arguments, [values[:nx]], names, ["dx"]),
         output=ca.Function("output", arguments, [values[nx : nx + ny]], names, ["y"]),
         initial=ca.Function("initial", [free], [values[nx + ny :]], ["p"], ["x"]),
@@ -59,7 +59,7 @@ def output_values(system: System) -> SX:
     return column([expressions[s.name] for s in output_scalars(system)])
 
 
-def _edge(scalars: Sequence[Scalar]) -> tuple[Variable, ...]:
+def _variables(scalars: Sequence[Scalar]) -> tuple[Variable, ...]:
     return tuple(
         Variable(
             name=s.name,

@@ -42,14 +42,14 @@ class Work:
         count: Processes.
         scheduler: Address of a Dask cluster in place of processes here, or None.
         fresh: Whether to run also what has a result.
-        made: Cases that were run, because the cache had no result of them.
+        run_count: Cases that were run, because the cache had no result of them.
     """
 
     def __init__(
         self, bar: Progress, stack: ExitStack, study: str, folder: Path, count: int, scheduler: str | None, fresh: bool
     ) -> None:
         """Run nothing yet; a pool of processes starts with the first case, and ends with `stack`."""
-        self.folder, self.count, self.scheduler, self.fresh, self.made = folder, count, scheduler, fresh, 0
+        self.folder, self.count, self.scheduler, self.fresh, self.run_count = folder, count, scheduler, fresh, 0
         self._bar, self._stack, self._study = bar, stack, study
         self._total = 0
         self._pool: tuple[Executor, Callable[[], None]] | None = None
@@ -82,8 +82,8 @@ class Work:
             RailgripError: The first that a case ends with.
         """
         order = list(cases)
-        ground = sources_digest(self._study) + choose("auto")
-        keys = [hashlib.sha256(_text([ground, function, case]).encode()).hexdigest() for case in order]
+        sources = sources_digest(self._study) + choose("auto")
+        keys = [hashlib.sha256(_text([sources, function, case]).encode()).hexdigest() for case in order]
         case_of = dict(zip(keys, order, strict=True))
         self.expect(len(case_of))
         results: dict[str, R] = {}
@@ -103,7 +103,7 @@ class Work:
             if keep:
                 cache.keep(KIND, key, _NAME, zlib.compress(pickle.dumps(result)))
             results[key] = result
-            self.made += 1
+            self.run_count += 1
             self.advance()
         return [results[key] for key in keys]
 

@@ -81,26 +81,26 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
     except (OSError, ValueError) as problem:
         raise InputError(f"--scheduler {address}: no Dask scheduler answers there: {problem}") from problem
     with client:
-        seen, told = time.monotonic(), False
+        last_answer, warned = time.monotonic(), False
 
         def check() -> None:
-            nonlocal seen, told
+            nonlocal last_answer, warned
             threads = [worker["nthreads"] for worker in client.scheduler_info(-1)["workers"].values()]
             if any(count > 1 for count in threads):
                 raise InputError(
                     f"--scheduler {address}: a worker has {max(threads)} threads, and CasADi and FMUs want one: start "
                     "workers with `dask worker --nthreads 1`"
                 )
-            missing = time.monotonic() - seen
+            missing = time.monotonic() - last_answer
             if threads:
-                seen, told = time.monotonic(), False
+                last_answer, warned = time.monotonic(), False
             elif missing > _WITHOUT_WORKERS:
                 raise RailgripError(
                     f"--scheduler {address}: has had no worker for {_WITHOUT_WORKERS:g} s; start some with "
                     f"`dask worker {address} --nthreads 1` and repeat the command, which keeps what has finished"
                 )
-            elif missing > _ANSWER and not told:
-                told = True
+            elif missing > _ANSWER and not warned:
+                warned = True
                 remark(f"--scheduler {address}: has no worker; waiting {_WITHOUT_WORKERS:g} s for one")
 
         check()

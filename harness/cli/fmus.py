@@ -80,17 +80,19 @@ def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
     """Validate FMUs and compare them with lock.toml, or write it."""
     book = read_recipes()
     complaints: list[str] = []
-    faces: dict[str, Entry] = {}
+    interfaces: dict[str, Entry] = {}
     for artifact in build(() if update else names, compiler):
         complaints += [f"{artifact.name}.fmu: {problem}" for problem in validation_problems(artifact.path)]
         # The lock file records the built-in compiler's view, whichever compiler made the FMU.
-        faces[artifact.name] = artifact.face or translate(book[artifact.name])[1]
+        interfaces[artifact.name] = artifact.interface or translate(book[artifact.name])[1]
     if update:
-        write_lock(book, faces)
+        write_lock(book, interfaces)
         say(f"{LOCK} written")
     else:
         lock = read_lock()
-        complaints += [f"{d.name}: {d.what}" for name, face in faces.items() for d in differences(name, lock, face)]
+        complaints += [
+            f"{d.name}: {d.what}" for name, interface in interfaces.items() for d in differences(name, lock, interface)
+        ]
     if complaints:
         fail(*complaints)
-    say(f"{len(faces)} FMUs are valid" + ("" if update else " and as lock.toml says"))
+    say(f"{len(interfaces)} FMUs are valid" + ("" if update else " and as lock.toml says"))

@@ -46,7 +46,7 @@ def main() -> None:
     os.close(line)
     os.close(printer)
     output = _Output(printed, how["limits"]["output_mib"] << 20)
-    ended = _watch(server, life, wakeup, output)
+    ended = _supervise(server, life, wakeup, output)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(server, signal.SIGKILL)  # its session, at one stroke
     _, status, usage = os.wait4(server, 0)
@@ -124,7 +124,7 @@ def _tasks() -> int:
     return count
 
 
-def _watch(server: int, life: int, wakeup: int, output: _Output) -> bool:
+def _supervise(server: int, life: int, wakeup: int, output: _Output) -> bool:
     """Wait until the FMU's process has ended or printed too much, or the program wants an end.
 
     Returns:

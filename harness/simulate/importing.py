@@ -47,7 +47,7 @@ def part_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
     Raises:
         ScenarioError: See `class_of`, or the class does not take these parameters.
     """
-    return made(class_of(table, role, folders), table.parameters, _table(role))
+    return instance_of(class_of(table, role, folders), table.parameters, _table(role))
 
 
 def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
@@ -93,7 +93,7 @@ def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
     return found
 
 
-def made(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
+def instance_of(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
     """Return a new object of a user's class.
 
     Raises:

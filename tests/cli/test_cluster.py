@@ -68,7 +68,7 @@ def test_cases_of_a_study_run_there_and_are_kept_here(two_workers, own_cache):
     for _ in range(2):
         with work("lateral", scheduler=two_workers.scheduler_address) as own:
             assert own.map(math.sqrt, [4.0, 9.0]) == [2.0, 3.0]
-            made = own.made
+            made = own.run_count
     assert made == 0
 
 

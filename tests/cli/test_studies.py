@@ -48,9 +48,9 @@ def test_a_case_is_run_once_whatever_its_values_are(study_work):
     first = study_work.map(counted, [*cases, *cases])
     assert len(set(first)) == len(cases)
     assert first[: len(cases)] == first[len(cases) :]
-    assert study_work.made == len(cases)
+    assert study_work.run_count == len(cases)
     assert study_work.map(counted, reversed(cases)) == first[len(cases) - 1 :: -1]
-    assert study_work.made == len(cases)
+    assert study_work.run_count == len(cases)
     assert study_work.map(counted, [Case(1.0)], keep=False) != first[:1]
 
 
@@ -64,7 +64,7 @@ def test_a_case_that_fails_ends_the_study_and_is_not_kept(study_work):
     for _ in range(2):
         with pytest.raises(EstimationError, match="nobody knows"):
             study_work.map(counted, [Case(-1.0)])
-    assert study_work.made == 0
+    assert study_work.run_count == 0
 
 
 def test_studies_are_listed_with_what_they_are(capsys):

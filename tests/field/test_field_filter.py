@@ -174,7 +174,9 @@ def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
 def test_an_interrupted_search_ends_like_an_uninterrupted_one(task):
     def search(generations, fresh=False):
         with work("field_test", fresh=fresh) as own:
-            return tune("paper", [task], Search(population=8, generations=generations, stage=1, seed=3), own), own.made
+            return tune(
+                "paper", [task], Search(population=8, generations=generations, stage=1, seed=3), own
+            ), own.run_count
 
     search(1)
     whole, made = search(2)

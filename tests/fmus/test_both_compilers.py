@@ -1,4 +1,4 @@
-"""OpenModelica's FMUs against ours: the same face, trajectories, derivatives and steps. Needs omc on the PATH.
+"""OpenModelica's FMUs against ours: the same interface, trajectories, derivatives and steps. Needs omc on the PATH.
 
 Trajectories are compared through model exchange, where one integrator runs both FMUs and finds their events. In
 co-simulation each brings its own solver, and OpenModelica's acts on events where a step ends.

@@ -115,20 +115,20 @@ def test_openmodelica_is_taken_when_it_is_there_and_missed_when_asked_for(monkey
 
 def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path, kitchen):
     make, _, folder = kitchen
-    face = make().face
+    interface = make().interface
     book = read_recipes(folder / "recipes.toml")
     file = tmp_path / "lock.toml"
-    write_lock(book, {"Ball": face}, file)
+    write_lock(book, {"Ball": interface}, file)
     locked = read_lock(file)
-    assert differences("Ball", locked, face) == []
-    assert face["states"] == {"h": "", "v": ""}
-    assert face["event_indicators"] == 1
-    moved = face | {"states": {"h": "m", "v": ""}, "event_indicators": 2}
+    assert differences("Ball", locked, interface) == []
+    assert interface["states"] == {"h": "", "v": ""}
+    assert interface["event_indicators"] == 1
+    moved = interface | {"states": {"h": "m", "v": ""}, "event_indicators": 2}
     assert [d.what for d in differences("Ball", locked, moved)] == [
         "event_indicators was 1, is 2",
         "states: h was '', is 'm'",
     ]
-    assert [d.what for d in differences("New", locked, face)] == ["is not in lock.toml"]
+    assert [d.what for d in differences("New", locked, interface)] == ["is not in lock.toml"]
 
 
 def ended(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = None):
@@ -231,5 +231,5 @@ def test_only_the_cache_counts_as_built(kitchen):
     (folder / "out" / "Ball.fmu").write_text("from a stranger")
     done = make()
     assert done.action == "built"
-    assert done.face["class"] == "Features.BouncingBall"
+    assert done.interface["class"] == "Features.BouncingBall"
     assert done.path.read_bytes() != b"from a stranger"

@@ -116,7 +116,7 @@ def test_building_it_elsewhere_gives_the_same_bytes(catalogue, name, tmp_path, o
 @pytest.mark.parametrize("name", BOOK.recipes)
 def test_its_face_is_the_one_in_the_lock_file(catalogue, name):
     """A difference means that the models changed: look at it, then `railgrip build --check --update`."""
-    assert differences(name, read_lock(), catalogue[name].face) == []
+    assert differences(name, read_lock(), catalogue[name].interface) == []
 
 
 @pytest.mark.parametrize("name", BOOK.recipes)

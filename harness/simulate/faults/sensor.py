@@ -30,7 +30,7 @@ class _SensorFault(Fault):
                 raise broken(f"has '{name}', but {self.part} takes {choice}")
         return self
 
-    def _shown(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
+    def _of_reading(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
         """Yield an elementary fault for each reading."""
         at = site.layout.reading[READ_BY[self.part]]
         what, number = ("wheelset", self.wheelset) if self.part == "deflection_sensor" else ("group", self.group)
@@ -49,7 +49,7 @@ class Silent(_SensorFault):
 
     def of_readings(self, site: Site) -> Iterator[ReadingFault]:
         """Return what stands for a reading; zero is a factor."""
-        return self._shown(site, "scaled" if self.kind == "zero" else self.kind)
+        return self._of_reading(site, "scaled" if self.kind == "zero" else self.kind)
 
 
 class Wrong(_SensorFault):
@@ -65,4 +65,4 @@ class Wrong(_SensorFault):
         name = f"reading_{READ_BY[self.part]}"
         units = {signal.name: signal.unit for signal in site.layout.reading_signals}
         unit, positive = "1" if self.kind == "scaled" else units[name], self.kind if self.kind == "noisy" else ""
-        return self._shown(site, self.kind, amount_of(self.value, unit, site.where, positive))
+        return self._of_reading(site, self.kind, amount_of(self.value, unit, site.where, positive))

@@ -153,7 +153,7 @@ def in_the_loop(
     nominal = brake.equivalent_deceleration(nominal_distance)
     costs = {p: _cost(specification, brake.units, p) for p in _SCALING}
     seconds: list[float] = []
-    made_before = work.made
+    runs_before = work.run_count
     one_stop = partial(_stop, import_from=tuple(import_from))
 
     def performance(state: State, standard: Array) -> Array:
@@ -186,7 +186,7 @@ def in_the_loop(
         "neglected_probability": neglected,
         "samples": len(seconds),
         "estimated_stops": {f"{p:g}": cost for p, cost in costs.items()},
-        "seconds": {"stop": median(seconds), "new_stops": work.made - made_before},
+        "seconds": {"stop": median(seconds), "new_stops": work.run_count - runs_before},
     }
 
 
