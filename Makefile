@@ -65,8 +65,8 @@ validation: $(READY)  ## write the accepted braking distances into docs/validati
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) maintain regress
 
-mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (hours; STOPS='sine_sweep-*')
-	$(RUN) tests/mutants.py $(if $(STOPS),--stops '$(STOPS)')
+mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (STOPS='sine_sweep-*')
+	$(RUN) tests/mutants.py --first $(if $(STOPS),--stops '$(STOPS)')
 
 accept: $(READY)  ## move the baselines to the last regress: make accept REASON='why the new distances are right'
 	$(PROGRAM) maintain accept --reason '$(REASON)'
