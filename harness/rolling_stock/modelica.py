@@ -60,7 +60,6 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
                 "kind": _identifier(bogie.kind),
                 "n": len(bogie.axles),
                 "groups": len(own),
-                "group_numbers": own,
                 "g": f"{own[0]}:{own[-1]}",
                 "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
                 "body": body_of_car[bogie.cars[0]] + 1,

@@ -38,48 +38,12 @@ model Axle "Wheelset with its brake, or several that turn as one"
   Interfaces.BooleanInput standstill
     "= true, if the train stands"
     annotation(Placement(transformation(extent={{-120, -81}, {-100, -61}})));
-  Interfaces.RealOutput F[n](each final unit="N")
-    "Braking force of the track on each wheelset"
-    annotation(Placement(transformation(extent={{100, 83}, {120, 95}})));
-  Interfaces.RealOutput w(final unit="rad/s")
-    "Angular velocity"
-    annotation(Placement(transformation(extent={{100, 70}, {120, 82}})));
-  Interfaces.RealOutput slip(final unit="1")
-    "Slip, 0 rolling, 1 locked"
-    annotation(Placement(transformation(extent={{100, 57}, {120, 69}})));
-  Interfaces.RealOutput adhesion(final unit="1")
-    "Braking forces over loads"
-    annotation(Placement(transformation(extent={{100, 45}, {120, 57}})));
-  Interfaces.RealOutput pad_friction(final unit="1")
-    "Friction coefficient of the pads"
-    annotation(Placement(transformation(extent={{100, 19}, {120, 31}})));
-  Interfaces.RealOutput disc_temperature(final unit="K")
-    "Temperature of the bulk of the discs"
-    annotation(Placement(transformation(extent={{100, 7}, {120, 19}})));
-  Interfaces.RealOutput disc_surface_temperature(final unit="K")
-    "Temperature of the surface of the discs"
-    annotation(Placement(transformation(extent={{100, -6}, {120, 6}})));
-  Interfaces.RealOutput brake_torque(final unit="N.m")
-    "Torque that the brake exerts"
-    annotation(Placement(transformation(extent={{100, -19}, {120, -7}})));
-  Interfaces.BooleanOutput locked
-    "= true, if the wheelsets do not turn"
-    annotation(Placement(transformation(extent={{100, -31}, {120, -19}})));
-  Interfaces.RealOutput capacity(final unit="N")
-    "Force with which they can hold the train at rest"
-    annotation(Placement(transformation(extent={{100, -44}, {120, -32}})));
-  Interfaces.RealOutput contact_power(final unit="W")
-    "Heat made between wheels and rails"
-    annotation(Placement(transformation(extent={{100, -57}, {120, -45}})));
-  Interfaces.RealOutput pad_power(final unit="W")
-    "Heat made between pads and discs"
-    annotation(Placement(transformation(extent={{100, -69}, {120, -57}})));
-  Interfaces.RealOutput resistance_power(final unit="W")
-    "Power of bearing and rolling resistance"
-    annotation(Placement(transformation(extent={{100, -82}, {120, -70}})));
-  Interfaces.RealOutput kinetic_energy(final unit="J")
-    "Energy of rotation"
-    annotation(Placement(transformation(extent={{100, -95}, {120, -83}})));
+  Interfaces.RealOutput F[n](each final unit="N") "Braking force of the track on each wheelset"
+    annotation(Placement(transformation(extent={{100, 53}, {120, 73}})));
+  Interfaces.GroupOutput group "Signals of the wheelsets as one"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+  Interfaces.TotalsOutput totals "Sums over the wheelsets"
+    annotation(Placement(transformation(extent={{100, -73}, {120, -53}})));
   Components.Wheelsets wheels(
     redeclare block WheelsetsContact = AxleContact, final n=n, J=J, r=r_wheel, r_rail=creep.r_rail,
     curvature_rail=creep.curvature_rail, E=creep.E, nu=creep.nu, curve=curve, v_small=creep.v_small,
@@ -111,19 +75,20 @@ equation
   brake.w = wheels.w;
   brake.speed = box.v;
   F = wheels.F;
-  w = wheels.w;
-  slip = wheels.contact[1].slip;
-  adhesion = sum(wheels.F)/sum(load);
-  pad_friction = brake.pad.mu;
-  disc_temperature = brake.disc.temperature;
-  disc_surface_temperature = brake.disc.temperature_surface;
-  brake_torque = wheels.torque;
-  locked = wheels.locked;
-  capacity = wheels.capacity;
-  contact_power = wheels.contact_power;
-  pad_power = brake.heat_flow;
-  resistance_power = wheels.resistance_power;
-  kinetic_energy = J*w^2/2;
+  group.w = wheels.w;
+  group.slip = wheels.contact[1].slip;
+  group.adhesion = sum(wheels.F)/sum(load);
+  group.pad_friction = brake.pad.mu;
+  group.disc_temperature = brake.disc.temperature;
+  group.disc_surface_temperature = brake.disc.temperature_surface;
+  group.brake_torque = wheels.torque;
+  group.locked = wheels.locked;
+  totals.capacity = wheels.capacity;
+  totals.contact_power = wheels.contact_power;
+  totals.pad_power = brake.heat_flow;
+  totals.damper_power = 0;
+  totals.resistance_power = wheels.resistance_power;
+  totals.kinetic_energy = J*wheels.w^2/2;
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

@@ -45,57 +45,12 @@ model Bogie "Bogie of any number of axles, braked"
   Interfaces.BooleanInput standstill
     "= true, if the train stands"
     annotation(Placement(transformation(extent={{-120, -73}, {-100, -53}})));
-  Interfaces.RealOutput F[n](each final unit="N")
-    "Braking force of the track on each wheelset"
-    annotation(Placement(transformation(extent={{100, 85}, {120, 95}})));
-  Interfaces.RealOutput load[n](each final unit="N")
-    "Load of each wheelset on the rail"
-    annotation(Placement(transformation(extent={{100, 74}, {120, 84}})));
-  Interfaces.RealOutput deflection[n](each final unit="m")
-    "Deflection of the primary suspension, change from static, compression positive"
-    annotation(Placement(transformation(extent={{100, 64}, {120, 74}})));
-  Interfaces.RealOutput w[groups](each final unit="rad/s")
-    "Angular velocity of each group"
-    annotation(Placement(transformation(extent={{100, 53}, {120, 63}})));
-  Interfaces.RealOutput slip[groups](each final unit="1")
-    "Slip of each group, 0 rolling, 1 locked"
-    annotation(Placement(transformation(extent={{100, 43}, {120, 53}})));
-  Interfaces.RealOutput adhesion[groups](each final unit="1")
-    "Adhesion used by each group"
-    annotation(Placement(transformation(extent={{100, 32}, {120, 42}})));
-  Interfaces.RealOutput pad_friction[groups](each final unit="1")
-    "Friction coefficient of the pads"
-    annotation(Placement(transformation(extent={{100, 11}, {120, 21}})));
-  Interfaces.RealOutput disc_temperature[groups](each final unit="K")
-    "Temperature of the bulk of the discs"
-    annotation(Placement(transformation(extent={{100, 0}, {120, 10}})));
-  Interfaces.RealOutput disc_surface_temperature[groups](each final unit="K")
-    "Temperature of the surface of the discs"
-    annotation(Placement(transformation(extent={{100, -10}, {120, 0}})));
-  Interfaces.RealOutput brake_torque[groups](each final unit="N.m")
-    "Torque that the brake exerts on each group"
-    annotation(Placement(transformation(extent={{100, -21}, {120, -11}})));
-  Interfaces.BooleanOutput locked[groups]
-    "= true, if the group does not turn"
-    annotation(Placement(transformation(extent={{100, -31}, {120, -21}})));
-  Interfaces.RealOutput capacity(final unit="N")
-    "Force with which the bogie can hold the train at rest"
-    annotation(Placement(transformation(extent={{100, -42}, {120, -32}})));
-  Interfaces.RealOutput contact_power(final unit="W")
-    "Heat made between wheels and rails"
-    annotation(Placement(transformation(extent={{100, -53}, {120, -43}})));
-  Interfaces.RealOutput pad_power(final unit="W")
-    "Heat made between pads and discs"
-    annotation(Placement(transformation(extent={{100, -63}, {120, -53}})));
-  Interfaces.RealOutput resistance_power(final unit="W")
-    "Power of bearing and rolling resistance"
-    annotation(Placement(transformation(extent={{100, -74}, {120, -64}})));
-  Interfaces.RealOutput damper_power(final unit="W")
-    "Heat made in the primary suspension"
-    annotation(Placement(transformation(extent={{100, -84}, {120, -74}})));
-  Interfaces.RealOutput kinetic_energy(final unit="J")
-    "Energy of rotation"
-    annotation(Placement(transformation(extent={{100, -95}, {120, -85}})));
+  Interfaces.WheelsetOutput wheelset[n] "Signals of each wheelset"
+    annotation(Placement(transformation(extent={{100, 53}, {120, 73}})));
+  Interfaces.GroupOutput group[groups] "Signals of each group"
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
+  Interfaces.TotalsOutput totals "Sums over the wheelsets"
+    annotation(Placement(transformation(extent={{100, -73}, {120, -53}})));
   Components.Axle axle[groups](
     redeclare block AxleContact = BogieContact, redeclare block AxlePad = BogiePad,
     each n=size_of_group, J=J, r_wheel=r_wheel, n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal,
@@ -117,32 +72,25 @@ equation
     connect(axle[g].shaft, shaft[g])
       annotation(Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
     connect(pad_force[g], axle[g].pad_force);
+    connect(axle[g].group, group[g]);
     connect(standstill, axle[g].standstill);
     for i in 1:size_of_group loop
       connect(mu0[size_of_group*(g - 1) + i], axle[g].mu0[i]);
       connect(frame.load[size_of_group*(g - 1) + i], axle[g].load[i]);
-      F[size_of_group*(g - 1) + i] = axle[g].F[i];
+      wheelset[size_of_group*(g - 1) + i].F = axle[g].F[i];
     end for;
-    w[g] = axle[g].w;
-    slip[g] = axle[g].slip;
-    adhesion[g] = axle[g].adhesion;
-    pad_friction[g] = axle[g].pad_friction;
-    disc_temperature[g] = axle[g].disc_temperature;
-    disc_surface_temperature[g] = axle[g].disc_surface_temperature;
-    brake_torque[g] = axle[g].brake_torque;
-    locked[g] = axle[g].locked;
   end for;
   frame.a = der(pivot.v);
   frame.F = pivot.f;
-  frame.torque = sum(brake_torque);
-  load = frame.load;
-  deflection = frame.dz;
-  capacity = sum(axle.capacity);
-  contact_power = sum(axle.contact_power);
-  pad_power = sum(axle.pad_power);
-  resistance_power = sum(axle.resistance_power);
-  damper_power = frame.damper_power;
-  kinetic_energy = sum(axle.kinetic_energy);
+  frame.torque = sum(group.brake_torque);
+  wheelset.load = frame.load;
+  wheelset.deflection = frame.dz;
+  totals.capacity = sum(axle.totals.capacity);
+  totals.contact_power = sum(axle.totals.contact_power);
+  totals.pad_power = sum(axle.totals.pad_power);
+  totals.damper_power = frame.damper_power;
+  totals.resistance_power = sum(axle.totals.resistance_power);
+  totals.kinetic_energy = sum(axle.totals.kinetic_energy);
 initial equation
   assert(size_of_group*groups == n, "Bogie: n wheelsets must be shared alike by the groups.");
   annotation (

@@ -18,7 +18,9 @@ class BuildingTrains "How to put a train together"
 </table>
 <p>
 <a href=\"modelica://RailBraking.Vehicles.PartialTrain\">PartialTrain</a> has the parameters, inputs and outputs that
-the loop knows and the sums over the train. <a
+the loop knows and the sums over the train. An axle gives its signals as one record, <code>group</code>; bogie and car
+hand it on with the records of their wheelsets, and a train says which are its own: <code>group[2:3] = jacobs.group;
+wheelset[3:4] = jacobs.wheelset;</code>. <a
 href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> adds any number of equal cars; <a
 href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a> shows how bogies that
 differ are put under a body, a Jacobs bogie among them.

@@ -18,6 +18,9 @@ electropneumatic command, electrodynamic brake with blending, magnetic track bra
 isolation and parking of one unit.</li>
 <li><code>curve</code> of axles, bogies, cars, trains and the wagon: the shape of the creep curve at each wheelset,
 which may be bound to inputs; <code>Data.CreepCurve</code>.</li>
+<li>Axles, bogies and cars give records, <code>group</code>, <code>wheelset</code> and <code>totals</code>, in place of
+an output for each quantity: <code>bogie.group.slip</code> for <code>bogie.slip</code>,
+<code>bogie.totals.capacity</code> for <code>bogie.capacity</code>. Outputs of FMUs keep their names.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));

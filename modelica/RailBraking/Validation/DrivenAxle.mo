@@ -24,8 +24,8 @@ equation
   axle.standstill = false;
   body.track_force = 0;
   body.standstill = false;
-  der(taken) = motor.power + magnet.power + axle.contact_power + axle.pad_power;
-  error = (body.kinetic_energy + axle.kinetic_energy + taken)/E - 1;
+  der(taken) = motor.power + magnet.power + axle.totals.contact_power + axle.totals.pad_power;
+  error = (body.kinetic_energy + axle.totals.kinetic_energy + taken)/E - 1;
   annotation (
     experiment(StopTime=8, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>

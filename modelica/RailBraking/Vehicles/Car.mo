@@ -42,7 +42,7 @@ model Car "Car body on equal bogies"
   Interfaces.TranslationalFlange front "Front end"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
   Interfaces.TranslationalFlange rear "Rear end"
-    annotation(Placement(transformation(extent={{112, -5}, {120, 5}})));
+    annotation(Placement(transformation(extent={{100, -10}, {120, 10}})));
   Interfaces.TranslationalFlange pivot "Whatever else brakes the car, or carries it"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
   Interfaces.RotationalFlange shaft[bogies*groups] "To drives or electrodynamic brakes; nothing when left open"
@@ -68,57 +68,12 @@ model Car "Car body on equal bogies"
   Interfaces.RealOutput mass(final unit="kg")
     "Mass of the car and its bogies, without rotating masses"
     annotation(Placement(transformation(extent={{100, 68}, {110, 76}})));
-  Interfaces.RealOutput F[bogies*axles](each final unit="N")
-    "Braking force of the track on each wheelset"
-    annotation(Placement(transformation(extent={{100, 59}, {110, 67}})));
-  Interfaces.RealOutput load[bogies*axles](each final unit="N")
-    "Load of each wheelset on the rail"
-    annotation(Placement(transformation(extent={{100, 50}, {110, 58}})));
-  Interfaces.RealOutput deflection[bogies*axles](each final unit="m")
-    "Deflection of the primary suspension, change from static, compression positive"
-    annotation(Placement(transformation(extent={{100, 41}, {110, 49}})));
-  Interfaces.RealOutput w[bogies*groups](each final unit="rad/s")
-    "Angular velocity of each group"
-    annotation(Placement(transformation(extent={{100, 32}, {110, 40}})));
-  Interfaces.RealOutput slip[bogies*groups](each final unit="1")
-    "Slip of each group, 0 rolling, 1 locked"
-    annotation(Placement(transformation(extent={{100, 23}, {110, 31}})));
-  Interfaces.RealOutput adhesion[bogies*groups](each final unit="1")
-    "Adhesion used by each group"
-    annotation(Placement(transformation(extent={{100, 14}, {110, 22}})));
-  Interfaces.RealOutput pad_friction[bogies*groups](each final unit="1")
-    "Friction coefficient of the pads"
-    annotation(Placement(transformation(extent={{100, -4}, {110, 4}})));
-  Interfaces.RealOutput disc_temperature[bogies*groups](each final unit="K")
-    "Temperature of the bulk of the discs"
-    annotation(Placement(transformation(extent={{100, -13}, {110, -5}})));
-  Interfaces.RealOutput disc_surface_temperature[bogies*groups](each final unit="K")
-    "Temperature of the surface of the discs"
-    annotation(Placement(transformation(extent={{100, -22}, {110, -14}})));
-  Interfaces.RealOutput brake_torque[bogies*groups](each final unit="N.m")
-    "Torque that the brake exerts on each group"
-    annotation(Placement(transformation(extent={{100, -31}, {110, -23}})));
-  Interfaces.BooleanOutput locked[bogies*groups]
-    "= true, if the group does not turn"
-    annotation(Placement(transformation(extent={{100, -40}, {110, -32}})));
-  Interfaces.RealOutput capacity(final unit="N")
-    "Force with which the car can hold the train at rest"
-    annotation(Placement(transformation(extent={{100, -49}, {110, -41}})));
-  Interfaces.RealOutput contact_power(final unit="W")
-    "Heat made between wheels and rails"
-    annotation(Placement(transformation(extent={{100, -58}, {110, -50}})));
-  Interfaces.RealOutput pad_power(final unit="W")
-    "Heat made between pads and discs"
-    annotation(Placement(transformation(extent={{100, -67}, {110, -59}})));
-  Interfaces.RealOutput resistance_power(final unit="W")
-    "Power of drag, track force, bearing and rolling resistance"
-    annotation(Placement(transformation(extent={{100, -76}, {110, -68}})));
-  Interfaces.RealOutput damper_power(final unit="W")
-    "Heat made in the primary suspension"
-    annotation(Placement(transformation(extent={{100, -85}, {110, -77}})));
-  Interfaces.RealOutput kinetic_energy(final unit="J")
-    "Energy of motion along the track and of rotation"
-    annotation(Placement(transformation(extent={{100, -94}, {110, -86}})));
+  Interfaces.WheelsetOutput wheelset[bogies*axles] "Signals of each wheelset"
+    annotation(Placement(transformation(extent={{100, 30}, {120, 50}})));
+  Interfaces.GroupOutput group[bogies*groups] "Signals of each group"
+    annotation(Placement(transformation(extent={{100, -40}, {120, -20}})));
+  Interfaces.TotalsOutput totals "Sums over the car"
+    annotation(Placement(transformation(extent={{100, -73}, {120, -53}})));
   Components.CarBody body(m=sum(m_wheelset), start_speed=start_speed, drag=drag) "Body"
     annotation(Placement(transformation(extent={{-60, 20}, {-20, 60}})));
   Components.Bogie bogie[bogies](
@@ -138,7 +93,7 @@ model Car "Car body on equal bogies"
     annotation(Placement(transformation(extent={{-60, -60}, {-20, -20}})));
 equation
   connect(front, body.front) annotation(Line(points={{-110, 0}, {-80, 0}, {-80, 40}, {-62, 40}}, color={0, 0, 127}));
-  connect(body.rear, rear) annotation(Line(points={{-18, 40}, {60, 40}, {60, 0}, {112, 0}}, color={0, 0, 127}));
+  connect(body.rear, rear) annotation(Line(points={{-18, 40}, {60, 40}, {60, 0}, {110, 0}}, color={0, 0, 127}));
   connect(pivot, body.pivot) annotation(
     Line(points={{0, 110}, {0, 10}, {-40, 10}, {-40, 18}}, color={0, 0, 127}));
   connect(track_force, body.track_force);
@@ -148,33 +103,24 @@ equation
     connect(standstill, bogie[b].standstill);
     for i in 1:axles loop
       connect(mu0[axles*(b - 1) + i], bogie[b].mu0[i]);
-      F[axles*(b - 1) + i] = bogie[b].F[i];
-      load[axles*(b - 1) + i] = bogie[b].load[i];
-      deflection[axles*(b - 1) + i] = bogie[b].deflection[i];
+      connect(bogie[b].wheelset[i], wheelset[axles*(b - 1) + i]);
     end for;
     for i in 1:groups loop
       connect(pad_force[groups*(b - 1) + i], bogie[b].pad_force[i]);
       connect(bogie[b].shaft[i], shaft[groups*(b - 1) + i]) annotation(
         Line(points={{-40, -62}, {-40, -80}, {0, -80}, {0, -110}}, color={0, 0, 127}));
-      w[groups*(b - 1) + i] = bogie[b].w[i];
-      slip[groups*(b - 1) + i] = bogie[b].slip[i];
-      adhesion[groups*(b - 1) + i] = bogie[b].adhesion[i];
-      pad_friction[groups*(b - 1) + i] = bogie[b].pad_friction[i];
-      disc_temperature[groups*(b - 1) + i] = bogie[b].disc_temperature[i];
-      disc_surface_temperature[groups*(b - 1) + i] = bogie[b].disc_surface_temperature[i];
-      brake_torque[groups*(b - 1) + i] = bogie[b].brake_torque[i];
-      connect(bogie[b].locked[i], locked[groups*(b - 1) + i]);
+      connect(bogie[b].group[i], group[groups*(b - 1) + i]);
     end for;
   end for;
   v = body.v;
   a = body.a;
   mass = body.m;
-  capacity = sum(bogie.capacity);
-  contact_power = sum(bogie.contact_power);
-  pad_power = sum(bogie.pad_power);
-  resistance_power = body.resistance_power + sum(bogie.resistance_power);
-  damper_power = sum(bogie.damper_power);
-  kinetic_energy = body.kinetic_energy + sum(bogie.kinetic_energy);
+  totals.capacity = sum(bogie.totals.capacity);
+  totals.contact_power = sum(bogie.totals.contact_power);
+  totals.pad_power = sum(bogie.totals.pad_power);
+  totals.damper_power = sum(bogie.totals.damper_power);
+  totals.resistance_power = body.resistance_power + sum(bogie.totals.resistance_power);
+  totals.kinetic_energy = body.kinetic_energy + sum(bogie.totals.kinetic_energy);
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

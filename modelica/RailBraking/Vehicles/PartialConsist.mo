@@ -60,20 +60,11 @@ equation
     m_body[c] = car[c].mass;
     for i in 1:wheelsets_of_car loop
       car[c].mu0[i] = mu0[wheelsets_of_car*(c - 1) + i];
-      F[wheelsets_of_car*(c - 1) + i] = car[c].F[i];
-      wheelset_load[wheelsets_of_car*(c - 1) + i] = car[c].load[i];
-      deflection[wheelsets_of_car*(c - 1) + i] = car[c].deflection[i];
+      wheelset[wheelsets_of_car*(c - 1) + i] = car[c].wheelset[i];
     end for;
     for i in 1:groups_of_car loop
-      wheelset_speed[groups_of_car*(c - 1) + i] = car[c].w[i];
-      slip[groups_of_car*(c - 1) + i] = car[c].slip[i];
-      group_adhesion[groups_of_car*(c - 1) + i] = car[c].adhesion[i];
+      group[groups_of_car*(c - 1) + i] = car[c].group[i];
       car[c].pad_force[i] = pad_force[groups_of_car*(c - 1) + i];
-      pad_friction[groups_of_car*(c - 1) + i] = car[c].pad_friction[i];
-      disc_temperature[groups_of_car*(c - 1) + i] = car[c].disc_temperature[i];
-      disc_surface_temperature[groups_of_car*(c - 1) + i] = car[c].disc_surface_temperature[i];
-      brake_torque[groups_of_car*(c - 1) + i] = car[c].brake_torque[i];
-      connect(car[c].locked[i], locked[groups_of_car*(c - 1) + i]);
     end for;
   end for;
   for c in 1:couplers loop
@@ -82,13 +73,13 @@ equation
       Line(points={{62, 0}, {80, 0}, {80, 40}, {-80, 40}, {-80, 0}, {-62, 0}}, color={0, 0, 127}));
     coupler_force[c] = coupler[c].force;
   end for;
-  capacity = sum(car.capacity);
-  contact_power = sum(car.contact_power);
-  pad_power = sum(car.pad_power);
-  damper_power = sum(car.damper_power);
-  resistance_power = sum(car.resistance_power);
+  totals.capacity = sum(car.totals.capacity);
+  totals.contact_power = sum(car.totals.contact_power);
+  totals.pad_power = sum(car.totals.pad_power);
+  totals.damper_power = sum(car.totals.damper_power);
+  totals.resistance_power = sum(car.totals.resistance_power);
+  totals.kinetic_energy = sum(car.totals.kinetic_energy);
   coupler_power = sum(coupler.power);
-  kinetic_energy = sum(car.kinetic_energy);
   annotation (
     Icon(
       coordinateSystem(extent={{-100, -100}, {100, 100}}),

@@ -181,13 +181,10 @@ protected
   Types.Velocity v[bodies] "Speed of each body";
   Types.Acceleration a[bodies] "Acceleration of each body";
   Types.Mass m_body[bodies] "Mass of each body; together that of the train";
-  Types.Force F[wheelsets] "Braking force of the track on each wheelset";
-  Types.Force capacity "Force with which brakes and resistance hold the train at rest";
+  Data.WheelsetSignals wheelset[wheelsets] "Signals of each wheelset, leading first";
+  Data.GroupSignals group[groups] "Signals of each group, leading first";
+  Data.Totals totals "Sums over the train";
   Types.VolumeFlow air_flow "Free air taken from the supply, a time";
-  Types.Power contact_power "Heat made between wheels and rails, a time";
-  Types.Power pad_power "Heat made between pads and discs, a time";
-  Types.Power damper_power "Heat made in the primary suspension, a time";
-  Types.Power resistance_power "Power of drag, bearings, rolling resistance and track force";
   Types.Power coupler_power "Power that the cars put into the couplers";
   Types.Length s(start=0, fixed=true) "Distance travelled";
   Types.Volume air(start=0, fixed=true) "Free air taken from the supply";
@@ -199,20 +196,31 @@ protected
 equation
   rest.v = v;
   rest.track_force = track_force;
-  rest.capacity = capacity;
+  rest.capacity = totals.capacity;
   standstill = rest.standstill;
   speed = m_body*v/m_train;
   acceleration = m_body*a/m_train;
   der(s) = speed;
   distance = s;
   for i in 1:wheelsets loop
-    adhesion[i] = F[i]/wheelset_load[i];
+    adhesion[i] = wheelset[i].F/wheelset[i].load;
   end for;
+  wheelset_load = wheelset.load;
+  deflection = wheelset.deflection;
+  wheelset_speed = group.w;
+  slip = group.slip;
+  group_adhesion = group.adhesion;
+  pad_friction = group.pad_friction;
+  disc_temperature = group.disc_temperature;
+  disc_surface_temperature = group.disc_surface_temperature;
+  brake_torque = group.brake_torque;
+  locked = group.locked;
+  kinetic_energy = totals.kinetic_energy;
   der(air) = air_flow;
-  der(heat_contact) = contact_power;
-  der(heat_pad) = pad_power;
-  der(heat_damper) = damper_power;
-  der(work_resistance) = resistance_power;
+  der(heat_contact) = totals.contact_power;
+  der(heat_pad) = totals.pad_power;
+  der(heat_damper) = totals.damper_power;
+  der(work_resistance) = totals.resistance_power;
   der(work_coupler) = coupler_power;
   air_used = air;
   contact_heat = heat_contact;
@@ -235,7 +243,8 @@ equation
 <p>
 The face of the FMU of a train: parameters, inputs and outputs by the names that the loop knows, and the sums over the
 train. A train extends it with its counts, declares car bodies, bogies, couplers and cylinders, connects them, and
-says what its signals are; see <a href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> and <a
+says whose signals <code>wheelset</code>, <code>group</code> and <code>totals</code> are; see <a
+href=\"modelica://RailBraking.Vehicles.PartialConsist\">PartialConsist</a> and <a
 href=\"modelica://RailBraking.Vehicles.PartialTwoPartTrain\">PartialTwoPartTrain</a>.
 </p>
 <h4>Implementation</h4>

@@ -143,20 +143,20 @@ equation
   rear.mu0 = {mu0[2]};
   rear.pad_force = pad_force[2];
   rear.standstill = standstill;
-  wheelset_speed = {front.w, rear.w};
-  slip = {front.slip, rear.slip};
-  adhesion = {front.adhesion, rear.adhesion};
-  pad_friction = {front.pad_friction, rear.pad_friction};
-  disc_temperature = {front.disc_temperature, rear.disc_temperature};
+  wheelset_speed = {front.group.w, rear.group.w};
+  slip = {front.group.slip, rear.group.slip};
+  adhesion = {front.group.adhesion, rear.group.adhesion};
+  pad_friction = {front.group.pad_friction, rear.group.pad_friction};
+  disc_temperature = {front.group.disc_temperature, rear.group.disc_temperature};
   resistance_torque = {
     (r_wheel[1]*front.wheels.f_bearing + e_rolling)*wheelset_load[1],
     (r_wheel[2]*rear.wheels.f_bearing + e_rolling)*wheelset_load[2]};
-  locked = {front.locked, rear.locked};
+  locked = {front.group.locked, rear.group.locked};
   body.track_force = track_force;
   body.standstill = standstill;
   rest.v = {body.v};
   rest.track_force = track_force;
-  rest.capacity = front.capacity + rear.capacity;
+  rest.capacity = front.totals.capacity + rear.totals.capacity;
   der(s) = speed;
   distance = s;
   speed = body.v;

@@ -1,0 +1,5 @@
+within RailBraking.Interfaces;
+connector GroupOutput = output Data.GroupSignals "Signals of a group of wheelsets"
+  annotation(
+    Icon(graphics={Polygon(points={{-100, 100}, {100, 0}, {-100, -100}}, lineColor={0, 0, 127},
+      fillColor={0, 0, 127}, fillPattern=FillPattern.Solid)}));

@@ -1,0 +1,5 @@
+within RailBraking.Interfaces;
+connector WheelsetOutput = output Data.WheelsetSignals "Signals of a wheelset"
+  annotation(
+    Icon(graphics={Polygon(points={{-100, 100}, {100, 0}, {-100, -100}}, lineColor={0, 0, 127},
+      fillColor={0, 0, 127}, fillPattern=FillPattern.Solid)}));
