@@ -6,7 +6,7 @@ its `stateSelect` and `fixed` attributes say.
 """
 
 from collections.abc import Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 from scipy.sparse import csr_matrix
@@ -57,43 +57,101 @@ def reduce_index(
     Raises:
         TranslationError: The system is singular, or an equation with an input would have to be differentiated.
     """
-    symbols = [*states, *derivatives, *algebraics]
     n = len(states)
-    derivative_of = {i: n + i for i in range(n)}
-    work = list(equations)
-    derivative_of_equation: dict[int, int] = {}
-    match: dict[int, int] = {}
+    system = _Pantelides(
+        equations=list(equations),
+        symbols=[*states, *derivatives, *algebraics],
+        derivative_of={i: n + i for i in range(n)},
+        time=time,
+        inputs=inputs,
+        owner=owner,
+    )
+    for first in range(len(equations)):
+        system.assign(first)
+    symbols, derivative_of = system.symbols, system.derivative_of
+    own_cost = [*cost, *[0.001] * (len(symbols) - n)]
+    price = [1.0 + own_cost[i] if i in derivative_of else 0.5 for i in range(len(symbols))]
+    unknown_places = _solved_for(system.contains, symbols, price, derivative_of.keys(), owner)
+    state_places = [v for v in range(len(symbols)) if v not in unknown_places]
+    return IndexOne(
+        equations=system.equations,
+        unknowns=[symbols[v] for v in sorted(unknown_places)],
+        states=[(symbols[v], symbols[derivative_of[v]]) for v in state_places],
+        former_states=frozenset(symbols[i].name() for i in range(n) if i in unknown_places),
+    )
 
-    def incidence(residuals: Sequence[SX]) -> list[set[int]]:
-        """Return the symbols in each residual."""
-        found = [set[int]() for _ in residuals]
-        pattern = ca.jacobian_sparsity(ca.vertcat(*residuals), ca.vertcat(*symbols))
-        for i, j in zip(*pattern.get_triplet(), strict=True):
-            found[i].add(j)
-        return found
 
-    contains = incidence([e.residual for e in work])
+@dataclass(slots=True, kw_only=True)
+class _Pantelides:
+    """A system on its way to index one: equations and symbols by their places, and which are matched.
 
-    def augment(root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
+    Attributes:
+        equations: Those of the model, then derivatives of some.
+        symbols: Those of the model, then derivatives of some.
+        derivative_of: Place of a symbol → place of its derivative.
+        contains: Places of the symbols in each equation.
+        derivative_of_equation: Place of an equation → place of its derivative.
+        match: Place of a symbol → place of the equation that determines it.
+    """
+
+    equations: list[Equation]
+    symbols: list[SX]
+    derivative_of: dict[int, int]
+    time: SX
+    inputs: SX
+    owner: str
+    contains: list[set[int]] = field(init=False)
+    derivative_of_equation: dict[int, int] = field(default_factory=dict[int, int])
+    match: dict[int, int] = field(default_factory=dict[int, int])
+
+    def __post_init__(self) -> None:
+        self.contains = self._incidence([e.residual for e in self.equations])
+
+    def assign(self, first: int) -> None:
+        """Give an equation, differentiated as often as it takes, a symbol that it determines."""
+        e = first
+        for _ in range(DEEPEST):
+            seen_equations, seen_variables = set[int](), set[int]()
+            if self._augment(e, seen_equations, seen_variables):
+                return
+            where = self.equations[e].where
+            if not seen_variables and not any(v in self.derivative_of for v in self.contains[e]):
+                raise TranslationError(f"{where}: {self.owner}: this equation has no unknown left to determine.")
+            for v in sorted(seen_variables):
+                self.derivative_of[v] = len(self.symbols)
+                self.symbols.append(SX.sym(f"der({self.symbols[v].name()})"))
+            for q in sorted(seen_equations):
+                self._differentiate(q)
+            for v in sorted(seen_variables):
+                self.match[self.derivative_of[v]] = self.derivative_of_equation[self.match[v]]
+            e = self.derivative_of_equation[e]
+        where = self.equations[first].where
+        raise TranslationError(f"{where}: {self.owner}: singular: differentiating this equation leads nowhere.")
+
+    def _highest(self, equation: int) -> list[int]:
+        """Return the places of the symbols in an equation that are no state, in order."""
+        return sorted(v for v in self.contains[equation] if v not in self.derivative_of)
+
+    def _augment(self, root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
         """Find an augmenting path, depth first, without the recursion that large models would exhaust."""
-        stack = [(root, iter(sorted(v for v in contains[root] if v not in derivative_of)))]
+        stack = [(root, iter(self._highest(root)))]
         path: list[tuple[int, int]] = []
         seen_equations.add(root)
         while stack:
             e, candidates = stack[-1]
-            free = next((v for v in sorted(contains[e]) if v not in derivative_of and v not in match), None)
+            free = next((v for v in self._highest(e) if v not in self.match), None)
             if free is not None:
-                match[free] = e
+                self.match[free] = e
                 for equation, variable in path:
-                    match[variable] = equation
+                    self.match[variable] = equation
                 return True
             for v in candidates:
                 if v not in seen_variables:
                     seen_variables.add(v)
                     path.append((e, v))
-                    following = match[v]
+                    following = self.match[v]
                     seen_equations.add(following)
-                    stack.append((following, iter(sorted(w for w in contains[following] if w not in derivative_of))))
+                    stack.append((following, iter(self._highest(following))))
                     break
             else:
                 stack.pop()
@@ -101,54 +159,30 @@ def reduce_index(
                     path.pop()
         return False
 
-    def differentiate(q: int) -> None:
-        e = work[q]
-        if inputs.numel() and ca.depends_on(e.residual, inputs):
+    def _differentiate(self, q: int) -> None:
+        e = self.equations[q]
+        if self.inputs.numel() and ca.depends_on(e.residual, self.inputs):
             raise TranslationError(
-                f"{e.where}: {owner}: this equation must be differentiated to find the states, "
+                f"{e.where}: {self.owner}: this equation must be differentiated to find the states, "
                 "but it contains an input."
             )
-        terms = sorted(contains[q])
+        terms = sorted(self.contains[q])
         along = ca.jtimes(
             e.residual,
-            ca.vertcat(*[symbols[v] for v in terms]),
-            ca.vertcat(*[symbols[derivative_of[v]] for v in terms]),
+            ca.vertcat(*[self.symbols[v] for v in terms]),
+            ca.vertcat(*[self.symbols[self.derivative_of[v]] for v in terms]),
         )
-        derivative_of_equation[q] = len(work)
-        work.append(Equation(along + ca.jacobian(e.residual, time), e.where))
-        contains.extend(incidence([work[-1].residual]))
+        self.derivative_of_equation[q] = len(self.equations)
+        self.equations.append(Equation(along + ca.jacobian(e.residual, self.time), e.where))
+        self.contains.extend(self._incidence([self.equations[-1].residual]))
 
-    for first in range(len(equations)):
-        e = first
-        for _ in range(DEEPEST):
-            seen_equations, seen_variables = set[int](), set[int]()
-            if augment(e, seen_equations, seen_variables):
-                break
-            if not seen_variables and not any(v in derivative_of for v in contains[e]):
-                raise TranslationError(f"{work[e].where}: {owner}: this equation has no unknown left to determine.")
-            for v in sorted(seen_variables):
-                derivative_of[v] = len(symbols)
-                symbols.append(SX.sym(f"der({symbols[v].name()})"))
-            for q in sorted(seen_equations):
-                differentiate(q)
-            for v in sorted(seen_variables):
-                match[derivative_of[v]] = derivative_of_equation[match[v]]
-            e = derivative_of_equation[e]
-        else:
-            raise TranslationError(
-                f"{work[first].where}: {owner}: singular: differentiating this equation leads nowhere."
-            )
-
-    own_cost = [*cost, *[0.001] * (len(symbols) - n)]
-    price = [1.0 + own_cost[i] if i in derivative_of else 0.5 for i in range(len(symbols))]
-    unknown_places = _solved_for(contains, symbols, price, derivative_of.keys(), owner)
-    state_places = [v for v in range(len(symbols)) if v not in unknown_places]
-    return IndexOne(
-        equations=work,
-        unknowns=[symbols[v] for v in sorted(unknown_places)],
-        states=[(symbols[v], symbols[derivative_of[v]]) for v in state_places],
-        former_states=frozenset(symbols[i].name() for i in range(n) if i in unknown_places),
-    )
+    def _incidence(self, residuals: Sequence[SX]) -> list[set[int]]:
+        """Return the places of the symbols in each residual."""
+        found = [set[int]() for _ in residuals]
+        pattern = ca.jacobian_sparsity(ca.vertcat(*residuals), ca.vertcat(*self.symbols))
+        for i, j in zip(*pattern.get_triplet(), strict=True):
+            found[i].add(j)
+        return found
 
 
 def _solved_for(

@@ -1,7 +1,7 @@
 """The checked DAE as explicit expressions: derivatives, algebraic variables, events, initial values."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 
@@ -10,7 +10,7 @@ from railgrip.fmus.native.arrays import SX, Array, choose, is_number
 from railgrip.fmus.native.conditions import Conditions, Relations, find_relations
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import Evaluator
-from railgrip.fmus.native.index import RELUCTANCE, reduce_index
+from railgrip.fmus.native.index import RELUCTANCE, IndexOne, reduce_index
 from railgrip.fmus.native.structure import Equation, Loops, solve
 from railgrip.fmus.native.variables import Scalar, Variables, declare, settle, vector
 
@@ -135,57 +135,20 @@ def explicit(dae: Dae) -> System:
     conditions = Conditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
-    equations = _with_numbers(v, _equations(dae, evaluate, "continuous"))
     index_one = reduce_index(
-        equations, time, vector(v.inputs), [s.symbol for s in v.states], v.derivatives,
-        [s.symbol for s in v.algebraics],
+        _with_numbers(v, _equations(dae, evaluate, "continuous")), time, vector(v.inputs),
+        [s.symbol for s in v.states], v.derivatives, [s.symbol for s in v.algebraics],
         [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
     )  # fmt: skip
     states, algebraics = _split_states(v, index_one.states, index_one.former_states, dae)
     loops, start_loops = Loops(), Loops()
-    derivative_symbols = [derivative for _, derivative in index_one.states]
-    live = column(relations.live)
     derivative, algebraic, indicators = solve(
         index_one.equations, index_one.unknowns,
-        [column(derivative_symbols), vector(algebraics),
+        [column([derivative for _, derivative in index_one.states]), vector(algebraics),
          column([relations.indicator[k] for k in relations.crossings])], loops, dae.class_name,
     )  # fmt: skip
-    start, calculated = _start(dae, evaluate, v, states, index_one.equations, index_one.unknowns, start_loops)
-
-    # The same loops are met again in the event system and the assertions; here they are counted once.
-    blocks, running = list(loops.blocks), set(loops.guesses)
-    event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
-    assertions = _assertions(dae, evaluate, v, conditions)
-    targets = [
-        vector(v.discretes),
-        column(event_states),
-        live,
-        column([conditions.level(i) for i in conditions.edge_conditions]),
-        *(e for a in assertions for e in (a.holds, *(piece for piece in a.message if isinstance(piece, SX)))),
-    ]
-    targets = v.with_numbers(targets)
-    event_values = solve(
-        [*index_one.equations, *_with_numbers(v, event_equations)],
-        [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
-    )  # fmt: skip
-    # Assertions are judged between events, by discrete variables as they stand.
-    assertion_values = iter(solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
-    assertions = [
-        Assertion(
-            holds=next(assertion_values),
-            message=tuple(next(assertion_values) if isinstance(piece, SX) else piece for piece in a.message),
-            fatal=a.fatal,
-            where=a.where,
-        )
-        for a in assertions
-    ]
-    through_events = [name for name in loops.guesses if name not in running]
-    if through_events:
-        raise TranslationError(
-            f"{dae.class_name}: a nonlinear loop through discrete variables is not supported: "
-            f"{', '.join(through_events)}; break it with pre()."
-        )
-    loops.blocks = blocks
+    start, calculated = _start(dae, evaluate, v, states, index_one, start_loops)
+    events = _at_events(dae, evaluate, v, conditions, states, index_one, loops)
     return System(
         class_name=dae.class_name,
         time=time,
@@ -203,15 +166,76 @@ def explicit(dae: Dae) -> System:
         clocks=clocks,
         ticks=column(ticks),
         previous=column(v.previous),
-        event_discretes=column([event_values[0]]),
-        event_states=column([event_values[1]]),
-        event_relations=column([event_values[2]]),
-        event_conditions=column([event_values[3]]),
+        event_discretes=column([events.discretes]),
+        event_states=column([events.states]),
+        event_relations=column([events.relations]),
+        event_conditions=column([events.conditions]),
         last_conditions=column(conditions.last),
         loops=loops,
         start_loops=start_loops,
-        assertions=assertions,
+        assertions=events.assertions,
     )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Events:
+    """What one pass of the event iteration gives, and what must hold between events; see `System`."""
+
+    discretes: SX
+    states: SX
+    relations: SX
+    conditions: SX
+    assertions: list[Assertion]
+
+
+def _at_events(
+    dae: Dae,
+    evaluate: Evaluator,
+    v: Variables,
+    conditions: Conditions,
+    states: list[Scalar],
+    index_one: IndexOne,
+    loops: Loops,
+) -> _Events:
+    """Return what happens at events; `loops` keeps those of the running model.
+
+    Raises:
+        TranslationError: A nonlinear loop goes through discrete variables.
+    """
+    # The same loops are met again in the event system and the assertions; `loops` counts them once.
+    blocks, running = list(loops.blocks), set(loops.guesses)
+    event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
+    assertions = _assertions(dae, evaluate, v, conditions)
+    targets = v.with_numbers([
+        vector(v.discretes),
+        column(event_states),
+        column(conditions.relations.live),
+        column([conditions.level(i) for i in conditions.edge_conditions]),
+        *(e for a in assertions for e in (a.holds, *(piece for piece in a.message if isinstance(piece, SX)))),
+    ])  # fmt: skip
+    event_values = solve(
+        [*index_one.equations, *_with_numbers(v, event_equations)],
+        [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
+    )  # fmt: skip
+    # Assertions are judged between events, by discrete variables as they stand.
+    values = iter(solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
+    assertions = [
+        replace(
+            a,
+            holds=next(values),
+            message=tuple(next(values) if isinstance(piece, SX) else piece for piece in a.message),
+        )
+        for a in assertions
+    ]
+    through_events = [name for name in loops.guesses if name not in running]
+    if through_events:
+        raise TranslationError(
+            f"{dae.class_name}: a nonlinear loop through discrete variables is not supported: "
+            f"{', '.join(through_events)}; break it with pre()."
+        )
+    loops.blocks = blocks
+    after = dict(zip(("discretes", "states", "relations", "conditions"), event_values, strict=True))
+    return _Events(**after, assertions=assertions)
 
 
 def _refuse_unsupported(dae: Dae) -> None:
@@ -297,8 +321,7 @@ def _start(
     evaluate: Evaluator,
     v: Variables,
     states: list[Scalar],
-    equations: list[Equation],
-    unknowns: list[SX],
+    index_one: IndexOne,
     loops: Loops,
 ) -> tuple[SX, list[bool]]:
     """Return initial values of the states; `initial equation`s are solved together with the model's."""
@@ -314,7 +337,11 @@ def _start(
             f" ({', '.join(s.name for s in free) or 'none'})."
         )
     (solution,) = solve(
-        [*equations, *initial], [*unknowns, *(s.symbol for s in free)], [vector(free)], loops, dae.class_name
+        [*index_one.equations, *initial],
+        [*index_one.unknowns, *(s.symbol for s in free)],
+        [vector(free)],
+        loops,
+        dae.class_name,
     )
     fixed = [(s.symbol, value) for s, value in zip(states, starts, strict=True) if s.fixed]
     if fixed:
