@@ -99,18 +99,11 @@ class WheelReference(GroupLaw):
         references: list[Expression] = []
         slides: list[Expression] = []
 
-        def reference_of(train: Sequence[GroupObservation]) -> Expression:
-            fastest = _rolling(train[0])
-            for group in train[1:]:
-                fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
-            least = before - tuning["deceleration_max"] * period
-            reference = choose(started, choose(fastest > least, fastest, least), fastest)
-            draft.keep(before, choose(reference > 0.0, reference, 0.0))
-            return reference
-
         def demand(draft: Draft, group: GroupObservation) -> Expression:
             if not references:
-                references.append(reference_of(group.train))
+                least = before - tuning["deceleration_max"] * period
+                references.append(_reference(group.train, started, least))
+                draft.keep(before, choose(references[0] > 0.0, references[0], 0.0))
             (reference,) = references
             full, rolling = group.brake["pressure_max"], _rolling(group)
             filtered = draft.state(group.label("rolling"), "m/s", "filtered rolling speed")
@@ -132,12 +125,8 @@ class WheelReference(GroupLaw):
             holds = either(low, quickly)
             slides.append(every(protecting, either(vents, low)))
 
-            # A watchdog that counts on while it brakes, and begins anew when that has lasted.
-            barred = vented >= tuning["vent_max"]
             venting = every(protecting, either(vents, released), vented < tuning["vent_max"])
-            longer = vented + period
-            over = vented >= tuning["vent_max"] + tuning["apply_time"]
-            draft.keep(vented, choose(barred, choose(over, 0.0, longer), choose(venting, longer, 0.0)))
+            draft.keep(vented, _watchdog(vented, venting, tuning))
 
             # After a slide pressure climbs from where the slide left it.
             holding = every(holds, vented < tuning["vent_max"])
@@ -155,6 +144,21 @@ class WheelReference(GroupLaw):
             return choose(protecting, own, full)
 
         return demand
+
+
+def _reference(train: Sequence[GroupObservation], started: Expression, least: Expression) -> Expression:
+    """Return the speed of the fastest group, once started at least `least`."""
+    fastest = _rolling(train[0])
+    for group in train[1:]:
+        fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
+    return choose(started, choose(fastest > least, fastest, least), fastest)
+
+
+def _watchdog(vented: Expression, venting: Expression, tuning: Mapping[str, Expression]) -> Expression:
+    """Return the time of venting, which counts on while it brakes, and begins anew when that has lasted."""
+    longer = vented + tuning["period"]
+    over = vented >= tuning["vent_max"] + tuning["apply_time"]
+    return choose(vented >= tuning["vent_max"], choose(over, 0.0, longer), choose(venting, longer, 0.0))
 
 
 def _rolling(group: GroupObservation) -> Expression:

@@ -146,7 +146,42 @@ def search(
     objective = partial(mean_logarithm, tuple(ranges), stops)
     reference = list(pool.map(_distance, [_under(REFERENCE, "read", scenario) for scenario in scenarios]))
     reference_mean = float(np.mean(np.log(reference)))
-    population, generations = _effort(len(ranges), sets, budget)
+    effort = _effort(len(ranges), sets, budget)
+    best = _evolved(
+        objective, ranges, start, effort, pool, lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
+        evenly=budget is not None,
+    )  # fmt: skip
+    values = parameters_of(tuple(ranges), best)
+    distances = list(pool.map(_distance, [_with(values, stop) for stop in stops]))
+    return Optimum(
+        values=values,
+        sets=effort[0] * (effort[1] + 1),
+        rails=tuple(stop.variants["rail"] for stop in rail_stops),
+        distances=tuple(distances),
+        reference=tuple(reference),
+    )
+
+
+def _evolved(
+    objective: Callable[[Vector], float],
+    ranges: Ranges,
+    start: Mapping[str, float],
+    effort: tuple[int, int],
+    pool: Executor,
+    notify: Callable[[int, float], None],
+    *,
+    evenly: bool,
+) -> Vector:
+    """Return the point of least objective that differential evolution finds.
+
+    Args:
+        start: Parameters of a point of the first population.
+        effort: Population, and generations after the first.
+        notify: Called after each generation with its number and the least objective.
+        evenly: Whether the others of the first population are Sobol's points, as many as there are, whatever their
+            number; else SciPy chooses.
+    """
+    population, generations = effort
     bounds = np.log(np.array(list(ranges.values())).T)
     spread = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
@@ -157,13 +192,13 @@ def search(
     def note(intermediate_result: Any) -> None:
         nonlocal generation
         generation += 1
-        notify(generation, math.expm1(intermediate_result.fun - reference_mean))
+        notify(generation, intermediate_result.fun)
 
     optimum = differential_evolution(
         objective,
         Bounds(*bounds),
         x0=point_of(ranges, start),
-        init="sobol" if budget is None else bounds[0] + spread * (bounds[1] - bounds[0]),
+        init=bounds[0] + spread * (bounds[1] - bounds[0]) if evenly else "sobol",
         popsize=population // len(ranges),
         maxiter=generations,
         tol=0.0,
@@ -173,15 +208,7 @@ def search(
         workers=cast("Any", mapped),  # the stubs want a number, the function takes a map, too
         callback=note,
     )
-    values = parameters_of(tuple(ranges), optimum.x)
-    distances = list(pool.map(_distance, [_with(values, stop) for stop in stops]))
-    return Optimum(
-        values=values,
-        sets=population * (generations + 1),
-        rails=tuple(stop.variants["rail"] for stop in rail_stops),
-        distances=tuple(distances),
-        reference=tuple(reference),
-    )
+    return optimum.x
 
 
 def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:

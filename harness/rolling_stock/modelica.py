@@ -6,7 +6,7 @@ from itertools import accumulate
 from typing import Any
 
 from railgrip.report.page import rendered
-from railgrip.rolling_stock.schema import Train
+from railgrip.rolling_stock.schema import BogieInTrain, Train
 
 _CELLS_OF_A_CAR = 4
 """Of the brake pipe where it has accelerators: one cell to a car smears a front so far that its foot opens the next."""
@@ -21,13 +21,61 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
     """Return the Modelica text of a train's class, whose cylinders valves fill, or which follow commands."""
     # Cars that no coupler joins move as one body.
     body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
+    bogies = train.bogies_in_train
+    carriers = [body_of_car[axle.car] for axle in train.axles]
+    bogie_of_group = [train.bogie_of(number) for number in range(len(train.groups))]
+    kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
+    return rendered(
+        "rolling_stock/plant.mo.jinja",
+        name=class_name(train, pneumatic=pneumatic),
+        title=_text(train.description or train.name),
+        train=train,
+        pneumatic=pneumatic,
+        groups=len(train.groups),
+        wheelsets=len(train.axles),
+        parameters=_parameters(train, body_of_car),
+        rigging={
+            key: [getattr(bogie.brake, key) for bogie in bogie_of_group]
+            for key in ("piston_area", "rigging", "efficiency", "spring_force")
+        },
+        suspension={
+            key: [getattr(bogie.data, key) for bogie in bogies]
+            for key in ("frame_height", "rod_height", "stiffness", "damping")
+        }
+        | {"count": [len(bogie.axles) for bogie in bogies]},
+        bogies=[_bogie(train, bogie, body_of_car) for bogie in bogies],
+        kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
+        bodies=[
+            {
+                # Of the parameters: who changes them changes the body.
+                "mass": f"sum(m_wheelset[{carriers.index(body) + 1}:{len(carriers) - carriers[::-1].index(body)}])",
+                "title": _text(
+                    ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
+                ),
+            }
+            for body in range(body_of_car[-1] + 1)
+        ],
+        couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
+        track_brakes=[
+            {"number": number, "brake": bogie.track_brake, "body": body_of_car[bogie.cars[0]] + 1}
+            for number, bogie in enumerate((one for one in bogies if one.track_brake is not None), start=1)
+        ],
+        commands=_sharing(train.groups_per_valve),
+        array=_array,
+        lowest=_lowest,
+        total=_total,
+        **_command(train, body_of_car),
+    )
+
+
+def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[float]]:
+    """Return the parameters of PartialTrain."""
     axles, groups, bogies = train.axles, train.groups, train.bogies_in_train
-    bogie_of_group = [train.bogie_of(number) for number in range(len(groups))]
     carriers = [body_of_car[axle.car] for axle in axles]
-    bodies = range(body_of_car[-1] + 1)
-    values: dict[str, Sequence[float]] = {
+    bogie_of_group = [train.bogie_of(number) for number in range(len(groups))]
+    return {
         "wheelsets_per_group": [len(members) for members in groups],
-        "wheelsets_per_car": [carriers.count(body) for body in bodies],
+        "wheelsets_per_car": [carriers.count(body) for body in range(body_of_car[-1] + 1)],
         "wheelset_position": [axle.position - axles[0].position for axle in axles],
         "m_wheelset": [axle.mass for axle in axles],
         "m_unsprung": [bogies[axle.bogie].data.axle_mass for axle in axles],
@@ -42,31 +90,25 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         "mu_b_nominal": [bogie.brake.pad_friction for bogie in bogie_of_group],
         "mu_b_start": [bogie.brake.pad_friction for bogie in bogie_of_group],
     }
-    rigging = {
-        key: [getattr(bogie.brake, key) for bogie in bogie_of_group]
-        for key in ("piston_area", "rigging", "efficiency", "spring_force")
+
+
+def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, Any]:
+    """Return what the template knows of a bogie; it counts groups and wheelsets from 1."""
+    own = [number for number, members in enumerate(train.groups, start=1) if members[0] in bogie.axles]
+    return {
+        "title": bogie.kind,
+        "kind": _identifier(bogie.kind),
+        "n": len(bogie.axles),
+        "groups": len(own),
+        "g": f"{own[0]}:{own[-1]}",
+        "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
+        "body": body_of_car[bogie.cars[0]] + 1,
     }
-    suspension = {
-        key: [getattr(bogie.data, key) for bogie in bogies]
-        for key in ("frame_height", "rod_height", "stiffness", "damping")
-    }
-    suspension["count"] = [len(bogie.axles) for bogie in bogies]
-    parts: list[dict[str, Any]] = []
-    for bogie in bogies:
-        own = [number for number, members in enumerate(groups, start=1) if members[0] in bogie.axles]
-        parts.append(
-            {
-                "title": bogie.kind,
-                "kind": _identifier(bogie.kind),
-                "n": len(bogie.axles),
-                "groups": len(own),
-                "g": f"{own[0]}:{own[-1]}",
-                "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
-                "body": body_of_car[bogie.cars[0]] + 1,
-            }
-        )
+
+
+def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
+    """Return what the template knows of the way of the brake command to the cars."""
     has_pipe = train.command is not None and train.command.kind == "brake_pipe"
-    kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
     # Through the pipe each car has a pressure of its own, by wire there is one for all.
     available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else [1.0]
     cells = _CELLS_OF_A_CAR if any(train.accelerator_of_car) else 1
@@ -74,53 +116,22 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
     single, two_stage = ([i for i, one in enumerate(distributors) if (one is None) == plain] for plain in (True, False))
     part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
     part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
-    return rendered(
-        "rolling_stock/plant.mo.jinja",
-        name=class_name(train, pneumatic=pneumatic),
-        title=_text(train.description or train.name),
-        train=train,
-        pneumatic=pneumatic,
-        groups=len(groups),
-        wheelsets=len(axles),
-        parameters=values,
-        rigging=rigging,
-        suspension=suspension,
-        bogies=parts,
-        kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
-        bodies=[
-            {
-                # Of the parameters: who changes them changes the body.
-                "mass": f"sum(m_wheelset[{carriers.index(body) + 1}:{len(carriers) - carriers[::-1].index(body)}])",
-                "title": _text(
-                    ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
-                ),
-            }
-            for body in bodies
-        ],
-        couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
-        track_brakes=[
-            {"number": number, "brake": bogie.track_brake, "body": body_of_car[bogie.cars[0]] + 1}
-            for number, bogie in enumerate((one for one in bogies if one.track_brake is not None), start=1)
-        ],
-        command=train.command,
-        available=available,
-        distributor_of_car=part_of_car,
-        single_stage=[available[car] for car in single] if has_pipe else [],
-        two_stages=[
+    return {
+        "command": train.command,
+        "available": available,
+        "distributor_of_car": part_of_car,
+        "single_stage": [available[car] for car in single] if has_pipe else [],
+        "two_stages": [
             {"distributor": distributors[car], "pressure": available[car], "body": body_of_car[car] + 1}
             for car in two_stage
         ],
-        accelerators=[
+        "accelerators": [
             {"accelerator": vent, "car": car} for car, vent in enumerate(train.accelerator_of_car) if vent is not None
         ],
-        lengths=[car.length / cells for car in train.cars for _ in range(cells)],
-        branch_of_car=[cells * number + (cells + 1) // 2 for number in range(len(train.cars))],
-        supply_of_group=[axles[members[0]].car + 1 if has_pipe else 1 for members in groups],
-        commands=_sharing(train.groups_per_valve),
-        array=_array,
-        lowest=_lowest,
-        total=_total,
-    )
+        "lengths": [car.length / cells for car in train.cars for _ in range(cells)],
+        "branch_of_car": [cells * number + (cells + 1) // 2 for number in range(len(train.cars))],
+        "supply_of_group": [train.axles[members[0]].car + 1 if has_pipe else 1 for members in train.groups],
+    }
 
 
 def _sharing(groups_per_valve: Sequence[int]) -> list[range]:

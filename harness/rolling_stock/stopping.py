@@ -6,7 +6,7 @@ Source: EN 14531-1, stopping distance by steps of time from instantaneous forces
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from math import expm1, sqrt
+from math import expm1
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,11 @@ from scipy.integrate import solve_ivp
 
 from railgrip.base.errors import InputError
 from railgrip.base.units import GRAVITY
-from railgrip.rolling_stock.schema import TrackBrake, Train
+from railgrip.rolling_stock.schema import BrakePipe, Electropneumatic, TrackBrake, Train
 from railgrip.scenario.table import Table
 
 Vector = NDArray[np.float64]
+Matrix = NDArray[np.float64]
 
 _STEP = 1e-2  # s
 _FILLED = 0.95  # of the highest pressure at the end of the filling time
@@ -67,32 +68,15 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     """
     brakes, wheel = _brakes_of(train)
     mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
-    command = train.command
-    if command is None:
-        delay, developed_at = np.zeros(mass.size), 0.0
-    elif command.kind == "electropneumatic":
-        delay = np.full(mass.size, command.delay)
-        developed_at = command.delay + 3 * command.time_constant
-    else:
-        delay = np.array([axle.position for axle in train.axles]) / _PROPAGATION
-        developed_at = float(delay.max()) + command.fill_time / _FILLED
-    air = train.resistance
-    bearing = np.array([_bearing(train, radius) for radius in wheel])
-    rolling = mass * GRAVITY * (bearing + air.rolling_arm / wheel)
+    rolling = mass * GRAVITY * _rolling(train, wheel)
     turning = inertia / wheel**2
     inert = float(mass.sum() + turning.sum())
-    # Row by row which axles turn as one, as shares of their load.
-    shares = np.zeros((mass.size, mass.size))
-    for members in train.groups:
-        shares[np.ix_(members, members)] = 1.0 / (mass[list(members)].sum() * GRAVITY)
-    # Row by row which axles belong to which car.
-    cars = np.array([[axle.car == number for axle in train.axles] for number in range(len(train.cars))], dtype=float)
-
-    magnetic = [bogie for bogie in train.bogies_in_train if bogie.track_brake is not None]
-    track_brakes = [bogie.track_brake for bogie in magnetic if bogie.track_brake is not None]
-    magnetic_car = np.array([bogie.cars[0] for bogie in magnetic], dtype=np.intp)
-
-    stages = _Stages(train, speed)
+    shares = _shares_of_load(train, mass)
+    of_car = np.array([axle.car for axle in train.axles])
+    cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # row by row which axles are a car's
+    magnetic = [(bogie.cars[0], bogie.track_brake) for bogie in train.bogies_in_train if bogie.track_brake is not None]
+    magnetic_car = np.array([car for car, _ in magnetic], dtype=np.intp)
+    build_up = _BuildUp(train, speed)
     v, s, t = speed, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
     decelerations: list[float] = []
@@ -100,15 +84,9 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     car_mass = cars @ (mass + turning)
     while v > 0:
         now = t + _STEP / 2  # forces of the middle of a step
-        if command is None:
-            share = np.ones(mass.size)
-        elif command.kind == "electropneumatic":
-            share = -np.expm1(-np.maximum(now - delay, 0.0) / command.time_constant)
-        else:
-            share = stages.share(v) * np.clip(_FILLED * (now - delay) / command.fill_time, 0.0, 1.0)
-        braking = _brake_force(brakes, v, share) + rolling
-        magnets = np.array([_magnetic_force(brake, v, now) for brake in track_brakes]) if track_brakes else np.zeros(0)
-        drag = 0.5 * _AIR_DENSITY * air.drag_coefficient * air.frontal_area * v**2
+        braking = _brake_force(brakes, v, build_up.share(now, v)) + rolling
+        magnets = np.array([_magnetic_force(brake, v, now) for _, brake in magnetic])
+        drag = 0.5 * _AIR_DENSITY * train.resistance.drag_coefficient * train.resistance.frontal_area * v**2
         deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
         # What a joint takes is what the cars before it brake more, or less, than the common deceleration wants.
@@ -117,18 +95,14 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         history.append(of_cars)
         surplus = np.cumsum(of_cars - car_mass * deceleration)[:-1]
         joints = np.where(np.abs(surplus) > np.abs(joints), surplus, joints)
-        if t > developed_at:
+        if t > build_up.developed_at:
             decelerations.append(deceleration)
         last = deceleration * _STEP >= v
         step = v / deceleration if last else _STEP
         s += v * step - 0.5 * deceleration * step**2
         v = 0.0 if last else v - deceleration * step
         t += step
-        if t > _LONGEST:
-            raise InputError(
-                f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "
-                f"{_LONGEST:g} s; correct [brakes] or [pads]"
-            )
+        _require_end(train, speed, t)
     mean = float(np.mean(decelerations)) if decelerations else speed**2 / (2 * s)
     return HandCalculation(
         distance=s,
@@ -148,6 +122,27 @@ def full_brake_force(train: Train) -> Vector:
     """Return the force at the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N]."""
     brakes, _ = _brakes_of(train)
     return brakes["lever"] * brakes["pad_friction"] * _pad_force(brakes, brakes["pressure_max"])
+
+
+def _require_end(train: Train, speed: float, time: float) -> None:
+    """Refuse a train that still rolls so long [s] after it was braked at a speed [m/s].
+
+    Raises:
+        InputError: It takes too long.
+    """
+    if time > _LONGEST:
+        raise InputError(
+            f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "
+            f"{_LONGEST:g} s; correct [brakes] or [pads]"
+        )
+
+
+def _shares_of_load(train: Train, mass: Vector) -> Matrix:
+    """Return row by row which axles turn as one, as shares of their load [1/N]."""
+    shares = np.zeros((mass.size, mass.size))
+    for members in train.groups:
+        shares[np.ix_(members, members)] = 1.0 / (mass[list(members)].sum() * GRAVITY)
+    return shares
 
 
 def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
@@ -207,6 +202,38 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
     return brakes["lever"] * friction * pad_force
 
 
+class _BuildUp:
+    """How far the brake command has come through to each axle.
+
+    Attributes:
+        developed_at: When braking counts as fully developed [s after the demand].
+    """
+
+    def __init__(self, train: Train, speed: float) -> None:
+        """Take a train at the speed of its brake demand [m/s]."""
+        self._command, self._stages = train.command, _Stages(train, speed)
+        positions = np.array([axle.position for axle in train.axles])
+        match self._command:
+            case None:
+                self._delay, self.developed_at = np.zeros(positions.size), 0.0
+            case Electropneumatic(delay=delay, time_constant=time_constant):
+                self._delay, self.developed_at = np.full(positions.size, delay), delay + 3 * time_constant
+            case BrakePipe(fill_time=fill_time):
+                self._delay = positions / _PROPAGATION
+                self.developed_at = float(self._delay.max()) + fill_time / _FILLED
+
+    def share(self, time: float, speed: float) -> Vector:
+        """Return the share of the highest pressure at each axle in the next step, shape (axles,)."""
+        match self._command:
+            case None:
+                return np.ones(self._delay.size)
+            case Electropneumatic(time_constant=time_constant):
+                return -np.expm1(-np.maximum(time - self._delay, 0.0) / time_constant)
+            case BrakePipe(fill_time=fill_time):
+                filled = np.clip(_FILLED * (time - self._delay) / fill_time, 0.0, 1.0)
+                return self._stages.share(speed) * filled
+
+
 class _Stages:
     """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
 
@@ -240,7 +267,8 @@ def _each(parts: Sequence[Table], name: str) -> Vector:
     return np.array([getattr(part, name) for part in parts])
 
 
-def _bearing(train: Train, wheel_radius: float) -> float:
-    """Return bearing resistance over load, as RailBraking.Components.bearingFriction."""
+def _rolling(train: Train, wheel: Vector) -> Vector:
+    """Return bearing and rolling resistance over load, the former as RailBraking.Components.bearingFriction."""
     friction, radius = train.resistance.bearing_friction, train.resistance.bearing_radius
-    return 1 / sqrt(wheel_radius**2 / (friction * radius) ** 2 * (1 + friction**2) - 1)
+    bearing = 1 / np.sqrt(wheel**2 / (friction * radius) ** 2 * (1 + friction**2) - 1)
+    return bearing + train.resistance.rolling_arm / wheel

@@ -65,50 +65,8 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _require_resolved(scenario)
-    over_time = not scenario.runs_over_distance
-    if over_time:
-        if adhesion.patch:
-            raise ScenarioError(
-                f"{scenario.name}: [adhesion.patch] lies on the rail, and the profile it lies on runs over time: "
-                "let it run over distance"
-            )
-        step = scenario.periods.communication
-        axis = step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)
-        places = axis[:, None]  # one column for all: each wheelset meets the same
-    else:
-        step = _PLACE_STEP
-        position = position_of(scenario, formation)
-        if isinstance(adhesion, Constant):  # behind its patches nothing changes
-            reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
-            _require_tabulated(scenario, reach, "a wheelset meets the last patch")
-        else:
-            reach = reach_of(scenario)
-        axis = step * np.arange(int(reach / step) + 2, dtype=np.float64)
-        places = axis[:, None] - position
-    match adhesion:
-        case Constant(mu0=mu0):
-            _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
-            friction = np.broadcast_to(mu0, (axis.size, wheelsets))
-        case Points():
-            friction = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
-            if adhesion.correlation is not None:
-                correlation = adhesion.extent("correlation")
-                spacing = step if over_time else correlation / 20
-                points, noise = _noise(correlation, places, spacing, scenario.seed)
-                friction = friction * (1.0 + adhesion.scatter * np.interp(places, points, np.clip(noise, -3.0, 3.0)))
-        case Trapezoid():
-            friction = _trapezoid(adhesion, places)
-        case SineSweep():
-            friction = _sine_sweep(adhesion, places)
-        case Random():
-            friction = _random(adhesion, places, scenario.seed)
-        case FromTable(curve=curve):
-            _check_count(scenario, f"[adhesion] file {adhesion.file.entry}", curve.mu0.shape[1], wheelsets)
-            friction = _from_curve(
-                curve, np.broadcast_to(places, (axis.size, max(places.shape[1], curve.mu0.shape[1])))
-            )
-        case _:
-            assert_never(adhesion)
+    step, places = _grid(scenario, formation)
+    friction = _unconditioned(scenario, places, step, wheelsets)
     for patch in adhesion.patch:
         _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
         friction = friction + _inside(patch, places) * (np.array(patch.mu0) - friction)
@@ -118,7 +76,64 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
         )
     mu0.flags.writeable = False
-    return Profile(over_time=over_time, step=step, mu0_at=mu0, curve_at=_curves(scenario, places, mu0.shape))
+    return Profile(
+        over_time=not scenario.runs_over_distance,
+        step=step,
+        mu0_at=mu0,
+        curve_at=_curves(scenario, places, mu0.shape),
+    )
+
+
+def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
+    """Return the step of a profile's grid, and where on its axis each wheelset is at each point.
+
+    Places have shape (n, wheelsets), over time (n, 1): each wheelset meets the same.
+    """
+    adhesion = scenario.adhesion
+    if not scenario.runs_over_distance:
+        if adhesion.patch:
+            raise ScenarioError(
+                f"{scenario.name}: [adhesion.patch] lies on the rail, and the profile it lies on runs over time: "
+                "let it run over distance"
+            )
+        step = scenario.periods.communication
+        return step, step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)[:, None]
+    step, position = _PLACE_STEP, position_of(scenario, formation)
+    if isinstance(adhesion, Constant):  # behind its patches nothing changes
+        reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
+        _require_tabulated(scenario, reach, "a wheelset meets the last patch")
+    else:
+        reach = reach_of(scenario)
+    return step, step * np.arange(int(reach / step) + 2, dtype=np.float64)[:, None] - position
+
+
+def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
+    """Return what the kind of a profile makes of places, before patches, level and conditioning."""
+    adhesion = scenario.adhesion
+    match adhesion:
+        case Constant(mu0=mu0):
+            _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
+            return np.broadcast_to(mu0, (len(places), wheelsets))
+        case Points():
+            friction = np.interp(places, adhesion.places, [mu0 for _, mu0 in adhesion.points])
+            if adhesion.correlation is None:
+                return friction
+            correlation = adhesion.extent("correlation")
+            spacing = correlation / 20 if scenario.runs_over_distance else step
+            points, noise = _noise(correlation, places, spacing, scenario.seed)
+            return friction * (1.0 + adhesion.scatter * np.interp(places, points, np.clip(noise, -3.0, 3.0)))
+        case Trapezoid():
+            return _trapezoid(adhesion, places)
+        case SineSweep():
+            return _sine_sweep(adhesion, places)
+        case Random():
+            return _random(adhesion, places, scenario.seed)
+        case FromTable(curve=curve):
+            columns = curve.mu0.shape[1]
+            _check_count(scenario, f"[adhesion] file {adhesion.file.entry}", columns, wheelsets)
+            return _from_curve(curve, np.broadcast_to(places, (len(places), max(places.shape[1], columns))))
+        case _:
+            assert_never(adhesion)
 
 
 def _curves(scenario: Scenario, places: Array, shape: tuple[int, ...]) -> NDArray[np.uint8] | None:

@@ -52,31 +52,11 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         ScenarioError: Slip changes the rail, the plant does not show its brakes, or the iteration does not settle; it
             contracts where friction changes little with speed and place.
     """
-    changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
-    for table in (table for table, present in changes.items() if present):
-        raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
-            f"{table} what a wheelset finds depends on how those ahead have run over it: leave one of them out"
-        )
+    _require_unchanged_rail(scenario)
     vehicle = VehicleData(scenario)
-    with assembled(_full_brake(scenario)) as parts:
-        reference = parts.stop(parts.run(progress))
+    formation, load, mass = vehicle.formation, vehicle.true.load, sum(vehicle.true.masses.tolist())
+    speeds, friction, resistance = _full_braking(scenario, mass, progress)
     period = scenario.periods.communication
-    truth = reference.trace.isel(time=slice(round(_BUILD_UP / period), None))
-    if reference.outcome is not Outcome.STANDSTILL or truth.sizes["time"] < 2:
-        raise ScenarioError(
-            f"{scenario.name}: [controller] ideal_bound takes the brakes from a stop with full brake on a rail of "
-            f"friction {_GRIPPY:g}, which ended with {reference.outcome.value}: {reference.reason}"
-        )
-    order = np.argsort(truth["speed"].values)
-    speeds = truth["speed"].values[order]
-    friction = truth["pad_friction"].values[order]
-    formation = vehicle.formation
-    load = vehicle.true.load
-    mass = sum(vehicle.true.masses.tolist())
-    rail_force = np.sum(truth["adhesion"].values * truth["wheelset_load"].values, axis=1)
-    resistance = (-mass * truth["acceleration"].values - rail_force)[order]
-
     count = round(scenario.limits.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario, formation), vehicle.track_force
@@ -84,12 +64,9 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
     for _ in range(_ROUNDS):
-        at = recorder.columns
-        rows = recorder.rows
+        at, rows = recorder.columns, recorder.rows
         pad = np.stack([np.interp(speed, speeds, friction[:, g]) for g in range(formation.groups)], axis=1)
-        rows[:, at["distance"]] = distance[:, None]
-        rows[:, at["speed"]] = speed[:, None]
-        rows[:, at["acceleration"]] = acceleration[:, None]
+        _write_motion(recorder, distance, speed, acceleration)
         rows[:, at["mu0"]] = profile.table(time, distance)
         if (curve_numbers := profile.curve_numbers(time, distance)) is not None:
             for i, signal in enumerate(CURVE):
@@ -117,18 +94,48 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             f"{scenario.name}: [controller] ideal_bound found no best stop in {_ROUNDS} rounds: friction changes "
             f"too much over {period:g} s; shorten [periods] communication"
         )
-    for name, values in (("distance", distance), ("speed", speed), ("acceleration", acceleration)):
-        recorder.rows[:, recorder.columns[name]] = values[:, None]
+    _write_motion(recorder, distance, speed, acceleration)
     samples = min(end_index or count - 1, moving - 1) + 1
-    place = f"{distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s"
+    place = f"after {distance[samples - 1]:.2f} m and {time[samples - 1]:.3f} s at best."
     ending = Ending(
         outcome=Outcome.STANDSTILL if end_index else Outcome.HORIZON,
-        reason=f"Could stop after {place} at best."
-        if end_index
-        else f"Still rolls with {speed[samples - 1]:.2f} m/s after {place} at best.",
+        reason=f"Could stop {place}" if end_index else f"Still rolls with {speed[samples - 1]:.2f} m/s {place}",
         samples=samples,
     )
     return judged(vehicle, recorder, ending, {vehicle.file.file.name: vehicle.file})
+
+
+def _require_unchanged_rail(scenario: Scenario) -> None:
+    """Refuse a rail that changes under the wheelsets: there is no best stop that does not depend on the others."""
+    changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
+    for table in (table for table, present in changes.items() if present):
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "
+            f"{table} what a wheelset finds depends on how those ahead have run over it: leave one of them out"
+        )
+
+
+def _full_braking(
+    scenario: Scenario, mass: float, progress: Callable[[float], None] | None
+) -> tuple[Array, Array, Array]:
+    """Return what a stop with full brake, where nothing slides, shows of a train with a mass [kg].
+
+    Returns:
+        Speeds, rising, shape (k,) [m/s]; pad friction of each group there, shape (k, groups); running resistance
+        there, shape (k,) [N].
+    """
+    with assembled(_full_brake(scenario)) as parts:
+        reference = parts.stop(parts.run(progress))
+    truth = reference.trace.isel(time=slice(round(_BUILD_UP / scenario.periods.communication), None))
+    if reference.outcome is not Outcome.STANDSTILL or truth.sizes["time"] < 2:
+        raise ScenarioError(
+            f"{scenario.name}: [controller] ideal_bound takes the brakes from a stop with full brake on a rail of "
+            f"friction {_GRIPPY:g}, which ended with {reference.outcome.value}: {reference.reason}"
+        )
+    order = np.argsort(truth["speed"].values)
+    rail_force = np.sum(truth["adhesion"].values * truth["wheelset_load"].values, axis=1)
+    resistance = -mass * truth["acceleration"].values - rail_force
+    return truth["speed"].values[order], truth["pad_friction"].values[order], resistance[order]
 
 
 class _Tracking:
@@ -245,6 +252,11 @@ def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
     """Return a scenario with other tables, fully braked, and nobody between plant and brakes."""
     parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
     return Scenario.model_validate(scenario.resolved() | parts | changes)
+
+
+def _write_motion(recorder: Recorder, distance: Array, speed: Array, acceleration: Array) -> None:
+    for name, values in (("distance", distance), ("speed", speed), ("acceleration", acceleration)):
+        recorder.rows[:, recorder.columns[name]] = values[:, None]
 
 
 def _end(speed: Array, stop_speed: float) -> int:

@@ -1,9 +1,9 @@
 """The parts of a scenario's stop, open and ready for a loop."""
 
 import platform
-from collections.abc import Callable, Collection, Generator, Mapping
+from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -28,7 +28,7 @@ from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import Origin, origin_of, part_of, table_of
 from railgrip.simulate.instruments import sensors_of
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.loop.parts import Clock, Controller, Parts, StateEstimator
+from railgrip.simulate.loop.parts import Clock, Controller, Instruments, Parts, Plant, StateEstimator
 from railgrip.simulate.plant import fmu_plant, python_plant
 from railgrip.simulate.rail import driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
@@ -37,7 +37,7 @@ from railgrip.trace.bound import with_bound
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
 from railgrip.trace.stop import Stop
-from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, sent
+from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, sent
 
 _MOST_OF_THE_RAIL = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
@@ -148,97 +148,144 @@ def assembled(
     """
     scenario = own.standing_for(scenario)
     vehicle = VehicleData(scenario)
-    source = scenario.vehicle.source
-    fmus = {} if isinstance(source, PythonClass) else {vehicle.file.file.name: vehicle.file}
-    formation, layout, demand = vehicle.nominal.formation, vehicle.layout, scenario.demand
+    fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
+    formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    pneumatic, period = scenario.actuation.kind == "pneumatic", scenario.periods.communication
-    samples = round(scenario.limits.horizon / period)
-    classes: dict[str, Origin] = {}
-
-    def part(role: Role, table: object, instance: object) -> Any:
-        """Return the object of the user's own that plays a part, if one does."""
-        if not isinstance(table, Custom):
-            return None
-        player = part_of(table, role, own.folders) if instance is None else instance
-        classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
-        return player
-
+    clock, players, limits = _clock(scenario), _Players(own), custom.DemandLimits(formation)
     with ExitStack() as stack:
-        if isinstance(source, PythonClass):
-            arguments = {key: value.entry for key, value in scenario.vehicle.parameters.items()}
-            table = Custom(kind=source.name, parameters=arguments) if own.plant is None else table_of(own.plant)
-            plant = python_plant(vehicle, part("plants", table, own.plant))
-        else:
-            plant = fmu_plant(vehicle, notify, stack)
-        filter_: StateEstimator | custom.CustomEstimator | None = None
-        estimates = frozenset[str]()
-        if (estimator := part("estimators", scenario.estimator, own.estimator)) is not None:
-            filter_ = custom.CustomEstimator(estimator, formation)
-            estimates = frozenset(filter_.provides)
-        elif isinstance(scenario.estimator, KalmanFilter):
-            filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
-            estimates = frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
-        if (instruments := part("sensors", scenario.sensors, own.sensors)) is not None:
-            noise = generator(scenario.seed, "sensors.custom")
-            sensors = custom.CustomSensors(instruments, layout, formation, period, noise)
-        else:
-            sensors = sensors_of(scenario, layout, radius[0])
-        commands_valves, limits = False, custom.DemandLimits(formation)
-        if (own_law := part("controllers", scenario.controller, own.controller)) is not None:
+        plant = _plant(vehicle, players, stack, notify)
+        filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
+        if (own_law := players.part("controllers", scenario.controller, own.controller)) is not None:
             controller = custom.Limited(custom.CustomController(own_law, formation), limits)
-            controller = over_the_train(vehicle, controller)
+            controller, commands_valves = over_the_train(vehicle, controller), False
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, limits, notify, stack)
-        valves = None if commands_valves else valve_logic_of(vehicle)
         _require_estimates(scenario, controller, estimates)
-        if commands_valves and demand is not None:
-            raise ScenarioError(
-                f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
-                "commands the valves; leave out [demand], or let it give demand [Pa]"
-            )
+        _require_demand(scenario, commands_valves=commands_valves)
         law = law_states(controller)
-        signals = (
-            *layout.plant_signals,
-            *sent(layout, pneumatic=pneumatic),
-            *layout.reading_signals,
-            *(() if commands_valves else DEMANDED),
-            *(() if law is None else law.signals),
-            *(DRIVEN if demand is not None else ()),
-            *(TRACTION if demand is not None and demand.has_traction else ()),
-            *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
-            *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
-        )
+        of_controller = (*(() if commands_valves else DEMANDED), *(() if law is None else law.signals))
+        signals = _signals(vehicle, of_controller, filter_, estimates)
         parts = Parts(
             layout=layout,
             plant=plant,
             rail=rail_of(vehicle),
-            sensors=sensors,
+            sensors=_sensors(vehicle, players, radius[0]),
             estimator=filter_,
             controller=controller,
-            valves=valves,
+            valves=None if commands_valves else valve_logic_of(vehicle),
             driver=driver_of(vehicle),
-            faults=faults_of(scenario, layout, formation.brakes, outputs=vehicle.shown, valves=pneumatic),
+            faults=faults_of(
+                scenario, layout, formation.brakes, outputs=vehicle.shown, valves=scenario.actuation.kind == "pneumatic"
+            ),
             wheel_radius=radius,
             law=law,
-            clock=Clock(
-                period=period,
-                estimator=scenario.periods.every("estimator"),
-                controller=scenario.periods.every("controller"),
-                samples=samples,
-                sensors=sampled_every(scenario.sensors, period),
-            ),
+            clock=clock,
             slowing=vehicle.slowing,
             start_speed=scenario.start.speed,
             stop_speed=scenario.limits.stop_speed,
-            recorder=Recorder(signals, formation, min(capacity or samples + 1, samples + 1)),
+            recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )
-        yield Assembled(
-            vehicle=vehicle,
-            parts=parts,
-            fmus=fmus,
-            classes=classes,
-            limits=limits,
+        yield Assembled(vehicle=vehicle, parts=parts, fmus=fmus, classes=players.classes, limits=limits)
+
+
+@dataclass(frozen=True, slots=True)
+class _Players:
+    """The user's own objects that play a part in a stop.
+
+    Attributes:
+        own: Those that were handed over.
+        classes: Where each comes from, by part.
+    """
+
+    own: OwnParts
+    classes: dict[str, Origin] = field(default_factory=dict[str, Origin])
+
+    def part(self, role: Role, table: object, instance: object) -> Any:
+        """Return the object of the user's own that plays a part, if one does."""
+        if not isinstance(table, Custom):
+            return None
+        player = part_of(table, role, self.own.folders) if instance is None else instance
+        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
+        return player
+
+
+def _clock(scenario: Scenario) -> Clock:
+    """Return when what is due in a scenario's stop."""
+    period = scenario.periods.communication
+    return Clock(
+        period=period,
+        estimator=scenario.periods.every("estimator"),
+        controller=scenario.periods.every("controller"),
+        samples=round(scenario.limits.horizon / period),
+        sensors=sampled_every(scenario.sensors, period),
+    )
+
+
+def _plant(vehicle: VehicleData, players: _Players, stack: ExitStack, notify: Callable[[str], None]) -> Plant:
+    """Return the plant of a stop."""
+    source, own = vehicle.scenario.vehicle.source, players.own.plant
+    if not isinstance(source, PythonClass):
+        return fmu_plant(vehicle, notify, stack)
+    arguments = {key: value.entry for key, value in vehicle.scenario.vehicle.parameters.items()}
+    table = Custom(kind=source.name, parameters=arguments) if own is None else table_of(own)
+    return python_plant(vehicle, players.part("plants", table, own))
+
+
+def _estimator(
+    vehicle: VehicleData,
+    players: _Players,
+    fmus: dict[str, Description],
+    stack: ExitStack,
+    notify: Callable[[str], None],
+) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
+    """Return the estimator of a stop, and what it estimates; a prediction FMU joins `fmus`."""
+    scenario = vehicle.scenario
+    if (estimator := players.part("estimators", scenario.estimator, players.own.estimator)) is not None:
+        own = custom.CustomEstimator(estimator, vehicle.nominal.formation)
+        return own, frozenset(own.provides)
+    if isinstance(scenario.estimator, KalmanFilter):
+        filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
+        return filter_, frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
+    return None, frozenset()
+
+
+def _sensors(vehicle: VehicleData, players: _Players, radius: float) -> Instruments:
+    """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
+    scenario = vehicle.scenario
+    if (instruments := players.part("sensors", scenario.sensors, players.own.sensors)) is None:
+        return sensors_of(scenario, vehicle.layout, radius)
+    noise = generator(scenario.seed, "sensors.custom")
+    period = scenario.periods.communication
+    return custom.CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
+
+
+def _signals(
+    vehicle: VehicleData, of_controller: Sequence[Signal], filter_: object, estimates: Collection[str]
+) -> tuple[Signal, ...]:
+    """Return the signals of a stop in the order of its trace."""
+    layout, demand = vehicle.layout, vehicle.scenario.demand
+    return (
+        *layout.plant_signals,
+        *sent(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
+        *layout.reading_signals,
+        *of_controller,
+        *(DRIVEN if demand is not None else ()),
+        *(TRACTION if demand is not None and demand.has_traction else ()),
+        *(REFERENCE if isinstance(filter_, StateEstimator) and filter_.free_wheel else ()),
+        *(signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimates),
+    )
+
+
+def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
+    """Refuse a driver's demand beside a controller that commands the valves.
+
+    Raises:
+        ScenarioError: There are both.
+    """
+    if commands_valves and scenario.demand is not None:
+        raise ScenarioError(
+            f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
+            "commands the valves; leave out [demand], or let it give demand [Pa]"
         )
 
 

@@ -6,6 +6,7 @@ poor rail shows whether friction bounds its deceleration.
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,10 +62,14 @@ class Trial:
     coasting: int
     period: float
 
+    def output(self, name: str) -> Matrix:
+        """Return an output at every sample, shape (samples, elements)."""
+        return self.rows[:, self.layout.output[name]]
+
     @property
     def deceleration(self) -> float:
         """Mean deceleration in braking [m/s2]."""
-        speed = self.rows[:, self.layout.output["speed"].start]
+        speed = self.output("speed")[:, 0]
         return float((speed[self.coasting - 1] - speed[-1]) / ((len(speed) - self.coasting) * self.period))
 
 
@@ -121,8 +126,16 @@ def findings(
         pressure: Full brake cylinder pressure of each group [Pa].
         slowing: What slows the train beside adhesion.
     """
-    outputs = {name: trial.rows[:, place] for name, place in trial.layout.output.items()}
-    v, x, a = (outputs[name][:, 0] for name in ("speed", "distance", "acceleration"))
+    return (
+        *_of_train(trial, poor, speed, slowing),
+        *(finding for g in range(len(radius)) for finding in _of_group(trial, g, radius[g], pressure[g])),
+        *_of_wheelsets(trial),
+    )
+
+
+def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> list[Finding]:
+    """Return what the trials showed of the train as a whole; arguments are those of `findings`."""
+    v, x, a = (trial.output(name)[:, 0] for name in ("speed", "distance", "acceleration"))
     last = trial.coasting - 1
     results = [_ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")]
     results.append(
@@ -151,30 +164,35 @@ def findings(
         results.append(
             _ratio("acceleration", integral, loss, 0.1, "m/s as its integral in braking, the speed changes by")
         )
-    for g, value in enumerate(radius):
-        wheel, slip = outputs["wheelset_speed"][last, g], outputs["slip"][last, g]
-        name = f"wheelset_speed[{g + 1}]"
-        rolling = v[last] / wheel if wheel else math.inf
-        words = f"m of radius by speed over wheel speed; the harness believes {value:.6g} m"
-        near = abs(rolling / value - 1) <= _WEAR
-        hint = "" if near else _hint(value / rolling)
-        if not near and not hint:
-            hint = f": a constant slip of {1 - value / rolling:.0%}; give the controller and the estimator this r_wheel"
-        results.append(Finding(signal=name, good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}"))
-        if not math.isnan(slip):
-            braking = outputs["slip"][-1, g]
-            good = abs(slip) <= 0.02 and braking > -0.005
-            sentence = f"is {slip:.3g} coasting and {braking:.3g} in full braking; 0, and then above, is expected"
-            results.append(Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence))
-        results.append(
-            _ratio(f"cylinder_pressure[{g + 1}]", outputs["cylinder_pressure"][-1, g], pressure[g], 0.5, "Pa of")
-        )
-    for i, adhesion in enumerate(outputs["adhesion"][-1]):
+    return results
+
+
+def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[Finding]:
+    """Yield what the trial on a good rail showed of a group with this radius [m] and full pressure [Pa]."""
+    last = trial.coasting - 1
+    v, wheel, slip = (trial.output(name)[last, at] for name, at in (("speed", 0), ("wheelset_speed", g), ("slip", g)))
+    rolling = v / wheel if wheel else math.inf
+    words = f"m of radius by speed over wheel speed; the harness believes {radius:.6g} m"
+    near = abs(rolling / radius - 1) <= _WEAR
+    hint = "" if near else _hint(radius / rolling)
+    if not near and not hint:
+        hint = f": a constant slip of {1 - radius / rolling:.0%}; give the controller and the estimator this r_wheel"
+    yield Finding(signal=f"wheelset_speed[{g + 1}]", good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}")
+    if not math.isnan(slip):
+        braking = trial.output("slip")[-1, g]
+        good = abs(slip) <= 0.02 and braking > -0.005
+        sentence = f"is {slip:.3g} coasting and {braking:.3g} in full braking; 0, and then above, is expected"
+        yield Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence)
+    yield _ratio(f"cylinder_pressure[{g + 1}]", trial.output("cylinder_pressure")[-1, g], pressure, 0.5, "Pa of")
+
+
+def _of_wheelsets(trial: Trial) -> Iterator[Finding]:
+    """Yield what the trial on a good rail showed of each wheelset whose adhesion the plant shows."""
+    for i, adhesion in enumerate(trial.output("adhesion")[-1]):
         if not math.isnan(adhesion):
             good = 0 < adhesion <= GOOD_RAIL * 1.01
             sentence = f"is {adhesion:.3g} in full braking; above 0 and at most mu0 = {GOOD_RAIL:g} is expected"
-            results.append(Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence))
-    return tuple(results)
+            yield Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence)
 
 
 def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> Finding:

@@ -156,24 +156,15 @@ def evidence_of(
     acceleration -= _bias(acceleration[:count], readings[:count, at("speed")], period)
     values = {v.name: float(p) for v, p in zip(model_of(MODEL).parameters, prediction.parameters, strict=True)}
     piston = {"piston_area": values["A_piston"], "spring_force": values["F_spring"]}
-    rigging = values["i_rigging"] * values["eta_rigging"]
-    force = pad_force(pressure, **piston, rigging=rigging)
+    force = pad_force(pressure, **piston, rigging=_rigging(values))
     braking = np.flatnonzero(pressure.max(axis=1) > _RELEASED)
     if not braking.size or count - braking[0] < 5.0 / period:
         raise EstimationError(f"recording '{recording.attrs.get('name', '')}': has no five seconds of braking.")
     onset = int(braking[0])
     drag = _drag(acceleration[:onset], speed[:onset], values) if onset * period >= _COASTING else float("nan")
-    # With constant nominal friction, these pressures brake as healthy pads do; the filter estimates the rest, health.
-    reduced = pressure.copy()
-    for g in range(groups):
-        radius, start = values[f"r_friction[{g + 1}]"], float(temperature[g])
-        mu = nominal_friction(force[:, g], wheels[:, g], speed, period, radius, start)
-        equivalent = pressure_of(mu / NOMINAL * force[:, g], **piston, rigging=rigging)
-        reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
-    mass = _mass(values)
-    inputs = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -mass * drag)])
-    radius = values["r_wheel"]
-    locked = locked_samples(wheels, speed, radius, round(_AROUND / period))
+    reduced = _equivalent_pressure(pressure, force, wheels, speed, temperature, period, values)
+    inputs = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -_mass(values) * drag)])
+    locked = locked_samples(wheels, speed, values["r_wheel"], round(_AROUND / period))
     for g in range(groups):
         readings[locked[:, g], at(f"wheelset_speed[{g + 1}]")] = np.nan
     mean, covariance = _run_filter(
@@ -192,6 +183,34 @@ def evidence_of(
         offset=offset,
         drag=drag,
     )
+
+
+def _equivalent_pressure(
+    pressure: Matrix,
+    force: Matrix,
+    wheels: Matrix,
+    speed: Vector,
+    temperature: Vector,
+    period: float,
+    values: dict[str, float],
+) -> Matrix:
+    """Return the pressures that brake with constant nominal friction as healthy pads do, shape (k, groups).
+
+    The filter estimates the rest, health. Force of the pads and speed of the wheelsets have the same shape.
+    """
+    piston = {"piston_area": values["A_piston"], "spring_force": values["F_spring"]}
+    reduced = pressure.copy()
+    for g in range(pressure.shape[1]):
+        radius, start = values[f"r_friction[{g + 1}]"], float(temperature[g])
+        mu = nominal_friction(force[:, g], wheels[:, g], speed, period, radius, start)
+        equivalent = pressure_of(mu / NOMINAL * force[:, g], **piston, rigging=_rigging(values))
+        reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
+    return reduced
+
+
+def _rigging(values: dict[str, float]) -> float:
+    """Return force of both pads over force of the piston."""
+    return values["i_rigging"] * values["eta_rigging"]
 
 
 def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
