@@ -52,8 +52,6 @@ class Observability:
     Attributes:
         states: Names of the states.
         order: Highest derivative that was needed, or the last that brought nothing new.
-        singular_values: Of ∂z/∂x with columns in units of `scale` and rows of length one, largest first: how
-            far the determined combinations are from not being so.
         rank: Number of independent combinations of states that are determined.
         null_space: Directions that are not, shape (n − rank, n), unit vectors in units of `scale`.
         undetermined: Names of the states that take part in a hidden direction, by more than ten tolerances.
@@ -61,7 +59,6 @@ class Observability:
 
     states: tuple[str, ...]
     order: int
-    singular_values: Vector
     rank: int
     null_space: Matrix
     undetermined: tuple[str, ...]
@@ -102,7 +99,7 @@ def observability(
             f"observability: wants {n} states and {len(prediction.inputs)} inputs, "
             f"got shapes {np.shape(x)} and {np.shape(u)}."
         )
-    rank, order, values, directions = 0, 0, np.zeros(0), np.eye(n)
+    rank, order, directions = 0, 0, np.eye(n)
     for order in range(LARGEST_ORDER + 1):
         jacobian = readings_and_rates(prediction, order, x, u)[1] * size
         # Readings and their derivatives have units of their own: every row counts by its direction only.
@@ -122,7 +119,6 @@ def observability(
     return Observability(
         states=prediction.states,
         order=order,
-        singular_values=values,
         rank=rank,
         null_space=null_space,
         undetermined=names,

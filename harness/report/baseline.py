@@ -162,9 +162,9 @@ def mean(name: str, value: float, unit: str = "1") -> Finding:
     return Finding(name, value, unit, 0.02 * abs(value))
 
 
-def extreme(name: str, value: float, unit: str = "1") -> Finding:
-    """Return a figure that is the largest of many values: it may change by 10 %."""
-    return Finding(name, value, unit, 0.1 * abs(value))
+def extreme(name: str, value: float) -> Finding:
+    """Return a figure of no unit that is the largest of many values: it may change by 10 %."""
+    return Finding(name, value, "1", 0.1 * abs(value))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

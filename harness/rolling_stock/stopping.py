@@ -37,7 +37,6 @@ class HandCalculation:
         deceleration: Mean of fully developed braking [m/s2].
         equivalent_time: Of the build-up [s]: so long no brake, then all of it, gives the same distance.
         adhesion: Largest that each axle uses, shape (axles,); axles that turn as one share their brakes.
-        brake_force: At the rim with full pressure and nominal pad friction, of each axle, shape (axles,) [N].
         rotating_mass: Added by what turns [kg].
         coupler_force: Largest in each joint of two cars, compression positive, shape (cars - 1,) [N].
         car_force: What brakes each car in the middle of each step, shape (steps, cars) [N].
@@ -49,7 +48,6 @@ class HandCalculation:
     deceleration: float
     equivalent_time: float
     adhesion: Vector
-    brake_force: Vector
     rotating_mass: float
     coupler_force: Vector
     car_force: Vector
@@ -110,7 +108,6 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         deceleration=mean,
         equivalent_time=max(s / speed - speed / (2 * mean), 0.0),
         adhesion=adhesion,
-        brake_force=full_brake_force(train),
         rotating_mass=float(turning.sum()),
         coupler_force=joints,
         car_force=np.array(history),

@@ -10,7 +10,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import Curve
 from railgrip.scenario.profile import Conditioning, Constant, FromTable, Patch, Points, Random, SineSweep, Trapezoid
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
+from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.table import FASTEST
 from railgrip.vehicle.formation import Formation
 
@@ -248,16 +248,18 @@ def _random(shape: Random, places: Array, seed: int) -> Array:
 def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tuple[Array, Array]:
     """Return points `spacing` apart around `places`, and first-order Gauss–Markov noise of unit variance there.
 
-    x[k+1] = ρ x[k] + √(1 − ρ²) w[k], ρ = e^(−h/L): stationary from the first point, autocorrelation
-    e^(−|d|/L).
+    Its persistence is ρ = e^(−h/L): stationary from the first point, autocorrelation e^(−|d|/L).
     """
     # From the first wheelset's start on, so that a longer train adds points behind without moving those
     # ahead.
     ahead = int(np.ceil(places.max() / spacing)) + 2
     behind = int(np.ceil(-min(places.min(), 0.0) / spacing)) + 2
-    forward = _markov(generator(seed, "adhesion"), np.exp(-spacing / correlation), ahead)
+    persistence = np.exp(-spacing / correlation)
+    forward = markov(generator(seed, "adhesion").standard_normal(ahead), persistence)
     # The process is reversible: going back from its first value is the same recursion with draws of its own.
-    backward = _markov(generator(seed, "adhesion.behind"), np.exp(-spacing / correlation), behind, start=forward[0])
+    behind_it = generator(seed, "adhesion.behind").standard_normal(behind)
+    behind_it[0] = forward[0]
+    backward = markov(behind_it, persistence)
     noise = np.concatenate([backward[:0:-1], forward])
     points = spacing * np.arange(1 - behind, ahead, dtype=np.float64)
     return points, noise
@@ -268,16 +270,6 @@ def _inside(patch: Patch, places: Array) -> Array:
     into = places - patch.begin
     inside = np.minimum(into, patch.length - into)
     return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)
-
-
-def _markov(draws: np.random.Generator, persistence: float, count: int, start: float | None = None) -> Array:
-    """Return `count` values of unit variance, the first being `start` or drawn."""
-    from scipy.signal import lfilter  # half a second to load, which most rails need not spend
-
-    white = draws.standard_normal(count)
-    fresh = np.sqrt(1 - persistence**2) * white
-    fresh[0] = white[0] if start is None else start
-    return np.asarray(lfilter([1.0], [1.0, -persistence], fresh), dtype=np.float64)
 
 
 def _from_curve(curve: Curve, places: Array) -> Array:

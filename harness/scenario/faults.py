@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import Field, StrictInt, model_validator
 
@@ -10,7 +10,7 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.kinds import by_kind
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
-from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, broken, optional
+from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, ends_after_it_begins, optional
 from railgrip.scenario.track.table import STEEPEST
 
 READ_BY: Final[Mapping[str, str]] = MappingProxyType(
@@ -40,11 +40,7 @@ class Fault(Table):
     begin: Delay = Field(default=0.0, description="since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
 
-    @model_validator(mode="after")
-    def _ends_after_it_begins(self) -> Self:
-        if self.end is not None and self.end <= self.begin:
-            raise broken(f"end {self.end:g} s is not after begin {self.begin:g} s")
-        return self
+    _in_order = model_validator(mode="after")(ends_after_it_begins)
 
     @property
     def lasts(self) -> bool:

@@ -1,11 +1,11 @@
 """The tables [[sanders]] and [adhesion.sand]: who lays sand on the rail, and what it makes of friction."""
 
-from typing import Annotated, Self
+from typing import Annotated
 
 from pydantic import Field, StrictInt, model_validator
 
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Delay, Friction, Table, broken, optional
+from railgrip.scenario.table import Delay, Friction, Table, ends_after_it_begins, optional
 
 _Density = Annotated[float, Unit("kg/m", above=0, at_most=1, because="a kilogram on a metre of rail is a heap")]
 
@@ -34,8 +34,4 @@ class Sander(Table):
     end: Delay | None = optional("without it, the end of the stop")
     delay: Delay = Field(description="that sand takes from the box to the rail, after both")
 
-    @model_validator(mode="after")
-    def _lasts(self) -> Self:
-        if self.end is not None and self.end <= self.begin:
-            raise broken(f"end {self.end:g} s is not after begin {self.begin:g} s")
-        return self
+    _in_order = model_validator(mode="after")(ends_after_it_begins)

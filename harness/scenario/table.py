@@ -75,6 +75,13 @@ def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
     return AfterValidator(known)
 
 
+def ends_after_it_begins(table: Any) -> Any:
+    """Return a table with `begin` and `end`, None for the end of the stop, if they are in this order."""
+    if table.end is not None and table.end <= table.begin:
+        raise broken(f"end {table.end:g} s is not after begin {table.begin:g} s")
+    return table
+
+
 class Table(BaseModel):
     """A table of the file: frozen, and without unknown keys."""
 

@@ -10,7 +10,7 @@ from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.files import NAMED, load_train, train_of
 from railgrip.rolling_stock.modelica import class_name, class_text
-from railgrip.rolling_stock.stopping import by_hand, chain_forces
+from railgrip.rolling_stock.stopping import by_hand, chain_forces, full_brake_force
 
 
 def bare(tables):
@@ -42,7 +42,7 @@ def test_constant_force_gives_the_textbook_distance(tables):
     assert stop.distance == pytest.approx(30.0**2 / (2 * deceleration(train)), rel=1e-6)
     assert stop.deceleration == pytest.approx(deceleration(train), rel=1e-6)
     inertia = 120 / 0.46**2
-    used = (stop.brake_force[0] - inertia * stop.deceleration) / (11e3 * GRAVITY)
+    used = (full_brake_force(train)[0] - inertia * stop.deceleration) / (11e3 * GRAVITY)
     assert stop.adhesion == pytest.approx(np.full(8, used), rel=1e-6)
 
 
@@ -90,8 +90,9 @@ def test_a_low_stage_costs_its_closed_form(piped):
 
 def test_a_coupler_takes_what_one_car_brakes_more_than_its_mass_wants(tables):
     """Two equal bodies, one braked twice as hard: a quarter of the sum goes through the coupler."""
-    stop = by_hand(train_of(weak_behind(tables), "ours.toml"), 20.0)
-    front, rear = stop.brake_force[:4].sum(), stop.brake_force[4:].sum()
+    train = train_of(weak_behind(tables), "ours.toml")
+    force, stop = full_brake_force(train), by_hand(train, 20.0)
+    front, rear = force[:4].sum(), force[4:].sum()
     assert stop.coupler_force == pytest.approx([(front - rear) / 2], rel=1e-5)
 
 

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.signal import lfilter
 from synthetic import TWO_PART_TRAIN
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.seed import generator
+from railgrip.scenario.seed import generator, markov
 from railgrip.vehicle.formation import Formation
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
@@ -274,3 +275,13 @@ def test_a_purpose_has_its_own_random_numbers_and_always_the_same():
     assert np.array_equal(draws["adhesion"], generator(7, "adhesion").standard_normal(4))
     assert not np.array_equal(draws["adhesion"], draws["sensors.wheel"])
     assert not np.array_equal(draws["adhesion"], generator(8, "adhesion").standard_normal(4))
+
+
+@pytest.mark.parametrize("persistence", [0.3, 0.95, 0.9999])
+def test_markov_noise_is_the_filter_of_scipy_and_keeps_unit_variance(persistence):
+    """Its impulse responses ρ^k and √(1 − ρ²) ρ^k sum up in squares to 1 at every sample."""
+    white = np.random.default_rng(1).standard_normal(500)
+    fresh = np.append(white[0], np.sqrt(1 - persistence**2) * white[1:])
+    assert np.array_equal(markov(white, persistence), lfilter([1.0], [1.0, -persistence], fresh))
+    responses = np.array([markov(impulse, persistence) for impulse in np.eye(50)])
+    assert np.sum(responses**2, axis=0) == pytest.approx(np.ones(50), rel=1e-12)

@@ -10,7 +10,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
+from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken, optional
 from railgrip.scenario.track.table import gravity_along, slope_of
@@ -168,11 +168,7 @@ def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: 
     count = int(scenario.limits.horizon / every) + 2
     factor, random = np.full(count, fixed), generator(scenario.seed, "sensors.speed")
     if table.drift_time is not None:
-        from scipy.signal import lfilter  # half a second to load, which most scenarios need not spend
-
-        keeps = math.exp(-every / table.drift_time)
-        fresh = random.standard_normal(count) * np.append(1.0, np.full(count - 1, math.sqrt(1.0 - keeps**2)))
-        factor += table.drift * np.asarray(lfilter([1.0], [1.0, -keeps], fresh))
+        factor += table.drift * markov(random.standard_normal(count), math.exp(-every / table.drift_time))
     if table.dropout_time is not None:
         # A chain of two states whose stay in the second lasts dropout_time on average, in its steady state.
         returns = min(every / table.dropout_time, 1.0)

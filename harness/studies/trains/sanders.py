@@ -80,12 +80,9 @@ class Comparison:
         return None if self.at_least or self.distance is None else self.distance / self.measured - 1
 
 
-def trial_of(path: Path = LIBRARY / "sanders.toml") -> Trial:
-    """Return a trial.
-
-    Raises:
-        ScenarioError: The file is none.
-    """
+def trial_of() -> Trial:
+    """Return the trial that is compared."""
+    path = LIBRARY / "sanders.toml"
     return validated(Trial, read_toml(path), directory=path.parent, origin=path.name)
 
 
