@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
@@ -104,8 +105,6 @@ def main() -> None:
 
 
 def _answer(task: str, class_name: str, library: Path, arguments: dict[str, Any]) -> dict[str, Any]:
-    from importlib import import_module
-
     function: Callable[..., Any] = getattr(import_module(_TASKS[task]), f"{task}_here")
     try:
         return {"result": function(class_name, library, **arguments)}

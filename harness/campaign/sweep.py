@@ -5,9 +5,10 @@ import math
 import pickle
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas
 import xarray
 
 from railgrip.base.errors import InputError, RailgripError, ScenarioError
@@ -19,9 +20,6 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import OwnParts
 from railgrip.simulate.run import run_stop
 from railgrip.trace.metrics import Metrics, meanings
-
-if TYPE_CHECKING:
-    import pandas
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +49,8 @@ class Sweep:
     axes: Mapping[str, tuple[Any, ...]]
     results: tuple[Result, ...]
 
-    def to_pandas(self) -> "pandas.DataFrame":
+    def to_pandas(self) -> pandas.DataFrame:
         """Return a row for each stop: its values, outcome, reason and figures; `slip[2]` is the second group's."""
-        import pandas
-
         rows = [
             dict(zip(self.axes, values, strict=True))
             | {"outcome": result.outcome, "reason": result.reason}

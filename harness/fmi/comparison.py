@@ -8,6 +8,7 @@ from typing import Any, Final, cast
 
 import numpy as np
 from fmpy.fmi2 import FMU2Slave
+from fmpy.validation import validate_fmu
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError
@@ -38,8 +39,6 @@ int steps(Exchange *set, Step *step, Exchange *get, void *fmu, const unsigned *t
 
 def validation_problems(file: Path) -> list[str]:
     """Return what FMPy finds that is not as the FMI standard wants it in an FMU."""
-    from fmpy.validation import validate_fmu  # half a second of imports that nothing else needs
-
     return [str(problem) for problem in validate_fmu(str(file))]
 
 

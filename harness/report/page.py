@@ -7,11 +7,12 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+
 from railgrip.base.files import write_json, write_text
 from railgrip.report.table import Table
 
 if TYPE_CHECKING:
-    from jinja2 import Environment
     from matplotlib.figure import Figure
 
 _ROOT = Path(__file__).parents[1]
@@ -85,9 +86,7 @@ def image(path: Path) -> str:
 
 
 @cache
-def _environment() -> "Environment":
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
-
+def _environment() -> Environment:
     return Environment(
         loader=FileSystemLoader(_ROOT),
         autoescape=select_autoescape(("html.jinja",)),

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
+from scipy.stats import chi2
 from typer import Option
 
 from railgrip.campaign.work import Work
@@ -114,8 +115,6 @@ class Assessment:
     @property
     def rate_bound(self) -> float:
         """95 % upper confidence bound of the rate, exact for a Poisson count: 3/n when none came."""
-        from scipy.stats import chi2
-
         return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
 
     def table(self) -> Table:

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any, Final
 
 import numpy as np
+from scipy.stats.qmc import Sobol
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY, cut
@@ -157,8 +158,6 @@ class Case:
 
 def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
     """Return so many cases, the same ones for the same seed."""
-    from scipy.stats.qmc import Sobol
-
     faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
     tables = (LOADS, RADII, PADS, GRADIENTS)
     axes: tuple[Sequence[str], ...] = (CURVES, RAILS, *map(tuple, tables), tuple(faults))
