@@ -23,7 +23,7 @@ from railgrip.base.errors import (
 from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
-from railgrip.scenario.file import installed, is_file, is_folder
+from railgrip.scenario.file import is_folder, located
 from railgrip.scenario.load import read_toml, require_kind, validated
 from railgrip.scenario.merge import merged, nested, parts_of
 from railgrip.scenario.outcome import Outcome
@@ -95,7 +95,7 @@ class Scenario(schema.Scenario):
             table, directory = _plain(source, "scenario"), Path.cwd()
             origin = cut(table["name"]) if isinstance(table.get("name"), str) else "the scenario"
         else:
-            path = installed(_path(source, "scenario"), "library")
+            path = located(_path(source, "scenario"), "scenarios")
             table, directory, origin = read_toml(path), path.parent, path.name
             require_kind(table, "scenario", path)
         return cls._of(merged(table, nested(_changes(changes))), directory, origin)
@@ -134,9 +134,9 @@ ScenarioLike = schema.Scenario | str | Path | Mapping[str, Any]
 
 def run(
     scenario: ScenarioLike,
-    controller: "Controller | type[Controller] | None" = None,
-    estimator: "Estimator | type[Estimator] | None" = None,
-    sensors: "Sensors | type[Sensors] | None" = None,
+    controller: "Controller | type[Controller] | str | Mapping[str, Any] | None" = None,
+    estimator: "Estimator | type[Estimator] | str | Mapping[str, Any] | None" = None,
+    sensors: "Sensors | type[Sensors] | str | Mapping[str, Any] | None" = None,
     plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
     import_from: Iterable[str | Path] = (),
@@ -145,7 +145,8 @@ def run(
 
     Args:
         scenario: What to run.
-        controller: Object or class of one's own in place of the scenario's; likewise estimator and sensors.
+        controller: In place of the scenario's a name such as "slip_two_state", keys of [controller], or an object or
+            class of one's own; likewise estimator and sensors.
         plant: In place of the scenario's a recipe, an .fmu, keys of [vehicle] such as {"model": "MyLib.MyTrain",
             "library": "MyLib/package.mo"}, or an object or class of one's own.
         import_from: Folders of modules that the scenario names as module:Class.
@@ -157,17 +158,14 @@ def run(
     from railgrip.campaign.one_stop import with_sources
     from railgrip.simulate.run import run_stop
 
-    written = isinstance(plant, _WRITTEN)
-    own = _parts(
-        import_from, controller=controller, estimator=estimator, sensors=sensors, plant=None if written else plant
-    )
-    return with_sources(run_stop(_scenario_of(scenario, plant), own=own))
+    asked, own = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
+    return with_sources(run_stop(asked, own=_parts(import_from, **own)))
 
 
 def open(
     scenario: ScenarioLike,
-    estimator: "Estimator | type[Estimator] | None" = None,
-    sensors: "Sensors | type[Sensors] | None" = None,
+    estimator: "Estimator | type[Estimator] | str | Mapping[str, Any] | None" = None,
+    sensors: "Sensors | type[Sensors] | str | Mapping[str, Any] | None" = None,
     plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
     import_from: Iterable[str | Path] = (),
@@ -175,18 +173,16 @@ def open(
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.simulate.by_hand import Bench
 
-    own = _parts(
-        import_from, estimator=estimator, sensors=sensors, plant=None if isinstance(plant, _WRITTEN) else plant
-    )
-    return Bench(_scenario_of(scenario, plant), own)
+    asked, own = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
+    return Bench(asked, _parts(import_from, **own))
 
 
 def sweep(
     scenario: ScenarioLike,
     axes: Mapping[str, Iterable[Any]],
-    controller: "Controller | type[Controller] | None" = None,
-    estimator: "Estimator | type[Estimator] | None" = None,
-    sensors: "Sensors | type[Sensors] | None" = None,
+    controller: "Controller | type[Controller] | str | Mapping[str, Any] | None" = None,
+    estimator: "Estimator | type[Estimator] | str | Mapping[str, Any] | None" = None,
+    sensors: "Sensors | type[Sensors] | str | Mapping[str, Any] | None" = None,
     plant: "Plant | type[Plant] | str | Path | Mapping[str, Any] | None" = None,
     *,
     workers: int = 1,
@@ -208,10 +204,7 @@ def sweep(
     """
     from railgrip.campaign.sweep import swept
 
-    base = _scenario_of(scenario, plant)
-    whole = base if isinstance(base, Scenario) else Scenario.load(base.resolved())
-    parts: dict[str, Any] = {"controller": controller, "estimator": estimator, "sensors": sensors}
-    parts["plant"] = None if isinstance(plant, _WRITTEN) else plant
+    whole, parts = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
     handed_over = [name for name, part in parts.items() if part is not None]
 
     def variant(values: Mapping[str, Any]) -> "tuple[Scenario, OwnParts]":
@@ -237,11 +230,9 @@ def estimate(
         EstimationError: The recording does not fit it.
     """
     from railgrip.estimation.sources import completed, recording_of_estimation
-    from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
+    from railgrip.estimation.spec import estimate_of, load_specification
 
-    path = _path(model, "model")
-    ours = LIBRARY / f"{path}.toml"
-    specification = load_specification(ours if not path.suffix and is_file(ours) else path, _changes(changes))
+    specification = load_specification(_path(model, "model"), _changes(changes))
     if isinstance(recording, str | Path):
         return estimate_of(specification, recording_of_estimation(specification, data=Path(recording)))
     if not _is_over_time(recording):
@@ -251,12 +242,18 @@ def estimate(
     return estimate_of(specification, completed(specification, recording))
 
 
-def _scenario_of(scenario: ScenarioLike, plant: Any) -> schema.Scenario:
+def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
+    """Return a scenario with the parts that are written, as names or keys, and those that are objects or classes."""
     base = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
-    if not isinstance(plant, _WRITTEN):
-        return base
     whole = base if isinstance(base, Scenario) else Scenario.load(base.resolved())
-    return whole.with_plant(plant)
+    if isinstance(plant, _WRITTEN):
+        whole, plant = whole.with_plant(plant), None
+    written = {name: part for name, part in parts.items() if isinstance(part, str | Mapping)}
+    if written:
+        whole = whole.changed(
+            {name: {"kind": part} if isinstance(part, str) else part for name, part in written.items()}
+        )
+    return whole, {name: None if name in written else part for name, part in parts.items()} | {"plant": plant}
 
 
 _TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sensors", "plant": "vehicle"}

@@ -1,14 +1,21 @@
 """What there is of each kind of part: the modules and files of its folder, and what installed packages offer."""
 
+import ast
 import os
+import re
 import sys
+import tomllib
 from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import distributions
+from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import iter_modules
-from typing import Literal, TypeVar
+from types import MappingProxyType
+from typing import Final, Literal, TypeVar, get_args
 
 _Part = TypeVar("_Part")
 
@@ -27,16 +34,119 @@ SENSORS, FAULTS = "railgrip.simulate.sensors", "railgrip.simulate.faults"
 """Packages with a module for each kind of sensors and for the faults of each part of a train."""
 
 
-_SHELVES = {
-    "scenarios": "railgrip.scenario.library",
-    "campaigns": "railgrip.scenario.campaigns",
-    "trains": "railgrip.scenario.trains",
-}
+Shelf = Literal["scenarios", "campaigns", "estimations", "trains", "equipment", "curves"]
+"""What this package has in files."""
+
+Kind = Literal[Shelf, "controllers", "estimators", "sensors", "studies"]
+"""What has a name that a user may write."""
 
 
-def shelf(kind: str) -> Mapping[str, Path]:
-    """Return the files of a kind that come with this package, by name: scenarios, campaigns or trains."""
-    return files(_SHELVES[kind])
+@dataclass(frozen=True, slots=True)
+class Section:
+    """What of one kind has a name.
+
+    Attributes:
+        singular: One of them, with its article.
+        package: With a file or a module for each.
+        use: The command that takes a name.
+    """
+
+    singular: str
+    package: str
+    use: str
+
+
+_SET: Final = "railgrip run trapezoid --set "
+SECTIONS: Final[Mapping[str, Section]] = MappingProxyType(
+    {
+        "scenarios": Section("a scenario", "railgrip.scenario.library", "railgrip run {}"),
+        "campaigns": Section("a campaign", "railgrip.scenario.campaigns", "railgrip campaign {}"),
+        "trains": Section("a train", "railgrip.scenario.trains", "railgrip train show {}"),
+        "equipment": Section("a set of equipment", "railgrip.scenario.equipment", "railgrip run trapezoid --with {}"),
+        "curves": Section("a creep curve", CREEP_CURVES, _SET + "adhesion.polach={}"),
+        "controllers": Section("a controller", LAWS, _SET + "controller.kind={}"),
+        "estimators": Section("an estimator", FILTERS, _SET + "estimator.kind={}"),
+        "sensors": Section("a kind of sensors", SENSORS, _SET + "sensors.kind={}"),
+        "estimations": Section("an estimation", "railgrip.estimation.library", "railgrip estimate {}"),
+        "studies": Section("a study", "railgrip.studies", "railgrip study {}"),
+    }
+)
+"""Kind → what has a name, in the order of `railgrip list`."""
+
+ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
+    {
+        "ideal_bound": "Shortest stop that adhesion and brakes allow: an analysis that is shown the truth, not a law.",
+        "ideal_tracking": "The same through the valves of the train: an analysis that is shown the truth, not a law.",
+    }
+)
+"""Kinds of controllers that are shown the truth: what is possible, not a law; with their meanings."""
+
+_WITHOUT_MODULE: Final[Mapping[str, dict[str, str]]] = MappingProxyType(
+    {
+        "controllers": {**ANALYSES, "fmu": "A controller of your own as a co-simulation FMU, named by `file`."},
+        "estimators": {"none": "No estimator: the controller sees readings only."},
+    }
+)
+_SHARED: Final = frozenset({"study"})
+"""Modules that serve the others of their package."""
+
+
+def shelf(kind: Shelf) -> dict[str, Path]:
+    """Return the files of a kind that come with this package, by name."""
+    return files(SECTIONS[kind].package)
+
+
+def names(kind: str) -> list[str]:
+    """Return the names of all there is of a kind, in this package and in installed ones."""
+    package = SECTIONS[kind].package
+    if kind in get_args(Shelf):
+        return list(files(package))
+    own = [name for name in modules(package) if name not in _SHARED]
+    return [*own, *_WITHOUT_MODULE.get(kind, ()), *_installed(kind)]
+
+
+def meanings(kind: str) -> dict[str, str]:
+    """Return what each name of a kind means, in a sentence."""
+    package = SECTIONS[kind].package
+    if kind in get_args(Shelf):
+        return {name: _description(path) for name, path in files(package).items()}
+    known = {name: f"Installed: {place}" for name, place in _installed(kind).items()} | _WITHOUT_MODULE.get(kind, {})
+    return {name: known.get(name) or summary(package, name) for name in names(kind)}
+
+
+def _installed(kind: str) -> Mapping[str, str]:
+    return next((installed_names(role) for role in get_args(Role) if role == kind), {})
+
+
+def summary(package: str, name: str) -> str:
+    """Return the first line of the docstring of a module, which is read and not imported: that can take seconds."""
+    spec = find_spec(f"{package}.{name}")
+    source = Path(spec.origin).read_text(encoding="utf-8") if spec is not None and spec.origin else ""
+    return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+
+
+def _description(path: Path) -> str:
+    """Return what a TOML file says of itself, in one sentence: its description, its source, or its first comment."""
+    text = path.read_text(encoding="utf-8")
+    table = tomllib.loads(text)
+    words = table.get("description") or table.get("source") or text.partition("\n")[0].lstrip("# ")
+    return re.split(r"(?<=\.)\s", " ".join(words.split()))[0]
+
+
+def not_one_of(kind: str, name: str) -> str:
+    """Return the sentence on a name that is none of a kind: what else has it, or which names are nearest."""
+    others = {other: section for other, section in SECTIONS.items() if other != kind}
+    holders = [section for other, section in others.items() if name in names(other)]
+    if holders:
+        words = " and ".join(f"{section.singular}: `{section.use.format(name)}`" for section in holders)
+        return f"that is {words}"
+    sentence = f"there is no such file, and no {SECTIONS[kind].singular.partition(' ')[2]} of that name"
+    if near := get_close_matches(name, names(kind), n=3):
+        return f"{sentence}; did you mean {' or '.join(near)}?"
+    for other, section in others.items():
+        if near := get_close_matches(name, names(other), n=1, cutoff=0.75):
+            return f"{sentence}; did you mean {near[0]}, {section.singular}: `{section.use.format(near[0])}`?"
+    return f"{sentence}; `railgrip list {kind}` shows all"
 
 
 def modules(package: str) -> tuple[str, ...]:
@@ -44,7 +154,7 @@ def modules(package: str) -> tuple[str, ...]:
     return _modules(_folders(package))
 
 
-def files(package: str) -> Mapping[str, Path]:
+def files(package: str) -> dict[str, Path]:
     """Return the TOML files in a package by their names without the suffix."""
     return _files(_folders(package))
 
@@ -70,7 +180,7 @@ def _modules(folders: tuple[str, ...]) -> tuple[str, ...]:
 
 
 @cache
-def _files(folders: tuple[str, ...]) -> Mapping[str, Path]:
+def _files(folders: tuple[str, ...]) -> dict[str, Path]:
     return {path.stem: path for folder in folders for path in sorted(Path(folder).glob("*.toml"))}
 
 

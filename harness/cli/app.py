@@ -15,7 +15,7 @@ from typer.core import TyperGroup
 
 from railgrip import __version__
 from railgrip.base.errors import InputError
-from railgrip.base.registry import shelf
+from railgrip.base.registry import Shelf, shelf
 from railgrip.report.console import complain, say, show_messages
 
 RUN_FAILED = 3
@@ -109,6 +109,7 @@ class _Main(Commands):
             "campaign": Command("campaigns:campaign", "Run the stops of campaigns and write tables and a report."),
             "report": Command("campaigns:report", "Make one page of the results in a folder."),
             "study": Command("studies:studies", "Run a study and write its page; without a name, list them."),
+            "list": Command("library:list_", "List what may be named: scenarios, controllers, trains and more."),
         },
         "Files and parts": {
             "train": Command("trains:trains", "Begin, draw and check trains in files."),
@@ -170,7 +171,7 @@ def program(
     show_messages(logging.WARNING if quiet else logging.DEBUG if verbose else logging.INFO)
 
 
-def complete(*kinds: str) -> Any:
+def complete(*kinds: Shelf) -> Any:
     """Return the completion of an argument: names from the library, else the shell's own files."""
 
     def candidates(incomplete: str) -> list[str]:

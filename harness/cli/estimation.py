@@ -7,7 +7,7 @@ import typer
 import xarray
 
 from railgrip.base.files import remove, write_bytes
-from railgrip.cli.app import ImportFrom, Overrides, fail
+from railgrip.cli.app import ImportFrom, Overrides, complete, fail
 from railgrip.estimation.judge import judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.plausible import strange_estimates, strange_signals
@@ -24,7 +24,8 @@ File = Annotated[
     Path,
     typer.Argument(
         metavar="ESTIMATION",
-        help="An estimation: a file (*.toml).",
+        autocompletion=complete("estimations"),
+        help="An estimation: a file (*.toml), or the name of one of ours, such as wagon.",
     ),
 ]
 Out = Annotated[Path | None, typer.Option(help="Folder for the results; build/estimate/NAME unless given.")]

@@ -14,7 +14,7 @@ from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import beginning, load_train
 from railgrip.rolling_stock.tables import sentence_of_equipment, sentence_of_stop, table_of_axles, table_of_distributors
-from railgrip.scenario.file import installed
+from railgrip.scenario.file import located
 
 trains = typer.Typer(
     help="Begin, draw and check trains in files.",
@@ -67,7 +67,7 @@ def check(file: TrainFile) -> None:
     """Say what of a train does not fit together, and how it stops by hand calculation."""
     train = load_train(file)
     results = findings(train)
-    name = installed(file, "trains").name
+    name = located(file, "trains").name
     for one in results:
         if not one.wrong:
             remark(f"{name}: {one}")

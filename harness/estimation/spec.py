@@ -44,6 +44,7 @@ from railgrip.base.errors import EstimationError
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, per_step, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
+from railgrip.scenario.file import located
 from railgrip.scenario.load import read_toml, require_kind, validated
 from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
@@ -187,7 +188,7 @@ LIBRARY = Path(__file__).parent / "library"
 
 
 def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] = ()) -> Specification:
-    """Return the estimation that a TOML file describes, with overrides on top.
+    """Return the estimation of a TOML file, or of the package by its name, with overrides on top.
 
     Args:
         path: Of the file.
@@ -196,6 +197,7 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
     """
+    path = located(path, "estimations")
     table = read_toml(path)
     require_kind(table, "estimation", path)
     noise = table.get("noise")

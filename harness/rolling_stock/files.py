@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.rolling_stock.schema import Train
-from railgrip.scenario.file import installed
+from railgrip.scenario.file import located
 from railgrip.scenario.load import read_toml, validated
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
@@ -17,7 +17,7 @@ def load_train(path: Path) -> Train:
     Raises:
         ScenarioError: The file is missing, not TOML, or no train; each problem in one sentence with file and key.
     """
-    path = installed(path, "trains")
+    path = located(path, "trains")
     return train_of(read_toml(path), path.name)
 
 

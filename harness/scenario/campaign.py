@@ -13,7 +13,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import cut, place
-from railgrip.scenario.file import installed, is_file
+from railgrip.scenario.file import is_file, located
 from railgrip.scenario.load import read_toml, require_kind, scenario_of, validated
 from railgrip.scenario.merge import merged, nested, read_overrides
 from railgrip.scenario.outcome import Outcome
@@ -75,9 +75,12 @@ class CampaignFile(Table):
 
     name: Name
     description: str = ""
-    scenarios: Annotated[tuple[str, ...], Field(min_length=1, description="files, from this one's folder")]
+    scenarios: Annotated[
+        tuple[str, ...], Field(min_length=1, description="files, from this one's folder, or names of ours")
+    ]
     axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
-        default={}, description="axis → variant → tables, or a file of tables, from this one's folder"
+        default={},
+        description="axis → variant → tables, or a file of them, from this one's folder, or a name of our equipment",
     )
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
     draws: Draws | None = None
@@ -143,7 +146,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     Raises:
         ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
     """
-    path = installed(path, "campaigns")
+    path = located(path, "campaigns")
     table = read_toml(path)
     require_kind(table, "campaign", path)
     campaign = validated(CampaignFile, table, directory=path.parent, origin=path.name)
@@ -183,7 +186,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
 
 
 def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, Any]:
-    file = path.parent / name
+    file = located(name, "equipment", path.parent, f"{path.name}: [axes.{axis}] {variant}: ")
     if not is_file(file):
         raise ScenarioError(
             f"{path.name}: [axes.{axis}] {variant} names '{cut(name)}', but there is no file {place(file)}; the "
@@ -196,7 +199,7 @@ def _stops(
     path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]], last: Mapping[str, Any]
 ) -> Iterator[PlannedStop]:
     for file in campaign.scenarios:
-        base_path = path.parent / file
+        base_path = located(file, "scenarios", path.parent, f"{path.name}: scenarios: ")
         base = read_toml(base_path)
         for combination in itertools.product(*(variants.items() for variants in axes.values())):
             choice = dict(zip(axes, (name for name, _ in combination), strict=True))

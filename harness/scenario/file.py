@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 from pydantic import GetCoreSchemaHandler, ValidationInfo
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import Shelf, not_one_of, shelf
 from railgrip.base.units import cut, place, short
 from railgrip.fmus.native.library import library_digest, library_of
 
@@ -30,10 +32,24 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def installed(name: Path, folder: Literal["library", "campaigns", "trains"]) -> Path:
-    """Return the file that comes with this package under a bare name, such as `trapezoid`; else the path as it is."""
-    ours = Path(__file__).parent / folder / f"{name}.toml"
-    return ours if len(name.parts) == 1 and not name.suffix and not is_file(name) and is_file(ours) else name
+def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "") -> Path:
+    """Return the file that an entry means: a path from a folder, or a bare name of the library, such as `trapezoid`.
+
+    Args:
+        entry: As written.
+        kind: Of what the library has by that name.
+        folder: From which paths start.
+        where: Words to open a sentence with: file and key of the entry.
+
+    Raises:
+        ScenarioError: A bare name with neither a file nor an entry of this kind in the library.
+    """
+    path, name = folder / entry, Path(entry)
+    if is_file(path) or name.suffix or len(name.parts) != 1:
+        return path
+    if ours := shelf(kind).get(name.name):
+        return ours
+    raise ScenarioError(f"{where}{cut(name.name)}: {not_one_of(kind, name.name)}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import cut, place, short
-from railgrip.scenario.file import DIRECTORY, installed
+from railgrip.scenario.file import DIRECTORY, located
 from railgrip.scenario.kinds import ByKind, kinds_of
 from railgrip.scenario.merge import merged, parsed, read_overrides
 from railgrip.scenario.schema import Scenario
@@ -38,7 +38,7 @@ def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
     Raises:
         ScenarioError: The file is missing, not TOML, or not a scenario; each problem in one sentence.
     """
-    path = installed(path, "library")
+    path = located(path, "scenarios")
     table_of_file = read_toml(path)
     require_kind(table_of_file, "scenario", path)
     table = merged(table_of_file, read_overrides(overrides))
@@ -124,7 +124,7 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if kind == "union_tag_not_found":
         return f"{_table(path)} has no 'kind'; it is wanted and has no default"
     if kind == "union_tag_invalid":
-        return f"{_table(path)} kind is {short(context['tag'])}; there is {_listed(context['expected_tags'])}"
+        return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], context['expected_tags'])}"
     if not path:
         return f"{error['msg']}."  # a rule between tables names them itself
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
@@ -133,7 +133,7 @@ def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDeta
     if kind in {"quantity", "file", "scenario"}:
         return f"{key} {error['msg']}."
     if kind == "literal_error":
-        return f"{key} is {short(error['input'])}; there is {context['expected']}"
+        return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
     if kind in {"model_type", "model_attributes_type", "dict_type"}:
         return f"{_table(path)} must be a table, got {short(error['input'])}"
     message = error["msg"]
@@ -202,5 +202,7 @@ def _suggestion(name: str, choice: Sequence[str]) -> str:
     return f"{guess}It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
 
 
-def _listed(expected: str) -> str:
-    return expected.replace("'", "")
+def _choice(found: object, expected: str) -> str:
+    """Return what there is in place of what was found, the nearest first."""
+    near = difflib.get_close_matches(str(found), re.findall(r"\w+", expected), n=1)
+    return f"{f'did you mean {near[0]}? There' if near else 'there'} is {expected}"

@@ -101,10 +101,6 @@ class _OverTheTrain(Table):
     )
 
 
-ANALYSES = ("ideal_bound", "ideal_tracking")
-"""Kinds that are shown the truth: what is possible, not a law."""
-
-
 class Law(_OverTheTrain):
     """A control law of this project and what differs from its own parameter set."""
 
@@ -157,7 +153,7 @@ class OwnLaw(Custom, _OverTheTrain):
 
 
 def _controllers() -> dict[str, type[Table]]:
-    return {**dict.fromkeys((*registry.modules(registry.LAWS), *ANALYSES), Law), "fmu": ControllerFmu}
+    return {**dict.fromkeys((*registry.modules(registry.LAWS), *registry.ANALYSES), Law), "fmu": ControllerFmu}
 
 
 Controller = Annotated[Law | ControllerFmu | OwnLaw, ByKind(_controllers, "controllers", OwnLaw)]

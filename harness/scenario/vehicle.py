@@ -1,12 +1,12 @@
 """The tables [vehicle] and [start]: which plant, with what values, from what speed."""
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, Self
 
 from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator, model_validator
 
-from railgrip.scenario.file import NamedFile, installed
+from railgrip.base.registry import shelf
+from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Length, MapEntry, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
 
@@ -147,7 +147,7 @@ class Vehicle(Table):
     @field_validator("train", mode="plain")
     @classmethod
     def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
-        if isinstance(entry, str) and (path := installed(Path(entry), "trains")) != Path(entry):
+        if isinstance(entry, str) and (path := shelf("trains").get(entry)):
             return NamedFile(entry=entry, path=path)
         return None if entry is None else NamedFile.find(entry, info)
 

@@ -5,10 +5,9 @@ docstring describes it; it, or the module `study` of a package, has the class as
 studies, and no stop is run again when one of them changes.
 """
 
-import ast
-from importlib.util import find_spec
-from pathlib import Path
 from pkgutil import iter_modules
+
+from railgrip.base import registry
 
 _STUDIES = {one.name: one.ispkg for one in iter_modules(__path__) if one.name != "study"}
 
@@ -20,10 +19,7 @@ def names() -> list[str]:
 
 def summary(name: str) -> str:
     """Return a description of a study in one line."""
-    # Read, not imported: a module of a study takes seconds to import.
-    spec = find_spec(f"{__name__}.{name}")
-    source = Path(spec.origin).read_text(encoding="utf-8") if spec is not None and spec.origin else ""
-    return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+    return registry.summary(__name__, name)
 
 
 def module_of(name: str) -> str:

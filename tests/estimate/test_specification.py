@@ -71,7 +71,7 @@ def test_an_invalid_file_is_refused(tmp_path, old, new, sentence):
 
 
 def test_a_missing_source_is_refused():
-    with pytest.raises(ScenarioError, match="snow: there is no such file; name a scenario"):
+    with pytest.raises(ScenarioError, match="snow: there is no such file, and no scenario of that name"):
         recording_of_estimation(load_specification(LIBRARY / "wagon.toml"), scenario="snow")
     with pytest.raises(ScenarioError, match=r"wagon\.toml: \[source\] has no key 'kind'"):
         load_specification(LIBRARY / "wagon.toml", ["source.kind=field"])

@@ -15,7 +15,7 @@ from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
-from railgrip.scenario.file import installed
+from railgrip.scenario.file import located
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study
 from railgrip.studies.trains.sanders import Comparison, Trial, compare, scenario_of_row, scenario_tables, trial_of
@@ -44,7 +44,7 @@ class Trains(Study):
         names = [name for name in NAMED if not self.quick or name != "loco_coaches"]
         counts = (1, 2, 4) if self.quick else (1, 2, 4, 8, 16)
         trial, model = trial_of(), Path("emu387")
-        text = installed(model, "trains").read_text(encoding="utf-8")
+        text = located(model, "trains").read_text(encoding="utf-8")
         with scratch("study") as folder:
             files = [folder / f"{model}_{count}.toml" for count in counts]
             for file, count in zip(files, counts, strict=True):

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -14,7 +15,7 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.file import installed
+from railgrip.scenario.file import located
 from railgrip.scenario.load import read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
@@ -89,7 +90,8 @@ def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dic
 
 def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, Entrant]:
     path = Path(argument)
-    if path.suffix == ".toml":
+    if path.suffix == ".toml" or argument in registry.shelf("scenarios"):
+        path = located(argument, "scenarios")
         table = read_toml(path)
         if "controller" not in table:
             raise ScenarioError(f"{cut(path.name)}: has no [controller], which is what takes part in a type test")
@@ -101,9 +103,12 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
         return path.stem, _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
     if ":" in argument:
         return argument.rpartition(":")[2], _own(argument, {"controller": {"kind": argument}})
+    if argument in registry.installed_names("controllers"):
+        return argument, _own(argument, {"controller": {"kind": argument}})
+    near = get_close_matches(argument, ours, n=1)
     raise ScenarioError(
-        f"--controller {cut(argument)}: is neither one of {', '.join(ours)} nor a scenario (.toml), an .fmu or "
-        "module:Class"
+        f"--controller {cut(argument)}: {f'did you mean {near[0]}? It ' if near else ''}is neither one of "
+        f"{', '.join(ours)} nor a scenario, an .fmu or module:Class"
     )
 
 
@@ -125,12 +130,12 @@ def train_of(argument: str | None) -> dict[str, Any]:
     table = merged(table, {"estimator": _FILTER})
     if argument is None:
         return table
-    path = installed(Path(argument), "library")
-    train_path = installed(path, "trains")
-    if train_path.suffix == ".toml":
-        own = read_toml(train_path)
+    is_ours = argument in registry.shelf("trains")
+    path = (registry.shelf("scenarios") | registry.shelf("trains")).get(argument, Path(argument))
+    if path.suffix == ".toml":
+        own = read_toml(path)
         if "cars" in own:
-            own_file = str(train_path.resolve()) if train_path == path else argument
+            own_file = argument if is_ours else str(path.resolve())
             filtering = {"kind": "decentralised", "noise": "service", **_ANY_TRAIN}
             return table | {"vehicle": {"train": own_file}, "estimator": filtering}
         vehicle = dict(own.get("vehicle", {}))
@@ -143,7 +148,7 @@ def train_of(argument: str | None) -> dict[str, Any]:
     if argument in read_recipes().recipes:
         return table | {"vehicle": {"plant": argument}}
     raise ScenarioError(
-        f"--train {cut(argument)}: is neither a scenario (.toml), an .fmu nor a recipe of this project, nor a train"
+        f"--train {cut(argument)}: is neither a scenario, an .fmu nor a recipe of this project, nor a train"
     )
 
 
@@ -153,6 +158,7 @@ def task_of(path: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: It has neither.
     """
+    path = located(path, "scenarios")
     table = read_toml(path)
     task = {"demand": table["demand"]} if "demand" in table else {}
     adhesion = table.get("adhesion")

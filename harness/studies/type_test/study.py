@@ -61,13 +61,13 @@ class TypeTest(Study):
 
     controller: Annotated[
         list[str] | None,
-        Option(help="One of ours, a scenario (.toml), an .fmu or module:Class; all of ours without it. Repeatable."),
+        Option(help="One of ours, a scenario, an .fmu or module:Class; all of ours without it. Repeatable."),
     ] = None
     train: Annotated[
-        str | None, Option(help="A scenario (.toml) whose train it is, a train, an .fmu or a recipe; ours without it.")
+        str | None, Option(help="A scenario whose train it is, a train, an .fmu or a recipe; ours without it.")
     ] = None
     task: Annotated[
-        Path | None, Option(help="A scenario (.toml) whose demand and [adhesion.conditioning] hold in every case.")
+        Path | None, Option(help="A scenario whose demand and [adhesion.conditioning] hold in every case.")
     ] = None
     against: Annotated[
         str | None, Option(help="A controller of the test: distances of the others over its own, case by case.")

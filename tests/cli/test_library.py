@@ -1,0 +1,123 @@
+"""Names of the library: listed with a meaning, taken by every command, and told apart."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import railgrip as rg
+from railgrip.base import registry
+from railgrip.scenario.campaign import load_campaign
+
+LIST = {kind: registry.meanings(kind) for kind in registry.SECTIONS}
+
+
+def test_list_shows_every_name_of_every_kind_with_a_meaning(railgrip):
+    result = railgrip("list", "--json")
+    assert result.code == 0
+    listed = json.loads(result.out)
+    assert listed == LIST
+    assert all(meaning and "\n" not in meaning for names in listed.values() for meaning in names.values())
+    package = Path(rg.__file__).parent
+    folders = {"scenarios": "scenario/library", "curves": "scenario/creep_curves", "trains": "scenario/trains"}
+    for kind, folder in folders.items():
+        assert sorted(listed[kind]) == sorted(path.stem for path in (package / folder).glob("*.toml"))
+
+
+@pytest.mark.parametrize("kind", registry.SECTIONS)
+def test_list_of_one_kind_is_a_table(railgrip, kind):
+    result = railgrip("list", kind)
+    lines = [line.split() for line in result.out.splitlines()]
+    assert lines[0] == [kind.capitalize()]
+    assert {line[0] for line in lines} >= LIST[kind].keys()
+
+
+def test_list_of_no_kind_is_refused_with_all_kinds(railgrip):
+    result = railgrip("list", "rails")
+    assert result.code == 2
+    assert "'scenarios'" in result.err
+
+
+def test_an_installed_part_is_listed(railgrip, tmp_path_factory, monkeypatch):
+    folder = tmp_path_factory.mktemp("site")
+    package = folder / "mine-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text("[railgrip.controllers]\nmine = laws:Hold\n")
+    monkeypatch.syspath_prepend(folder)
+    registry.installed_names.cache_clear()
+    try:
+        assert "Installed: laws:Hold" in railgrip("list", "controllers").out
+    finally:
+        registry.installed_names.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("run", "table1"), "table1: that is a campaign: `railgrip campaign table1`"),
+        (("run", "emu387"), "emu387: that is a train: `railgrip train show emu387`"),
+        (("run", "slip_two_state"), "`railgrip run trapezoid --set controller.kind=slip_two_state`"),
+        (("run", "leaf"), "leaf: that is a creep curve: `railgrip run trapezoid --set adhesion.polach=leaf`"),
+        (("run", "lateral"), "lateral: that is a study: `railgrip study lateral`"),
+        (("campaign", "trapezoid"), "trapezoid: that is a scenario: `railgrip run trapezoid`"),
+        (("estimate", "table1"), "table1: that is a campaign: `railgrip campaign table1`"),
+        (("train", "show", "wagon_stop"), "wagon_stop: that is a scenario: `railgrip run wagon_stop`"),
+        (("run", "trapezod"), "no scenario of that name; did you mean trapezoid?"),
+        (("campaign", "tabel1"), "no campaign of that name; did you mean table1?"),
+        (("run", "tabel1"), "did you mean table1, a campaign: `railgrip campaign table1`?"),
+        (("estimate", "wagn"), "no estimation of that name; did you mean wagon?"),
+        (
+            ("run", "xyz"),
+            "xyz: there is no such file, and no scenario of that name; `railgrip list scenarios` shows all",
+        ),
+        (("run", "wet.toml", "--set", "controller.kind=slip_two"), "did you mean slip_two_state? There is"),
+        (("study", "type_test", "--controller", "slip_two_stat"), "did you mean slip_two_state? It is neither one of"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_a_name_of_another_kind_or_a_mistyped_one_is_refused_with_what_to_do(railgrip, arguments, sentence):
+    result = railgrip(*arguments)
+    assert result.code == 2
+    assert sentence in result.err
+    assert result.out == ""
+
+
+def test_a_file_goes_before_a_name_of_the_library(railgrip, project):
+    (project / "trapezoid").write_text((project / "wet.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    assert "wet: standstill" in railgrip("run", "trapezoid", "--set", "start.speed=36 km/h").out
+
+
+def test_a_campaign_names_scenarios_and_equipment_of_the_library(railgrip, project):
+    text = 'name = "both"\nscenarios = ["plain"]\n[axes.equipment]\nideal = "ideal"\nvalves = "{}"\n'
+    (project / "both.toml").write_text(text.format("service"), encoding="utf-8")
+    kinds = {stop.name: stop.scenario.sensors.kind for stop in load_campaign(project / "both.toml").stops}
+    assert kinds == {"plain-ideal": "ideal", "plain-valves": "service"}
+    (project / "both.toml").write_text(text.format("servce"), encoding="utf-8")
+    result = railgrip("campaign", "both.toml")
+    assert "both.toml: [axes.equipment] valves: servce: there is no such file, and no set of equipment" in result.err
+    assert "did you mean service?" in result.err
+
+
+@pytest.mark.parametrize(
+    ("parts", "sentence"),
+    [
+        ({"controller": "slip_two_stat"}, r"\[controller\] kind is 'slip_two_stat'; did you mean slip_two_state\?"),
+        ({"estimator": "pyton"}, r"\[estimator\] kind is 'pyton'; did you mean python\?"),
+        ({"controller": {"kind": "slip_two_state", "tuning": "own"}}, r"\[controller\] tuning is 'own'"),
+    ],
+)
+def test_python_takes_names_of_parts_and_refuses_others(parts, sentence):
+    with pytest.raises(rg.RailgripError, match=sentence):
+        rg.run("trapezoid", **parts)
+
+
+def test_a_part_by_name_is_the_scenario_with_that_kind():
+    short = rg.Scenario.load("trapezoid", {"limits.horizon": "0.2 s", "estimator.kind": "none"})
+    by_name = rg.run(short, controller="slip_two_state", estimator="compiled")
+    by_key = rg.run(short.changed({"controller.kind": "slip_two_state", "estimator.kind": "compiled"}))
+    assert by_name.scenario.resolved() == by_key.scenario.resolved()
+    swept = rg.sweep(short, {"seed": [1]}, controller="full_brake")
+    assert swept.to_pandas()["outcome"].tolist() == ["horizon"]
+    with rg.open(short, estimator="compiled") as bench:
+        assert bench.reset().adhesion is not None
