@@ -149,6 +149,8 @@ def default_of(field_: FieldInfo) -> str:
             return "none"
         case BaseModel():
             return "as described below"
+        case {"kind": kind}:
+            return f"kind `{kind}`"
         case bool() as flag:
             return f"`{str(flag).lower()}`"
         case Magnitude() as magnitude:
@@ -223,7 +225,11 @@ def scenario_page() -> None:
         "Scenario file",
         "A scenario is a TOML file that decides everything about a stop, including the seed of its random numbers. "
         'A quantity is a text with a unit (`"80 km/h"`, `"3.4 bar"`) or a number in the SI unit of its key. Unknown '
-        "keys are refused. No physical value has a default.",
+        "keys are refused.",
+        "Train, start speed, friction and controller have no default. Unless the file says so, sensors and actuation "
+        "are ideal, there is no estimator, and the scenario is named as its file. `extends`, the name of a scenario of "
+        "the library or the path of a file from the folder of this one, lays the file over that scenario, table by "
+        "table; a table of another `kind` begins anew.",
         *page.sections,
     )
 

@@ -23,9 +23,9 @@ from railgrip.base.errors import (
 from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
-from railgrip.scenario.file import is_folder, located
-from railgrip.scenario.load import read_toml, require_kind, validated
-from railgrip.scenario.merge import merged, nested, parts_of
+from railgrip.scenario.file import is_folder
+from railgrip.scenario.load import Tables, extended, read_scenario
+from railgrip.scenario.merge import merged, nested, parts_of, with_another_plant
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sensors, foreign
 from railgrip.vehicle.formation import Formation
@@ -92,17 +92,17 @@ class Scenario(schema.Scenario):
             ScenarioError: Missing, or not a scenario; each problem in one sentence with its key.
         """
         if isinstance(source, Mapping):
-            table, directory = _plain(source, "scenario"), Path.cwd()
+            table = _plain(source, "scenario")
             origin = cut(table["name"]) if isinstance(table.get("name"), str) else "the scenario"
+            tables = extended(table, Path.cwd(), origin)
         else:
-            path = located(_path(source, "scenario"), "scenarios")
-            table, directory, origin = read_toml(path), path.parent, path.name
-            require_kind(table, "scenario", path)
-        return cls._of(merged(table, nested(_changes(changes))), directory, origin)
+            tables = read_scenario(_path(source, "scenario"))
+        return cls._of(tables.laid(tables.origin, nested(_changes(changes))))
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
         """Return the scenario with other values; see `load`."""
-        return self._of(merged(self.resolved(), nested(_changes(changes))), self._directory, self.name)
+        table = merged(self.resolved(), nested(_changes(changes)))
+        return self._of(Tables.of(table, self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
         """Return the scenario with a recipe, an .fmu, or keys of [vehicle] for its plant, whatever that was before.
@@ -114,14 +114,13 @@ class Scenario(schema.Scenario):
             if isinstance(value, str) and (key == "library" or (key == "plant" and value.endswith(".fmu"))):
                 keys[key] = str(Path.cwd() / value)
         table = self.resolved()
-        before = {key: value for key, value in table["vehicle"].items() if key not in ("plant", "model", "library")}
-        table["vehicle"] = before | keys
-        return self._of(table, self._directory, self.name)
+        table["vehicle"] = with_another_plant(table["vehicle"], keys)
+        return self._of(Tables.of(table, self._directory, self.name))
 
     @classmethod
-    def _of(cls, table: Mapping[str, Any], directory: Path, origin: str) -> Self:
-        scenario = validated(cls, table, directory=directory, origin=origin)
-        scenario._directory = directory
+    def _of(cls, tables: Tables) -> Self:
+        scenario = tables.value(cls)
+        scenario._directory = tables.directory
         return scenario
 
 

@@ -201,6 +201,15 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="table.key=value", help="Change a value, as in start.speed='100 km/h'; repeatable."),
 ]
+With = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--with",
+        metavar="EQUIPMENT",
+        autocompletion=complete("equipment"),
+        help="Tables laid over the scenario: a file, or the name of one of ours, such as service; repeatable.",
+    ),
+]
 ImportFrom = Annotated[
     list[Path] | None,
     typer.Option(

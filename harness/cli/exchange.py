@@ -7,7 +7,7 @@ import typer
 
 from railgrip.base.errors import PlantFailed
 from railgrip.campaign.one_stop import make_folder
-from railgrip.cli.app import RUN_FAILED, File, Overrides
+from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import Signal, bind, describe, open_plant
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import drafted
@@ -27,11 +27,12 @@ from railgrip.vehicle.signals import layout_of
 
 def export(
     file: File,
+    equipment: With = None,
     overrides: Overrides = None,
     out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
 ) -> None:
     """Make an FMU of a scenario's controller for another tool."""
-    scenario = load(file, overrides or [])
+    scenario = load(file, overrides or [], equipment or [])
     place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
     make_folder(place.parent, place.name)
     fmu = pack(controller_fmu(scenario), place)

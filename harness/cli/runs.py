@@ -11,13 +11,14 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.campaign.one_stop import Runner
 from railgrip.campaign.one_stop import run as run_scenario
-from railgrip.cli.app import File, ImportFrom, Overrides, fail
+from railgrip.cli.app import File, ImportFrom, Overrides, With, fail
 from railgrip.report.console import progress, remark, say
 from railgrip.scenario.load import load
 
 
 def run(
     file: File,
+    equipment: With = None,
     overrides: Overrides = None,
     out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
     engine: Annotated[str | None, typer.Option(hidden=True)] = None,
@@ -26,7 +27,7 @@ def run(
     """Run one scenario and print its figures."""
     if engine is not None:
         raise InputError("--engine: there is one loop for all stops now; leave it out")
-    scenario = load(file, overrides or [])
+    scenario = load(file, overrides or [], equipment or [])
     directory = out or Path("build/runs") / scenario.name
     with progress(scenario.name, scenario.start.speed or None) as bar:
         stop = run_scenario(

@@ -5,7 +5,7 @@ from typing import Any
 
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.file import located
-from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.load import read_toml, require_kind, validated
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
 """Trains that come with this package."""
@@ -18,7 +18,9 @@ def load_train(path: Path) -> Train:
         ScenarioError: The file is missing, not TOML, or no train; each problem in one sentence with file and key.
     """
     path = located(path, "trains")
-    return train_of(read_toml(path), path.name)
+    table = read_toml(path)
+    require_kind(table, "train", path)
+    return train_of(table, path.name)
 
 
 def beginning(name: str) -> str:

@@ -14,8 +14,8 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import cut, place
 from railgrip.scenario.file import is_file, located
-from railgrip.scenario.load import read_toml, require_kind, scenario_of, validated
-from railgrip.scenario.merge import merged, nested, read_overrides
+from railgrip.scenario.load import read_scenario, read_toml, require_kind, validated
+from railgrip.scenario.merge import nested, read_overrides
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
@@ -199,27 +199,23 @@ def _stops(
     path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]], last: Mapping[str, Any]
 ) -> Iterator[PlannedStop]:
     for file in campaign.scenarios:
-        base_path = located(file, "scenarios", path.parent, f"{path.name}: scenarios: ")
-        base = read_toml(base_path)
+        base = read_scenario(located(file, "scenarios", path.parent, f"{path.name}: scenarios: "))
         for combination in itertools.product(*(variants.items() for variants in axes.values())):
             choice = dict(zip(axes, (name for name, _ in combination), strict=True))
-            variants = {_AXIS_OF_SCENARIOS: str(base.get("name", base_path.stem)), **choice}
+            variants = {_AXIS_OF_SCENARIOS: str(base.table["name"]), **choice}
             if any(_matches(entry, variants) for entry in campaign.exclude):
                 continue
-            table = base
-            for _, change in combination:
-                table = merged(table, change)
             name = "-".join(re.sub(r"[^A-Za-z0-9_.]+", "_", variant) for variant in variants.values())
             # It becomes a folder: `--set name=…` may mend the scenario's own name, but not this one.
             if not re.fullmatch(r"[A-Za-z0-9].*", name) or len(name) > _LONGEST_NAME:
                 raise ScenarioError(
-                    f"{path.name}: a stop of {base_path.name} would be named '{cut(name)}', but a folder of its own "
+                    f"{path.name}: a stop of {base.origin} would be named '{cut(name)}', but a folder of its own "
                     f"wants a name that begins with a letter or digit and has {_LONGEST_NAME} characters at most"
                 )
-            scenario = scenario_of(
-                merged(table, last), directory=base_path.parent, origin=f"{path.name}, stop {name} ({base_path.name})"
-            )
-            stop = PlannedStop(name=name, variants=variants, scenario=scenario)
+            tables = base.named(f"{path.name}, stop {name} ({base.origin})")
+            for change in (*(variant for _, variant in combination), last):
+                tables = tables.laid(tables.origin, change)
+            stop = PlannedStop(name=name, variants=variants, scenario=tables.value(Scenario))
             draws = campaign.draws
             yield from _drawn(stop, draws) if draws and _matches(draws.match, variants) else (stop,)
 

@@ -1,5 +1,7 @@
 """A file that a scenario names: kept as written, found from the scenario's folder, known by its content."""
 
+import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
@@ -52,6 +54,30 @@ def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = 
     raise ScenarioError(f"{where}{cut(name.name)}: {not_one_of(kind, name.name)}")
 
 
+class Elsewhere(str):
+    """A text of a file that another one extends: a path in it starts at the folder of the file it stands in.
+
+    Attributes:
+        folder: That folder.
+    """
+
+    __slots__ = ("folder",)
+    folder: Path
+
+    @classmethod
+    def within(cls, value: Any, folder: Path) -> Any:
+        """Return tables, lists or a text with the folder at each text that has none yet."""
+        if isinstance(value, Mapping):
+            return {key: cls.within(inner, folder) for key, inner in cast("Mapping[str, Any]", value).items()}
+        if isinstance(value, list):
+            return [cls.within(inner, folder) for inner in cast("list[Any]", value)]
+        if not isinstance(value, str) or isinstance(value, Elsewhere):
+            return value
+        text = cls(value)
+        text.folder = folder
+        return text
+
+
 @dataclass(frozen=True, slots=True)
 class NamedFile:
     """A file beside the scenario.
@@ -81,13 +107,16 @@ class NamedFile:
         if not isinstance(entry, str) or not entry:
             raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(entry)})
         context = cast("dict[str, Path] | None", info.context) or {}
-        path = context.get(DIRECTORY, Path()) / entry
+        directory = context.get(DIRECTORY, Path())
+        path = (entry.folder if isinstance(entry, Elsewhere) else directory) / entry
         if not is_file(path):
             raise PydanticCustomError(
                 "file",
-                "names '{entry}', but there is no file {path}; the path starts at the scenario's folder",
+                "names '{entry}', but there is no file {path}; the path starts at the folder of the file it stands in",
                 {"entry": cut(entry), "path": place(path)},
             )
+        if isinstance(entry, Elsewhere):
+            entry = os.path.relpath(path, directory)  # as the file that is read would have to say it
         return cls(entry=entry, path=path)
 
     @classmethod

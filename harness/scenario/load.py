@@ -1,48 +1,154 @@
 """From a TOML file and overrides to a `Scenario`, or to sentences that say what to correct."""
 
-import difflib
-import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from types import UnionType
-from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
-
-from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
-from pydantic_core import ErrorDetails
+from typing import Any, Final, Literal, TypeVar
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import shelf
 from railgrip.base.units import cut, place, short
-from railgrip.scenario.file import DIRECTORY, located
-from railgrip.scenario.kinds import ByKind, kinds_of
-from railgrip.scenario.merge import merged, parsed, read_overrides
+from railgrip.scenario.file import Elsewhere, is_file, located
+from railgrip.scenario.merge import merged, parsed, read_overrides, with_another_plant
 from railgrip.scenario.schema import Scenario
+from railgrip.scenario.validation import Layers, validated
 
-Kind = Literal["scenario", "campaign", "estimation"]
-_MARKS: Mapping[Kind, tuple[str, ...]] = {
-    "campaign": ("name", "scenarios"),
-    "estimation": ("name", "model", "noise"),
-    "scenario": ("name", "vehicle", "controller"),
-}
+Kind = Literal["scenario", "campaign", "estimation", "train"]
+_MARKS: Final[tuple[tuple[Kind, tuple[str, ...]], ...]] = (
+    ("campaign", ("scenarios",)),
+    ("estimation", ("model", "noise")),
+    ("train", ("cars",)),
+    ("scenario", ("vehicle", "controller")),
+    ("scenario", ("extends",)),
+)
 """Keys that only files of this kind have together."""
+_COMMANDS: Final[Mapping[str, str]] = {
+    "scenario": "run", "campaign": "campaign", "estimation": "estimate", "train": "train show",
+}  # fmt: skip
+
+_Scenario = TypeVar("_Scenario", bound=Scenario)
 
 _LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
 
-_Model = TypeVar("_Model", bound=BaseModel)
 
+def load(path: Path, overrides: Sequence[str] = (), equipment: Sequence[str] = ()) -> Scenario:
+    """Return the scenario of a TOML file, or of the package by its name.
 
-def load(path: Path, overrides: Sequence[str] = ()) -> Scenario:
-    """Return the scenario of a TOML file, or of the package by its name, with `table.key=value` overrides on top.
+    Args:
+        path: File or name.
+        overrides: `table.key=value` texts, laid over all else.
+        equipment: Files or names of ours, whose tables are laid over the scenario.
 
     Raises:
-        ScenarioError: The file is missing, not TOML, or not a scenario; each problem in one sentence.
+        ScenarioError: A file is missing, not TOML, or not a scenario; each problem in one sentence.
+    """
+    tables = read_scenario(path)
+    for part in equipment:
+        tables = _equipped(tables, located(part, "equipment"))
+    return tables.laid(tables.origin, read_overrides(overrides)).value(Scenario)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tables:
+    """The tables of a scenario file, laid over those of the files that it extends.
+
+    Attributes:
+        origin: Name of the file.
+        directory: From where the files it names are found.
+        table: All, as one.
+        layers: Each with the name of its file, the uppermost first.
+    """
+
+    origin: str
+    directory: Path
+    table: dict[str, Any]
+    layers: Layers
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any], directory: Path, origin: str) -> "Tables":
+        """Return tables of one source."""
+        return cls(origin=origin, directory=directory, table=dict(table), layers=((origin, table),))
+
+    def named(self, origin: str) -> "Tables":
+        """Return them with other words for their file in sentences."""
+        return replace(self, origin=origin, layers=((origin, self.layers[0][1]), *self.layers[1:]))
+
+    def laid(self, name: str, change: Mapping[str, Any]) -> "Tables":
+        """Return them with others on top."""
+        return replace(self, table=merged(self.table, change), layers=((name, change), *self.layers))
+
+    def value(self, kind: type[_Scenario]) -> _Scenario:
+        """Return the scenario that they describe.
+
+        Raises:
+            ScenarioError: They describe none.
+        """
+        return validated(kind, self.table, directory=self.directory, origin=self.origin, layers=self.layers)
+
+
+def read_scenario(path: Path) -> Tables:
+    """Return the tables of a scenario file or name; its name is that of the file unless it has another.
+
+    Raises:
+        ScenarioError: It cannot be read, is of another kind, or extends what cannot be read.
     """
     path = located(path, "scenarios")
-    table_of_file = read_toml(path)
-    require_kind(table_of_file, "scenario", path)
-    table = merged(table_of_file, read_overrides(overrides))
-    return scenario_of(table, directory=path.parent, origin=path.name)
+    return _tables_in(path, (path,))
+
+
+def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequence[Path] = ()) -> Tables:
+    """Return tables laid over those of the scenario that their key `extends` names.
+
+    Args:
+        table: With or without that key.
+        folder: From where its files are found.
+        origin: What to call the source in a sentence.
+        chain: Files that have been read on the way here.
+
+    Raises:
+        ScenarioError: There is no such scenario, or it is one of the chain.
+    """
+    own = {key: value for key, value in table.items() if key != "extends"}
+    if "extends" not in table:
+        return Tables.of(own, folder, origin)
+    entry = table["extends"]
+    if not isinstance(entry, str) or not entry:
+        raise ScenarioError(f"{origin}: extends is {short(entry)}; wanted is the name or the path of a scenario")
+    path = located(entry, "scenarios", folder, f"{origin}: extends: ")
+    if not is_file(path):
+        raise ScenarioError(
+            f"{origin}: extends names '{cut(entry)}', but there is no file {place(path)}; the path starts at the "
+            f"folder of {origin}"
+        )
+    if path.resolve() in [file.resolve() for file in chain]:
+        circle = " → ".join(file.name for file in (*chain, path))
+        raise ScenarioError(f"{origin}: extends goes round in a circle: {circle}; leave it out of one of them")
+    base = _tables_in(path, (*chain, path))
+    below: dict[str, Any] = Elsewhere.within(base.table, base.directory)
+    if isinstance(below.get("vehicle"), dict) and isinstance(own.get("vehicle"), dict):
+        below["vehicle"] = with_another_plant(below["vehicle"], own["vehicle"])
+    return Tables(origin=origin, directory=folder, table=merged(below, own), layers=((origin, own), *base.layers))
+
+
+def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
+    table = read_toml(path)
+    require_kind(table, "scenario", path)
+    return extended({"name": path.stem} | table, path.parent, path.name, chain)
+
+
+def _equipped(tables: Tables, file: Path) -> Tables:
+    """Return tables with those of a file of equipment on top.
+
+    Its plant is for scenarios of the train that equipment comes in variants of; others keep theirs. What it says of an
+    estimator is for scenarios that have one.
+    """
+    table, variants = read_toml(file), [read_toml(path).get("vehicle") for path in shelf("equipment").values()]
+    if tables.table.get("vehicle") not in (None, *variants):
+        table.pop("vehicle", None)
+    if tables.table.get("estimator", {"kind": "none"}) == {"kind": "none"} and "kind" not in table.get("estimator", {}):
+        table.pop("estimator", None)
+    return tables.laid(file.name, Elsewhere.within(table, file.parent))
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -79,10 +185,11 @@ def require_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) ->
     Raises:
         ScenarioError: It says which command is for the file.
     """
-    kind_of_file = next((kind for kind, keys in _MARKS.items() if all(key in table for key in keys)), kind_of_command)
+    kind_of_file = next((kind for kind, keys in _MARKS if all(key in table for key in keys)), kind_of_command)
     if kind_of_file != kind_of_command:
-        command = {"scenario": "run", "campaign": "campaign", "estimation": "estimate"}[kind_of_file]
-        raise ScenarioError(f"{path.name}: is a file of the kind {kind_of_file}; use `railgrip {command} {path.name}`")
+        raise ScenarioError(
+            f"{path.name}: is a file of the kind {kind_of_file}; use `railgrip {_COMMANDS[kind_of_file]} {path.name}`"
+        )
 
 
 def scenario_of(table: Mapping[str, Any], *, directory: Path, origin: str) -> Scenario:
@@ -96,113 +203,4 @@ def scenario_of(table: Mapping[str, Any], *, directory: Path, origin: str) -> Sc
     Raises:
         ScenarioError: Not a scenario.
     """
-    return validated(Scenario, table, directory=directory, origin=origin)
-
-
-def validated(model: type[_Model], table: Mapping[str, Any], *, directory: Path, origin: str) -> _Model:
-    """Return `table` as a value of `model`.
-
-    Raises:
-        ScenarioError: With one line, "origin: [table] key …", for each problem.
-    """
-    try:
-        return model.model_validate(table, context={DIRECTORY: directory})
-    except ValidationError as problem:
-        lines = dict.fromkeys(_sentence(model, table, error) for error in problem.errors())
-        raise ScenarioError("\n".join(f"{origin}: {line}" for line in lines)) from None
-
-
-def _sentence(model: type[BaseModel], table: Mapping[str, Any], error: ErrorDetails) -> str:
-    path, keys = _place(model, table, error["loc"])
-    kind, context = error["type"], error.get("ctx", {})
-    if kind == "extra_forbidden":
-        return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), keys)}"
-    if kind == "missing":
-        whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
-        problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
-        return f"{problem}; it is wanted and has no default"
-    if kind == "union_tag_not_found":
-        return f"{_table(path)} has no 'kind'; it is wanted and has no default"
-    if kind == "union_tag_invalid":
-        return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], context['expected_tags'])}"
-    if not path:
-        return f"{error['msg']}."  # a rule between tables names them itself
-    key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
-    if isinstance(error["input"], Mapping) and kind == "scenario":
-        key = _table(path)  # a problem of a whole table names its keys itself
-    if kind in {"quantity", "file", "scenario"}:
-        return f"{key} {error['msg']}."
-    if kind == "literal_error":
-        return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
-    if kind in {"model_type", "model_attributes_type", "dict_type"}:
-        return f"{_table(path)} must be a table, got {short(error['input'])}"
-    message = error["msg"]
-    return f"{key} is {short(error['input'])}; {message[:1].lower()}{message[1:]}"
-
-
-def _place(
-    model: type[BaseModel], table: Mapping[str, Any], location: tuple[int | str, ...]
-) -> tuple[list[int | str], list[str]]:
-    """Return pydantic's location as the path in the file, and the keys that the table of its last step knows.
-
-    Pydantic puts the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum), and the branch of
-    a union of values, into the location; the file has neither.
-    """
-    path: list[int | str] = []
-    node: Any = table
-    branches: list[type[BaseModel]] = [model]
-    keys: list[str] = []
-    fields: list[FieldInfo] = []
-    for step in location:
-        if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
-            branches = [branch for branch in branches if step in kinds_of(branch)] or branches
-            continue
-        if not isinstance(node, Mapping | list | tuple):
-            continue
-        keys = sorted({name for branch in branches for name in branch.model_fields})
-        if isinstance(node, Mapping):
-            fields = [branch.model_fields[str(step)] for branch in branches if step in branch.model_fields]
-            node = node.get(step)
-        elif isinstance(step, int) and step < len(node):
-            node = node[step]
-        branches = [table_model for field in fields for table_model in _models(field, node)] or branches
-        path.append(step)
-    return path, keys
-
-
-def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
-    """Return the tables inside an annotation or a field; of those that its kind chooses the one of an entry."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    if isinstance(annotation, FieldInfo):
-        parts: tuple[Any, ...] = (annotation.annotation, *annotation.metadata)
-    else:
-        parts = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
-    by_kind = next((one for one in parts if isinstance(one, ByKind)), None)
-    if (
-        by_kind is not None
-        and isinstance(entry, Mapping)
-        and (table := by_kind.table_of(cast("Mapping[str, object]", entry).get("kind")))
-    ):
-        return [table]
-    return [table_model for part in parts for table_model in _models(part, entry)]
-
-
-def _dotted(path: Sequence[int | str]) -> str:
-    return re.sub(r"\.\[", "[", ".".join(f"[{step + 1}]" if isinstance(step, int) else step for step in path))
-
-
-def _table(path: Sequence[int | str]) -> str:
-    return f"[{_dotted(path)}]" if path else "the top level"
-
-
-def _suggestion(name: str, choice: Sequence[str]) -> str:
-    close = difflib.get_close_matches(name, choice, n=1)
-    guess = f"did you mean '{close[0]}'? " if close else ""
-    return f"{guess}It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
-
-
-def _choice(found: object, expected: str) -> str:
-    """Return what there is in place of what was found, the nearest first."""
-    near = difflib.get_close_matches(str(found), re.findall(r"\w+", expected), n=1)
-    return f"{f'did you mean {near[0]}? There' if near else 'there'} is {expected}"
+    return Tables.of(table, directory, origin).value(Scenario)

@@ -63,6 +63,16 @@ def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
     return result
 
 
+_PLANT = ("plant", "model", "library", "train")
+"""Keys of [vehicle] that say which plant it is."""
+
+
+def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the keys of a [vehicle] with others laid over them; the plant is the new one where they name one."""
+    names_one = any(key in keys for key in _PLANT)
+    return merged({key: value for key, value in vehicle.items() if not (names_one and key in _PLANT)}, keys)
+
+
 def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
     """Say whether the keys of a table mean the same under another kind; None is no change of it."""
     own = table.get("kind")

@@ -188,11 +188,14 @@ class ForeignFmus(Table):
 class Limits(Table):
     """Where a stop ends and what adhesion may be used."""
 
-    horizon: Duration = Field(description="a stop that takes longer ends here, with that outcome")
-    stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(description="speed that counts as standstill")
+    horizon: Duration = Field(default=120.0, description="a stop that takes longer ends here, with that outcome")
+    stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(
+        default=0.1, description="speed that counts as standstill"
+    )
     alpha_max: Friction = Field(
+        default=_ADHESION_LIMITS["tsi"],
         description="most adhesion that may be used: a number, 'tsi' (0.15) or 'tsi_short_formation' (0.13); "
-        "LOC&PAS TSI 4.2.4.6.1"
+        "LOC&PAS TSI 4.2.4.6.1",
     )
     fmu: ForeignFmus = ForeignFmus()
 
@@ -202,13 +205,25 @@ class Limits(Table):
         return _ADHESION_LIMITS.get(entry, entry) if isinstance(entry, str) else entry
 
 
+def _communication(before: dict[str, Any]) -> float:
+    """Return the period of the plant [s] from the keys that stand before another one."""
+    return before.get("communication", 1e-3)
+
+
 class Periods(Table):
     """Sampling periods; each is a whole multiple of `communication`."""
 
-    communication: Period = Field(description="of the plant")
-    estimator: Period
-    controller: Period
-    trace: Period = Field(description="of the rows that are kept")
+    communication: Period = Field(default=1e-3, description="of the plant")
+    estimator: Period = Field(
+        default_factory=_communication, description="of the estimator; that of the plant without it"
+    )
+    controller: Period = Field(
+        default_factory=_communication, description="of the controller; that of the plant without it"
+    )
+    trace: Period = Field(
+        default_factory=lambda before: _communication(before) * max(round(10e-3 / _communication(before)), 1),
+        description="of the rows that are kept; 10 ms or what is nearest to it without it",
+    )
 
     @model_validator(mode="after")
     def _whole_multiples(self) -> Self:

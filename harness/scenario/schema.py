@@ -1,8 +1,8 @@
 """The scenario file as a type: every table, key, unit and range, and nothing that is not written there.
 
 A quantity is a text with a unit ("80 km/h", "3.4 bar", "10 ms") or a bare number in the SI unit of its field.
-No physical value has a default; `level = 1`, a straight level track and empty parameter tables say "as it
-is".
+Train, speed, friction and controller have no default. What has one describes no train: sensors and actuation are
+ideal, nothing is estimated, everything is sampled each millisecond, the track is straight and level.
 """
 
 import hashlib
@@ -11,14 +11,23 @@ import math
 from fractions import Fraction
 from typing import Annotated, Any, Final, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
-from railgrip.scenario.parts import Actuation, Controller, ControllerFmu, Estimator, KalmanFilter, Limits, Periods
+from railgrip.scenario.parts import (
+    Actuation,
+    Controller,
+    ControllerFmu,
+    Estimator,
+    KalmanFilter,
+    Limits,
+    NoEstimator,
+    Periods,
+)
 from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
@@ -67,18 +76,18 @@ class Scenario(Table):
 
     name: Name
     description: str = ""
-    seed: Seed
+    seed: Seed = 1
     vehicle: Vehicle
     start: Start
     demand: Demand | None = optional()
     track: Track = Track()
     adhesion: Adhesion
-    sensors: Sensors
-    actuation: Actuation
-    estimator: Estimator
+    sensors: Sensors = Field(default={"kind": "ideal"}, validate_default=True)
+    actuation: Actuation = Actuation(kind="ideal")
+    estimator: Estimator = NoEstimator(kind="none")
     controller: Controller
-    periods: Periods
-    limits: Limits
+    periods: Periods = Periods()
+    limits: Limits = Limits()
     sanders: tuple[Sander, ...] = optional(default=(), max_length=256)
     faults: tuple[Annotated[Fault, ByKind(kinds_of_faults)], ...] = optional(default=(), max_length=100)
     truth: Truth = optional(default=Truth())

@@ -142,7 +142,7 @@ class Vehicle(Table):
             raise broken(
                 f"is {entry!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"
             )
-        return entry
+        return str(entry)
 
     @field_validator("train", mode="plain")
     @classmethod

@@ -219,7 +219,7 @@ def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overr
     [
         (b"name = ", "bad.toml: is not TOML: "),
         (b"\xff\xfe", "bad.toml: is not TOML: "),
-        (b"", "bad.toml: the top level has no 'name'; it is wanted and has no default"),
+        (b"", "bad.toml: [vehicle] is missing; it is wanted and has no default"),
     ],
 )
 def test_a_file_that_is_no_scenario_is_refused(tmp_path, content, sentence):

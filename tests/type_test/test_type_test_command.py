@@ -159,4 +159,5 @@ def test_a_train_is_ours_a_recipe_or_that_of_a_scenario(tmp_path):
     (tmp_path / "own.toml").write_text(OWN.replace("TwoPartTrainPneumatic", "x.fmu"), encoding="utf-8")
     assert train_of(None)["vehicle"]["plant"] == "TwoPartTrainPneumatic"
     assert train_of("TwoPartTrain")["vehicle"] == {"plant": "TwoPartTrain"}
-    assert train_of(str(tmp_path / "own.toml"))["vehicle"] == {"plant": str(tmp_path / "x.fmu")}
+    plant = train_of(str(tmp_path / "own.toml"))["vehicle"]["plant"]
+    assert plant.folder / plant == tmp_path / "x.fmu"

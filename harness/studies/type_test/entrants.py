@@ -15,8 +15,8 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.file import located
-from railgrip.scenario.load import read_toml, scenario_of, validated
+from railgrip.scenario.file import Elsewhere
+from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
 from railgrip.simulate.vehicle import VehicleData
@@ -91,14 +91,11 @@ def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dic
 def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, Entrant]:
     path = Path(argument)
     if path.suffix == ".toml" or argument in registry.shelf("scenarios"):
-        path = located(argument, "scenarios")
-        table = read_toml(path)
+        table, name = _read(path), cut(path.name)
         if "controller" not in table:
-            raise ScenarioError(f"{cut(path.name)}: has no [controller], which is what takes part in a type test")
+            raise ScenarioError(f"{name}: has no [controller], which is what takes part in a type test")
         tables = {key: table[key] for key in ("controller", "estimator") if key in table}
-        for part in tables.values():
-            part |= {key: str((path.parent / part[key]).resolve()) for key in ("file", "library") if key in part}
-        return path.stem, _own(f"[controller] of {path.name}", tables)
+        return path.stem, _own(f"[controller] of {name}", tables)
     if path.suffix == ".fmu":
         return path.stem, _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
     if ":" in argument:
@@ -110,6 +107,12 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
         f"--controller {cut(argument)}: {f'did you mean {near[0]}? It ' if near else ''}is neither one of "
         f"{', '.join(ours)} nor a scenario, an .fmu or module:Class"
     )
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Return the tables of a scenario; its files are found from any folder."""
+    tables = read_scenario(path)
+    return Elsewhere.within(tables.table, tables.directory.resolve())
 
 
 def _own(description: str, tables: Mapping[str, Any]) -> Entrant:
@@ -138,11 +141,8 @@ def train_of(argument: str | None) -> dict[str, Any]:
             own_file = argument if is_ours else str(path.resolve())
             filtering = {"kind": "decentralised", "noise": "service", **_ANY_TRAIN}
             return table | {"vehicle": {"train": own_file}, "estimator": filtering}
-        vehicle = dict(own.get("vehicle", {}))
-        for key in ("plant", "library"):
-            if str(vehicle.get(key, "")).endswith((".fmu", ".mo")):
-                vehicle[key] = str((path.parent / vehicle[key]).resolve())
-        return table | {key: own[key] for key in _OF_THE_TRAIN if key in own} | {"vehicle": vehicle}
+        own = _read(path)
+        return table | {"vehicle": {}} | {key: own[key] for key in _OF_THE_TRAIN if key in own}
     if path.suffix == ".fmu":
         return table | {"vehicle": {"plant": str(path.resolve())}}
     if argument in read_recipes().recipes:
@@ -158,8 +158,7 @@ def task_of(path: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: It has neither.
     """
-    path = located(path, "scenarios")
-    table = read_toml(path)
+    table = read_scenario(path).table
     task = {"demand": table["demand"]} if "demand" in table else {}
     adhesion = table.get("adhesion")
     if isinstance(adhesion, dict) and "conditioning" in adhesion:

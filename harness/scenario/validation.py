@@ -1,0 +1,159 @@
+"""From plain tables to values, or to sentences that say what to correct and in which file."""
+
+import difflib
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, TypeVar, Union, cast, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
+
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import short
+from railgrip.scenario.file import DIRECTORY
+from railgrip.scenario.kinds import ByKind, kinds_of
+
+_Model = TypeVar("_Model", bound=BaseModel)
+
+Layers = Sequence[tuple[str, Mapping[str, Any]]]
+"""Files with their own tables, which are laid over each other, the uppermost first."""
+
+
+def validated(
+    model: type[_Model], table: Mapping[str, Any], *, directory: Path, origin: str, layers: Layers = ()
+) -> _Model:
+    """Return `table` as a value of `model`.
+
+    Args:
+        model: A table of pydantic.
+        table: Plain values.
+        directory: From where the files it names are found.
+        origin: What to call the source in a sentence.
+        layers: What the table was made of, where several files hold its keys.
+
+    Raises:
+        ScenarioError: With one line, "origin: [table] key …", for each problem.
+    """
+    try:
+        return model.model_validate(table, context={DIRECTORY: directory})
+    except ValidationError as problem:
+        lines: dict[str, None] = {}
+        for error in problem.errors():
+            path, keys = _place(model, table, error["loc"])
+            # A key that is missing may stand in a table that another one took the place of.
+            present = path[:-1] if error["type"] == "missing" else path
+            lines[f"{_holder(layers, present) or origin}: {_sentence(model, path, keys, error)}"] = None
+        raise ScenarioError("\n".join(lines)) from None
+
+
+def _holder(layers: Layers, path: Sequence[int | str]) -> str | None:
+    """Return the file of the uppermost layer that reaches farthest down a path."""
+
+    def depth(table: Any) -> int:
+        for number, step in enumerate(path):
+            try:
+                table = table[step]
+            except (KeyError, IndexError, TypeError):
+                return number
+        return len(path)
+
+    return max(layers, key=lambda layer: depth(layer[1]), default=(None,))[0]
+
+
+def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[str], error: ErrorDetails) -> str:
+    kind, context = error["type"], error.get("ctx", {})
+    if kind == "extra_forbidden":
+        return f"{_table(path[:-1])} has no key {short(path[-1])}; {_suggestion(str(path[-1]), keys)}"
+    if kind == "missing":
+        whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
+        problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
+        return f"{problem}; it is wanted and has no default"
+    if kind == "union_tag_not_found":
+        return f"{_table(path)} has no 'kind'; it is wanted and has no default"
+    if kind == "union_tag_invalid":
+        kinds = context["expected_tags"].replace("'", "")
+        return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"
+    if not path:
+        return f"{error['msg']}."  # a rule between tables names them itself
+    key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
+    if isinstance(error["input"], Mapping) and kind == "scenario":
+        key = _table(path)  # a problem of a whole table names its keys itself
+    if kind in {"quantity", "file", "scenario"}:
+        return f"{key} {error['msg']}."
+    if kind == "literal_error":
+        return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
+    if kind in {"model_type", "model_attributes_type", "dict_type"}:
+        return f"{_table(path)} must be a table, got {short(error['input'])}"
+    message = error["msg"]
+    return f"{key} is {short(error['input'])}; {message[:1].lower()}{message[1:]}"
+
+
+def _place(
+    model: type[BaseModel], table: Mapping[str, Any], location: tuple[int | str, ...]
+) -> tuple[list[int | str], list[str]]:
+    """Return pydantic's location as the path in the file, and the keys that the table of its last step knows.
+
+    Pydantic puts the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum), and the branch of
+    a union of values, into the location; the file has neither.
+    """
+    path: list[int | str] = []
+    node: Any = table
+    branches: list[type[BaseModel]] = [model]
+    keys: list[str] = []
+    fields: list[FieldInfo] = []
+    for step in location:
+        if isinstance(node, Mapping) and step not in node and step == node.get("kind"):
+            branches = [branch for branch in branches if step in kinds_of(branch)] or branches
+            continue
+        if not isinstance(node, Mapping | list | tuple):
+            continue
+        keys = sorted({name for branch in branches for name in branch.model_fields})
+        if isinstance(node, Mapping):
+            fields = [branch.model_fields[str(step)] for branch in branches if step in branch.model_fields]
+            node = node.get(step)
+        elif isinstance(step, int) and step < len(node):
+            node = node[step]
+        branches = [table_model for field in fields for table_model in _models(field, node)] or branches
+        path.append(step)
+    return path, keys
+
+
+def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
+    """Return the tables inside an annotation or a field; of those that its kind chooses the one of an entry."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    if isinstance(annotation, FieldInfo):
+        parts: tuple[Any, ...] = (annotation.annotation, *annotation.metadata)
+    else:
+        parts = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
+    by_kind = next((one for one in parts if isinstance(one, ByKind)), None)
+    if (
+        by_kind is not None
+        and isinstance(entry, Mapping)
+        and (table := by_kind.table_of(cast("Mapping[str, object]", entry).get("kind")))
+    ):
+        return [table]
+    return [table_model for part in parts for table_model in _models(part, entry)]
+
+
+def _dotted(path: Sequence[int | str]) -> str:
+    return re.sub(r"\.\[", "[", ".".join(f"[{step + 1}]" if isinstance(step, int) else step for step in path))
+
+
+def _table(path: Sequence[int | str]) -> str:
+    return f"[{_dotted(path)}]" if path else "the top level"
+
+
+def _suggestion(name: str, choice: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name, choice, n=1)
+    guess = f"did you mean '{close[0]}'? " if close else ""
+    return f"{guess}It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
+
+
+def _choice(found: object, expected: str) -> str:
+    """Return what there is in place of what was found, the nearest first."""
+    near = difflib.get_close_matches(str(found), re.findall(r"\w+", expected), n=1)
+    return f"there is {expected}" + (f"; did you mean {near[0]}?" if near else "")
