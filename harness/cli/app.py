@@ -109,6 +109,7 @@ class _Main(Commands):
             "campaign": Command("campaigns:campaign", "Run the stops of campaigns and write tables and a report."),
             "report": Command("campaigns:report", "Make one page of the results in a folder."),
             "study": Command("studies:studies", "Run a study and write its page; without a name, list them."),
+            "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
             "list": Command("library:list_", "List what may be named: scenarios, controllers, trains and more."),
         },
         "Files and parts": {

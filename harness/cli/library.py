@@ -1,13 +1,17 @@
-"""What the library has by name."""
+"""What the library has by name, and schemas of files."""
 
 import json
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
 from railgrip.base.registry import SECTIONS, Kind, meanings
 from railgrip.report.console import say, show_table
 from railgrip.report.table import Table
+from railgrip.rolling_stock.schema import Train
+from railgrip.scenario.json_schema import campaign_schema, scenario_schema, schema_of
+
+FileKind = Literal["scenario", "train", "campaign"]
 
 
 def list_(
@@ -22,3 +26,16 @@ def list_(
     for one in kinds:
         rows = [{"name": name, "meaning": meaning} for name, meaning in meanings(one).items()]
         show_table(Table(rows, left=("name", "meaning"), title=one.capitalize()))
+
+
+def schema(
+    kind: Annotated[FileKind, typer.Argument(help="What the file is.")] = "scenario",
+) -> None:
+    """Print the JSON schema of a file, for editors and validators."""
+    say(text_of_schema(kind))
+
+
+def text_of_schema(kind: FileKind) -> str:
+    """Return the JSON schema of a kind of file."""
+    schemas = {"scenario": scenario_schema, "campaign": campaign_schema, "train": lambda: schema_of(Train)}
+    return json.dumps(schemas[kind](), indent=1, ensure_ascii=False)

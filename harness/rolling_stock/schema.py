@@ -58,10 +58,10 @@ class Sourced(Table):
 class Resistance(Sourced):
     """What slows the train beside its brakes: air, bearings, rolling."""
 
-    drag_coefficient: Positive
-    frontal_area: Area
-    bearing_friction: Share
-    bearing_radius: Size
+    drag_coefficient: Positive = Field(description="of the whole train, over its frontal area")
+    frontal_area: Area = Field(description="of the train")
+    bearing_friction: Share = Field(description="friction coefficient of the axle bearings")
+    bearing_radius: Size = Field(description="at which that friction acts")
     rolling_arm: Annotated[float, Unit("m", at_least=0, at_most=0.01)] = Field(
         description="lever arm of the rolling resistance"
     )
@@ -75,8 +75,8 @@ class Pads(Sourced):
     force_effect: Effect = Field(description="loss of friction from nominal force to twice of it, relative")
     force_nominal: Force = Field(description="force of both pads at which it is nominal")
     temperature_effect: Effect = Field(description="rise of friction over the temperature range, relative")
-    temperature_nominal: Temperature
-    temperature_range: Temperature
+    temperature_nominal: Temperature = Field(description="at which friction is nominal")
+    temperature_range: Temperature = Field(description="over which it changes by the temperature effect")
     settle_energy: Annotated[float, Unit("J", above=0, at_most=1e9)] = Field(
         description="friction energy of one unit in which friction settles"
     )
@@ -87,7 +87,7 @@ class Brake(Sourced):
 
     pads: Name = Field(description="of [pads]")
     friction_radius: Size = Field(description="mean radius of the pads on the disc")
-    piston_area: Area
+    piston_area: Area = Field(description="of the cylinder")
     rigging: Positive = Field(description="force of both pads over force of the piston")
     efficiency: Share = Field(description="of the rigging")
     spring_force: Force = Field(description="of slack adjuster and return spring, at the piston")
@@ -98,7 +98,7 @@ class Brake(Sourced):
 class TrackBrake(Sourced):
     """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
 
-    magnets: Annotated[StrictInt, Field(ge=1, le=8)]
+    magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of them at the bogie")
     attraction: Force = Field(description="that draws one magnet to the rail")
     friction_slow: Share = Field(description="at standstill")
     friction_fast: Share = Field(description="at high speed")
@@ -178,12 +178,12 @@ class Bogie(Sourced):
     coupled: StrictBool = Field(description="whether shafts let all its axles turn as one")
     valve: SharedBy = Field(description="who shares a brake valve: each axle has its own, or its bogie's or car's")
     track_brake: Name | None = Field(default=None, description="of [track_brakes], in an emergency")
-    wheel_radius: Size
+    wheel_radius: Size = Field(description="rolling radius")
     inertia: tuple[Inertia, ...] = Field(
         min_length=1, description="of an axle with wheels, discs and drive: one for all axles, or one for each"
     )
     axle_mass: Mass = Field(description="of a wheelset itself")
-    frame_mass: Mass
+    frame_mass: Mass = Field(description="of the frame, without wheelsets")
     frame_inertia: Inertia = Field(description="in pitch")
     frame_height: Height = Field(description="of its centre of gravity above the rail")
     rod_height: Height = Field(description="of the traction rod above the rail")
@@ -225,22 +225,22 @@ class Placed(Table):
 class Coupler(Sourced):
     """What joins two cars: a spring and a damper behind some slack."""
 
-    stiffness: Stiffness
-    damping: Damping
-    slack: Annotated[float, Unit("m", at_least=0, at_most=1)]
+    stiffness: Stiffness = Field(description="of the spring")
+    damping: Damping = Field(description="of the damper")
+    slack: Annotated[float, Unit("m", at_least=0, at_most=1)] = Field(description="play of the coupler")
     strength: Force = Field(description="force in it that must not be passed")
 
 
 class Car(Sourced):
     """A car: what it weighs as it brakes, and the bogies under it."""
 
-    name: Name
+    name: Name = Field(description="of the car, in figures and sentences")
     length: Size = Field(description="over couplers")
     mass: Mass = Field(description="as it brakes, with bogies and load")
     axle_masses: tuple[Mass, ...] = Field(
         default=(), description="on each of the axles listed under it; shared alike among all where they are not given"
     )
-    bogies: tuple[Placed, ...] = Field(default=(), max_length=16)
+    bogies: tuple[Placed, ...] = Field(default=(), max_length=16, description="under it, leading one first")
     coupler: Name | None = Field(
         default=None, description="of [couplers], to the next car; without one they move as one body"
     )
@@ -253,10 +253,10 @@ class Car(Sourced):
 class Reference(Table):
     """A dry stop on level track that somebody published."""
 
-    speed: Speed
-    distance: Annotated[float, Unit("m", above=0, at_most=1e4)]
+    speed: Speed = Field(description="at the start")
+    distance: Annotated[float, Unit("m", above=0, at_most=1e4)] = Field(description="braking distance")
     limit: StrictBool = Field(default=False, description="whether it is the longest that is allowed, not a measurement")
-    source: str
+    source: str = Field(description="who published it, and where")
 
 
 @dataclass(frozen=True, slots=True)
@@ -310,22 +310,22 @@ class BogieInTrain:
 class Train(Table):
     """Everything that a train is made of, leading car first."""
 
-    name: Name
-    description: str = ""
+    name: Name = Field(description="of the train")
+    description: str = Field(default="", description="what it is, in a line")
     command: Command | None = Field(
         default=None, description="of an emergency brake; without it pressure is there as soon as it is demanded"
     )
     resistance: Resistance
-    pads: dict[Name, Pads]
-    brakes: dict[Name, Brake]
-    track_brakes: dict[Name, TrackBrake] = Field(default={})
-    bogies: dict[Name, Bogie]
-    couplers: dict[Name, Coupler] = Field(default={})
-    distributors: dict[Name, Distributor] = Field(default={})
-    accelerators: dict[Name, Accelerator] = Field(default={})
-    cars: tuple[Car, ...] = Field(min_length=1, max_length=64)
+    pads: dict[Name, Pads] = Field(description="kinds of pads, by name")
+    brakes: dict[Name, Brake] = Field(description="kinds of brake units, by name")
+    track_brakes: dict[Name, TrackBrake] = Field(default={}, description="kinds of magnetic track brakes, by name")
+    bogies: dict[Name, Bogie] = Field(description="kinds of bogies, by name")
+    couplers: dict[Name, Coupler] = Field(default={}, description="kinds of couplers, by name")
+    distributors: dict[Name, Distributor] = Field(default={}, description="kinds of distributors, by name")
+    accelerators: dict[Name, Accelerator] = Field(default={}, description="kinds of accelerators, by name")
+    cars: tuple[Car, ...] = Field(min_length=1, max_length=64, description="leading one first")
     sanders: tuple[Sander, ...] = Field(default=(), max_length=256, description="for scenarios with [adhesion.sand]")
-    reference: tuple[Reference, ...] = ()
+    reference: tuple[Reference, ...] = Field(default=(), description="published stops of it")
 
     @model_validator(mode="after")
     def _joined(self) -> Self:

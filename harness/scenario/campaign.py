@@ -34,22 +34,22 @@ class Reference(Table):
     """A distance that someone else published for some of the stops."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
-    distance: Annotated[float, Unit("m", above=0)]
-    source: str
+    distance: Annotated[float, Unit("m", above=0)] = Field(description="braking distance")
+    source: str = Field(description="who published it, and where")
 
 
 class Expected(Table):
     """The outcome that is documented for some of the stops, where it is no standstill."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
-    outcome: Outcome
+    outcome: Outcome = Field(description="how the stop ends")
 
 
 class Draws(Table):
     """The seeds `first` to `last`, both of them included, for the stops that match."""
 
-    first: Annotated[StrictInt, Field(ge=0)]
-    last: Annotated[StrictInt, Field(ge=0)]
+    first: Annotated[StrictInt, Field(ge=0)] = Field(description="first seed")
+    last: Annotated[StrictInt, Field(ge=0)] = Field(description="last seed")
     match: dict[str, str] = Field(default={}, description="axis → variant of the stops that are drawn; all without it")
     traces: StrictBool = Field(default=False, description="whether their samples are kept, some 2 MB each")
 
@@ -73,8 +73,8 @@ class CampaignFile(Table):
     once with each of its seeds, whatever else sets one, and tables and figures show their distribution.
     """
 
-    name: Name
-    description: str = ""
+    name: Name = Field(description="of the campaign and of the folder of its results")
+    description: str = Field(default="", description="what it is about, for its page")
     scenarios: Annotated[
         tuple[str, ...], Field(min_length=1, description="files, from this one's folder, or names of ours")
     ]
@@ -83,11 +83,11 @@ class CampaignFile(Table):
         description="axis → variant → tables, or a file of them, from this one's folder, or a name of our equipment",
     )
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
-    draws: Draws | None = None
+    draws: Draws | None = Field(default=None, description="seeds with each of which stops are made")
     exclude: tuple[dict[str, str | tuple[str, ...]], ...] = Field(
         default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
     )
-    reference: tuple[Reference, ...] = ()
+    reference: tuple[Reference, ...] = Field(default=(), description="published distances of some of the stops")
     expected: tuple[Expected, ...] = Field(
         default=(), description="outcomes of stops that do not end with a standstill; of several that match, the first"
     )

@@ -21,6 +21,8 @@ from railgrip.scenario.track.table import LARGEST_FORCE
 
 _PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
 
+_Pressure = Annotated[float, _PRESSURE] | Literal["full"]
+
 Deceleration = Annotated[float, Unit("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")]
 
 
@@ -85,10 +87,10 @@ class Phase(Table):
         "none gets more than its full one"
     )
     stop_at: StopAt | None = optional("in place of `pressure`")
-    traction: Traction | None = optional()
+    traction: Traction | None = optional("a force that pushes the train")
     until: Until | None = optional("the last phase has none")
 
-    @field_validator("pressure", mode="before")
+    @field_validator("pressure", mode="before", json_schema_input_type=_Pressure | list[_Pressure])
     @classmethod
     def _one_or_each(cls, entry: Any) -> Any:
         if entry is None:
@@ -109,7 +111,7 @@ class Phase(Table):
 class Demand(Table):
     """What the driver asks for: phases in their order, or a profile over time in a file."""
 
-    phases: tuple[Phase, ...] = optional(default=())
+    phases: tuple[Phase, ...] = optional("what is asked for, one after the other", default=())
     file: NamedFile | None = optional("a CSV with columns time [s], and pressure [Pa] or pressure_1 … pressure_n")
 
     @model_validator(mode="after")

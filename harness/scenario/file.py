@@ -124,5 +124,6 @@ class NamedFile:
         """Read by `find`; serialise as written."""
         return core_schema.with_info_plain_validator_function(
             cls.find,
+            json_schema_input_schema=core_schema.str_schema(min_length=1),
             serialization=core_schema.plain_serializer_function_ser_schema(lambda file: file.entry),
         )

@@ -4,7 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, cast, get_args
 
-from pydantic import BaseModel, Field, GetCoreSchemaHandler, ValidationInfo
+from pydantic import BaseModel, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationInfo
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import registry
@@ -77,3 +78,20 @@ class ByKind:
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Read by `read`; serialise as the table that it is."""
         return core_schema.with_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, source: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Describe it as the table of any of its kinds."""
+        kinds: dict[type[Table], list[str]] = {}
+        for kind, table in self.ours().items():
+            kinds.setdefault(table, []).append(kind)
+        choices: list[tuple[type[Table], Any]] = [(table, {"enum": names}) for table, names in kinds.items()]
+        if self.role is not None:
+            installed = list(registry.installed_names(self.role))
+            own = [{"type": "string", "pattern": ":"}, *({"const": name} for name in installed)]
+            choices.append((self.own, {"anyOf": own}))
+        return {
+            "anyOf": [
+                {"allOf": [handler(table.__pydantic_core_schema__)], "properties": {"kind": kind}, "required": ["kind"]}
+                for table, kind in choices
+            ]
+        }

@@ -17,7 +17,7 @@ from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Pe
 class Actuation(Table):
     """What a command to the plant means: a cylinder pressure (ideal) or a valve position (pneumatic)."""
 
-    kind: Literal["ideal", "pneumatic"]
+    kind: Literal["ideal", "pneumatic"] = Field(description="ideal: cylinder pressures; pneumatic: positions of valves")
 
 
 class NoEstimator(Table):
@@ -104,7 +104,7 @@ class _OverTheTrain(Table):
 class Law(_OverTheTrain):
     """A control law of this project and what differs from its own parameter set."""
 
-    kind: str
+    kind: str = Field(description="a law of `railgrip list controllers`")
     tuning: str | None = Field(
         default=None,
         exclude_if=lambda tuning: tuning is None,
@@ -138,7 +138,7 @@ class ControllerFmu(_OverTheTrain):
     """
 
     kind: Literal["fmu"]
-    file: NamedFile
+    file: NamedFile = Field(description="the FMU")
     parameters: Parameters = Field(default={}, description="the FMU's parameters that differ from its own values")
     map: dict[str, MapEntry] = Field(
         default={}, description="our name → variable of the FMU: text with {i} for arrays, list, or table"
@@ -167,18 +167,26 @@ Count = Annotated[StrictInt, Field(gt=0)]
 class ForeignFmus(Table):
     """What an FMU from outside may take of this machine: `railgrip.base.limits` says what each means."""
 
-    files: Count = FMU_LIMITS.files
-    unpacked_mib: Count = FMU_LIMITS.unpacked_mib
-    member_mib: Count = FMU_LIMITS.member_mib
-    ratio: Count = FMU_LIMITS.ratio
-    description_mib: Count = FMU_LIMITS.description_mib
-    variables: Count = FMU_LIMITS.variables
-    memory_mib: Count = FMU_LIMITS.memory_mib
-    processes: Count = FMU_LIMITS.processes
-    open_files: Count = FMU_LIMITS.open_files
-    messages: Count = FMU_LIMITS.messages
-    output_mib: Count = FMU_LIMITS.output_mib
-    patience: Duration = FMU_LIMITS.patience
+    files: Count = Field(default=FMU_LIMITS.files, description="most entries of the archive")
+    unpacked_mib: Count = Field(default=FMU_LIMITS.unpacked_mib, description="most that they unpack to, together [MiB]")
+    member_mib: Count = Field(default=FMU_LIMITS.member_mib, description="most that one of them unpacks to [MiB]")
+    ratio: Count = Field(
+        default=FMU_LIMITS.ratio,
+        description="most times that the archive grows when it is unpacked to more than 16 MiB",
+    )
+    description_mib: Count = Field(default=FMU_LIMITS.description_mib, description="largest modelDescription.xml [MiB]")
+    variables: Count = Field(default=FMU_LIMITS.variables, description="most variables")
+    memory_mib: Count = Field(default=FMU_LIMITS.memory_mib, description="most address space of its process [MiB]")
+    processes: Count = Field(
+        default=FMU_LIMITS.processes, description="most processes and threads it may add to those of its user"
+    )
+    open_files: Count = Field(default=FMU_LIMITS.open_files, description="most files open at once")
+    messages: Count = Field(default=FMU_LIMITS.messages, description="most messages it may log in all")
+    output_mib: Count = Field(
+        default=FMU_LIMITS.output_mib,
+        description="most that it may write to standard output and error together, and to any one file [MiB]",
+    )
+    patience: Duration = Field(default=FMU_LIMITS.patience, description="real time one call may last")
 
     def limits(self) -> FmuLimits:
         """Return them as whoever opens FMUs takes them."""
@@ -199,7 +207,9 @@ class Limits(Table):
     )
     fmu: ForeignFmus = ForeignFmus()
 
-    @field_validator("alpha_max", mode="before")
+    @field_validator(
+        "alpha_max", mode="before", json_schema_input_type=Friction | Literal["tsi", "tsi_short_formation"]
+    )
     @classmethod
     def _preset(cls, entry: Any) -> Any:
         return _ADHESION_LIMITS.get(entry, entry) if isinstance(entry, str) else entry

@@ -10,7 +10,9 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from railgrip.base import registry
 from railgrip.base.units import short
@@ -65,6 +67,12 @@ class Polach(BaseModel):
     def _name_or_numbers(cls, entry: Any) -> Any:
         """Replace the name of a set by its numbers."""
         return {"name": entry, **named_set(entry)} if isinstance(entry, str) else entry
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, source: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Describe the name of a set beside its numbers."""
+        names = list(registry.files(registry.CREEP_CURVES))
+        return {"description": "name of a creep curve, or its numbers", "anyOf": [{"enum": names}, handler(source)]}
 
     def plant_parameters(self) -> dict[str, float]:
         """Return the same numbers under the names of the plant FMU's parameters."""

@@ -15,9 +15,9 @@ from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken
 class Conditioning(Table):
     """Each wheelset or group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
 
-    fraction: Annotated[float, Unit("1", at_least=0, below=1)]
-    recovered: Friction
-    by: Literal["group", "wheelset"]
+    fraction: Annotated[float, Unit("1", at_least=0, below=1)] = Field(description="of the gap that each one closes")
+    recovered: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
+    by: Literal["group", "wheelset"] = Field(description="who cleans for the next")
 
 
 class Recovery(Table):
@@ -51,7 +51,7 @@ class Patch(Table):
     """A place on the rail of other friction, as leaves, oil or sand make it."""
 
     begin: Length = Field(description="distance of the first wheelset at which it gets there")
-    length: Length
+    length: Length = Field(description="of the place along the rail")
     mu0: Frictions = Field(
         description="one number for the whole train, or one for each wheelset: the first ones may clean the rail"
     )
@@ -62,7 +62,7 @@ class Patch(Table):
 class _Profile(Table):
     """What all profiles share."""
 
-    polach: Polach
+    polach: Polach = Field(description="shape of the creep curve: the name of a set, such as dry, or its numbers")
     polach_of_wheelset: tuple[Polach, ...] = optional(
         "creep curve that each wheelset meets outside of patches, in place of polach: the first may clean the rail",
         default=(),
@@ -74,10 +74,10 @@ class _Profile(Table):
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
-    conditioning: Conditioning | None = None
-    recovery: Recovery | None = optional()
-    sand: Sand | None = optional()
-    patch: tuple[Patch, ...] = optional(default=())
+    conditioning: Conditioning | None = Field(default=None, description="how wheels clean the rail for those behind")
+    recovery: Recovery | None = optional("how slip cleans the rail")
+    sand: Sand | None = optional("what sand makes of friction; wanted with [[sanders]]")
+    patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
 
     @model_validator(mode="after")
     def _one_cleaning(self) -> Self:
@@ -148,8 +148,8 @@ class Trapezoid(_Varying):
     """High, ramp down, low, ramp up, over and over; begins with the high."""
 
     kind: Literal["trapezoid"]
-    minimum: Friction
-    maximum: Friction
+    minimum: Friction = Field(description="maximum friction of the low stretches")
+    maximum: Friction = Field(description="maximum friction of the high stretches")
     first_fall: Extent = Field(description="where the first ramp down begins")
     period: Extent = Field(description="from one ramp down to the next")
     low: Extent = Field(description="length of the low stretch between the ramps")
@@ -173,10 +173,10 @@ class SineSweep(_Varying):
     """
 
     kind: Literal["sine_sweep"]
-    mean: Friction
-    amplitude: Friction
-    start_frequency: Extent
-    end_frequency: Extent
+    mean: Friction = Field(description="of the maximum friction")
+    amplitude: Friction = Field(description="of the maximum friction about its mean; it begins with a fall")
+    start_frequency: Extent = Field(description="at the begin [1/s or 1/m]")
+    end_frequency: Extent = Field(description="from the end of the sweep on [1/s or 1/m]")
     sweep: Extent = Field(description="over which the frequency goes from start to end")
 
     @property
@@ -203,11 +203,11 @@ class Random(_Varying):
     """Noise of autocorrelation e^(−|d|/correlation) (Ornstein–Uhlenbeck), clipped; drawn from the seed."""
 
     kind: Literal["random"]
-    mean: Friction
-    deviation: Annotated[float, Unit("1", at_least=0, below=1)]
+    mean: Friction = Field(description="of the maximum friction")
+    deviation: Annotated[float, Unit("1", at_least=0, below=1)] = Field(description="1σ of the maximum friction")
     correlation: Extent = Field(description="over which the autocorrelation falls to 1/e")
-    minimum: Friction
-    maximum: Friction
+    minimum: Friction = Field(description="lower friction is cut off here")
+    maximum: Friction = Field(description="higher friction is cut off here")
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -253,7 +253,7 @@ class FromTable(_Profile):
     """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
 
     kind: Literal["table"]
-    file: NamedFile
+    file: NamedFile = Field(description="CSV with columns time [s] or distance [m], and mu0 or mu0_1 … mu0_n")
 
     @model_validator(mode="after")
     def _readable(self) -> Self:

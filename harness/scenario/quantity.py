@@ -34,6 +34,10 @@ class _Range:
         return None
 
 
+_WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
+"""A number with its unit, for the schema that editors use."""
+
+
 class Unit:
     """Annotation of a float field: its SI unit and range.
 
@@ -58,7 +62,12 @@ class Unit:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Read before pydantic does: what leaves here is a float in `unit`."""
-        return core_schema.no_info_before_validator_function(self.read, handler(source))
+        si = core_schema.float_schema(
+            gt=self.range.above, ge=self.range.at_least, lt=self.range.below, le=self.range.at_most
+        )
+        return core_schema.no_info_before_validator_function(
+            self.read, handler(source), json_schema_input_schema=core_schema.union_schema([si, _WITH_UNIT])
+        )
 
     def read(self, entry: object) -> float:
         """Return the SI value of what the file says.
@@ -149,6 +158,9 @@ class Magnitude:
 
         return core_schema.no_info_plain_validator_function(
             read,
+            json_schema_input_schema=core_schema.union_schema(
+                [core_schema.float_schema(), core_schema.bool_schema(), _WITH_UNIT]
+            ),
             serialization=core_schema.plain_serializer_function_ser_schema(lambda magnitude: magnitude.entry),
         )
 

@@ -74,22 +74,30 @@ _FEWEST_PERIODS = 10
 class Scenario(Table):
     """Everything that decides a stop."""
 
-    name: Name
-    description: str = ""
-    seed: Seed = 1
+    name: Name = Field(description="of the scenario and of the folder of its results; that of the file without it")
+    description: str = Field(default="", description="what it is about, in a line, for tables and pages")
+    seed: Seed = Field(default=1, description="of all random draws: rail, sensors, faults")
     vehicle: Vehicle
     start: Start
     demand: Demand | None = optional()
     track: Track = Track()
-    adhesion: Adhesion
-    sensors: Sensors = Field(default={"kind": "ideal"}, validate_default=True)
+    adhesion: Adhesion = Field(description="friction between wheel and rail, over time or distance")
+    sensors: Sensors = Field(
+        default={"kind": "ideal"},
+        validate_default=True,
+        description="what stands between the plant and those who see it",
+    )
     actuation: Actuation = Actuation(kind="ideal")
-    estimator: Estimator = NoEstimator(kind="none")
-    controller: Controller
+    estimator: Estimator = Field(
+        default=NoEstimator(kind="none"), description="what is believed about the train from its readings"
+    )
+    controller: Controller = Field(description="the law that demands brake pressures")
     periods: Periods = Periods()
     limits: Limits = Limits()
-    sanders: tuple[Sander, ...] = optional(default=(), max_length=256)
-    faults: tuple[Annotated[Fault, ByKind(kinds_of_faults)], ...] = optional(default=(), max_length=100)
+    sanders: tuple[Sander, ...] = optional("who lays sand on the rail, and when", default=(), max_length=256)
+    faults: tuple[Annotated[Fault, ByKind(kinds_of_faults)], ...] = optional(
+        "what is broken, and when", default=(), max_length=100
+    )
     truth: Truth = optional(default=Truth())
 
     @model_validator(mode="after")

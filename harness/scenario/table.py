@@ -1,10 +1,19 @@
 """What all tables of a scenario file share: strictness, common quantities, and how a broken rule is said."""
 
 from collections.abc import Collection
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, StrictInt
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    GetCoreSchemaHandler,
+    PlainValidator,
+    StrictInt,
+)
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.scenario.quantity import Magnitude, Unit
 
@@ -45,10 +54,23 @@ def _scalars(entry: Any) -> Any:
     return flat
 
 
-Parameters = Annotated[dict[str, Magnitude], BeforeValidator(_scalars)]
+Parameters = Annotated[
+    dict[str, Magnitude],
+    BeforeValidator(_scalars, json_schema_input_type=dict[str, Magnitude | list[Magnitude]]),
+]
 
 
-ONE_OR_EACH = BeforeValidator(lambda entry: entry if isinstance(entry, list | tuple) else (entry,))
+class _OneOrEach:
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        each = handler(source)
+        return core_schema.no_info_before_validator_function(
+            lambda entry: entry if isinstance(entry, list | tuple) else (entry,),
+            each,
+            json_schema_input_schema=core_schema.union_schema([handler(get_args(source)[0]), each]),
+        )
+
+
+ONE_OR_EACH = _OneOrEach()
 """Annotation of a tuple that may be written as one value for all."""
 
 
@@ -100,5 +122,7 @@ def _map_entry(entry: Any) -> Any:
     )
 
 
-MapEntry = Annotated[Any, PlainValidator(_map_entry)]
+MapEntry = Annotated[
+    Any, PlainValidator(_map_entry, json_schema_input_type=str | dict[str, Any] | list[str | dict[str, Any]])
+]
 """Of a mapping table: our name → variable of a foreign FMU."""

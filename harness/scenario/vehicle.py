@@ -55,7 +55,7 @@ class Nudge(Table):
     relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
         description="most that a parameter moves by, as a share of its value"
     )
-    seed: Annotated[StrictInt, Field(ge=0)]
+    seed: Annotated[StrictInt, Field(ge=0)] = Field(description="of what each parameter moves by")
 
 
 def _is_class(entry: str) -> bool:
@@ -131,7 +131,7 @@ class Vehicle(Table):
     )
     nudge: Nudge | None = Field(default=None, description="moves all real parameters of the plant a little")
 
-    @field_validator("plant", mode="plain")
+    @field_validator("plant", mode="plain", json_schema_input_type=str)
     @classmethod
     def _recipe_or_file(cls, entry: Any, info: ValidationInfo) -> str | NamedFile | None:
         if entry is None:
@@ -144,7 +144,7 @@ class Vehicle(Table):
             )
         return str(entry)
 
-    @field_validator("train", mode="plain")
+    @field_validator("train", mode="plain", json_schema_input_type=str)
     @classmethod
     def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
         if isinstance(entry, str) and (path := shelf("trains").get(entry)):

@@ -33,15 +33,17 @@ CurveLaw = Literal["bogie", "roeckl", "protopapadakis"]
 class Gradient(Table):
     """From here on the track climbs by `slope` (falls where negative)."""
 
-    begin: Length
-    slope: Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)]
+    begin: Length = Field(description="distance of the train at which it begins")
+    slope: Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)] = Field(
+        description="tangent of the gradient, positive uphill"
+    )
 
 
 class Curve(Table):
     """From here on the track has this radius, either way; `radius = 0` is straight again."""
 
-    begin: Length
-    radius: Length
+    begin: Length = Field(description="distance of the train at which it begins")
+    radius: Length = Field(description="of the curve, either way; 0 is straight")
 
     @field_validator("radius")
     @classmethod
@@ -121,8 +123,8 @@ class Track(Table):
     force: Annotated[float, Unit("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
         default=0.0, description="constant force, forward positive"
     )
-    gradient: tuple[Gradient, ...] = ()
-    curve: tuple[Curve, ...] = ()
+    gradient: tuple[Gradient, ...] = Field(default=(), description="slopes along the distance; level without them")
+    curve: tuple[Curve, ...] = Field(default=(), description="curves along the distance; straight without them")
     plan: Plan | None = optional("in place of both")
     curve_law: CurveLaw = Field(
         default="bogie",

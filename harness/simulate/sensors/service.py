@@ -46,8 +46,8 @@ class SpeedSensor(Table):
     scale_offset: Annotated[float, Unit("1", at_least=-0.5, at_most=0.5, because=_OFF)] = Field(
         default=0.0, description="relative error of every stop, which adds to the drawn one"
     )
-    period: Period
-    latency: Lag
+    period: Period = Field(description="between two readings")
+    latency: Lag = Field(description="from the moment that is read to the reading")
     drift: Deviation = optional("1σ of a relative error that wanders, a Gauss-Markov process", default=0.0)
     drift_time: Duration | None = optional("over which the autocorrelation of the drift falls to 1/e")
     dropouts: Deviation = optional("share of the time without readings", default=0.0)
@@ -92,13 +92,15 @@ class DeflectionSensor(Table):
     """Travel of the primary suspension at each wheelset."""
 
     noise: TravelError = Field(description="1σ, white, each reading")
-    irregularity: RailUnderWheels | None = optional()
+    irregularity: RailUnderWheels | None = optional("what the sensor shows of an uneven track")
 
 
 class PressureTransducer(Table):
     """Cylinder pressure of each group."""
 
-    full_scale: Annotated[float, Unit("Pa", at_least=1e3, at_most=1e8, because="brake cylinders hold some bar")]
+    full_scale: Annotated[float, Unit("Pa", at_least=1e3, at_most=1e8, because="brake cylinders hold some bar")] = (
+        Field(description="highest pressure that it can show")
+    )
     error: Deviation = Field(description="1σ of the offset over full scale, drawn once a stop")
     bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")
     lag: Lag = Field(description="first-order time constant")

@@ -35,7 +35,7 @@ class Gnss(Table):
     Each of north, east and height has both, the wandering one a Gauss-Markov process.
     """
 
-    period: Period
+    period: Period = Field(description="between two readings")
     horizontal: _PlaceError = Field(description="1σ of either, white, each reading")
     height: _PlaceError = Field(description="1σ, white, each reading")
     horizontal_wander: _PlaceError = Field(description="1σ of either")

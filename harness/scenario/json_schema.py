@@ -1,0 +1,91 @@
+"""JSON schemas of files, by which editors complete and check them while somebody writes."""
+
+import json
+from copy import deepcopy
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import core_schema
+
+from railgrip.scenario.campaign import CampaignFile
+from railgrip.scenario.schema import Scenario
+
+_CHANGE = "change."
+"""Prefix of tables of which any key may be missing."""
+
+
+class _Generator(GenerateJsonSchema):
+    """As pydantic makes them, for TOML, which has no null, and for editors, which know draft 7."""
+
+    schema_dialect = "http://json-schema.org/draft-07/schema#"
+
+    def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
+        return self.generate_inner(schema["schema"])
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
+        described = super().default_schema(schema)
+        return {key: value for key, value in described.items() if key != "default" or value not in (None, "", [], {})}
+
+    def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
+        described = super().tuple_schema(schema)
+        if "prefixItems" in described:
+            described |= {"items": described.pop("prefixItems"), "additionalItems": False}
+        return described
+
+
+def schema_of(model: type[BaseModel]) -> dict[str, Any]:
+    """Return the schema of a file that a table of pydantic describes."""
+    return {"$schema": _Generator.schema_dialect, **model.model_json_schema(schema_generator=_Generator)}
+
+
+def scenario_schema() -> dict[str, Any]:
+    """Return the schema of a scenario: whole, or what it changes of the one that it extends."""
+    whole = schema_of(Scenario)
+    dialect, tables = whole.pop("$schema"), whole.pop("$defs")
+    whole["required"].remove("name")
+    changes = _any_key({**tables, "Scenario": whole})
+    change = changes.pop(f"{_CHANGE}Scenario")
+    change["properties"]["extends"] = {
+        "type": "string",
+        "description": "scenario that this one is laid over: a name of ours, or a file from this one's folder",
+    }
+    return {
+        "$schema": dialect,
+        **change,
+        "if": {"not": {"required": ["extends"]}},
+        "then": {"$ref": "#/$defs/Scenario"},
+        "$defs": {**tables, "Scenario": whole, **changes},
+    }
+
+
+def campaign_schema() -> dict[str, Any]:
+    """Return the schema of a campaign; a variant of an axis holds any tables of a scenario."""
+    schema, scenario = schema_of(CampaignFile), schema_of(Scenario)
+    changes = _any_key({**scenario.pop("$defs"), "Scenario": scenario})
+    changes[f"{_CHANGE}Scenario"].pop("$schema")
+    variant = {"anyOf": [{"type": "string"}, {"$ref": f"#/$defs/{_CHANGE}Scenario"}]}
+    axes = {"additionalProperties": {"type": "object", "additionalProperties": variant}}
+    schema["properties"]["axes"] |= axes
+    schema["$defs"] |= changes
+    return schema
+
+
+def _any_key(tables: dict[str, Any]) -> dict[str, Any]:
+    """Return schemas of tables of which any key may be missing, the one that selects their kind included."""
+
+    def relaxed(node: Any) -> Any:
+        if isinstance(node, list):
+            return [relaxed(inner) for inner in node]
+        if not isinstance(node, dict):
+            return node
+        kept = {
+            key: relaxed(value) for key, value in node.items() if not (key == "required" and isinstance(value, list))
+        }
+        if isinstance(kept.get("oneOf"), list):  # without its kind, a table fits several
+            kept["anyOf"] = kept.pop("oneOf")
+            kept.pop("discriminator", None)
+        return kept
+
+    text = json.dumps({f"{_CHANGE}{name}": relaxed(table) for name, table in deepcopy(tables).items()})
+    return json.loads(text.replace('"#/$defs/', f'"#/$defs/{_CHANGE}'))

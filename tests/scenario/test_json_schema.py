@@ -1,0 +1,123 @@
+"""The JSON schemas accept every file of the library and refuse broken ones, as jsonschema reads them."""
+
+import json
+import tomllib
+
+import jsonschema
+import pytest
+
+from railgrip.base.registry import shelf
+from railgrip.cli.library import text_of_schema
+
+KINDS = {"scenarios": "scenario", "campaigns": "campaign", "trains": "train"}
+SCHEMAS = {kind: json.loads(text_of_schema(kind)) for kind in KINDS.values()}
+FILES = [(kind, name) for kind in KINDS for name in shelf(kind)]
+
+
+def problems(kind, table):
+    validator = jsonschema.Draft7Validator(SCHEMAS[kind])
+    return [f"{'.'.join(map(str, error.absolute_path))}: {error.message}" for error in validator.iter_errors(table)]
+
+
+@pytest.mark.parametrize("kind", SCHEMAS)
+def test_each_is_a_schema_of_draft_7(kind):
+    assert SCHEMAS[kind]["$schema"] == "http://json-schema.org/draft-07/schema#"
+    jsonschema.Draft7Validator.check_schema(SCHEMAS[kind])
+
+
+@pytest.mark.parametrize(("kind", "name"), FILES, ids=" ".join)
+def test_every_file_of_the_library_keeps_to_its_schema(kind, name):
+    assert problems(KINDS[kind], tomllib.loads(shelf(kind)[name].read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize("name", shelf("equipment"))
+def test_equipment_is_what_a_scenario_changes_of_another(name):
+    table = tomllib.loads(shelf("equipment")[name].read_text(encoding="utf-8"))
+    assert problems("scenario", {"extends": "trapezoid", **table}) == []
+
+
+def changed(table, key, value):
+    """Return a table with another value at a key with dots, or without it where the value is None."""
+    first, _, rest = key.partition(".")
+    if rest:
+        return table | {first: changed(table.get(first, {}), rest, value)}
+    return {k: v for k, v in table.items() if k != first} | ({} if value is None else {first: value})
+
+
+BROKEN = {
+    "scenario": [
+        ("start.sped", 3), ("start.speed", -1), ("start.speed", "fast"), ("start.speed", True), ("start", None),
+        ("vehicle", None), ("controller", None), ("controller.kind", "no_law"), ("controller.kind", 3),
+        ("controller.tuning", 3), ("estimator.kind", "kalman"), ("sensors.kind", "good"), ("sensors.wheel", {}),
+        ("adhesion.kind", "constant"), ("adhesion.minimum", None), ("adhesion.minimum", 2), ("adhesion.polach", "dryy"),
+        ("adhesion.polach", {"k_A": 0.1}), ("adhesion.over", "place"), ("adhesion.conditioning.by", "car"),
+        ("limits.alpha_max", "tsj"), ("limits.fmu.files", 1.5), ("seed", -1), ("name", "a/b"), ("frobnicate", {}),
+        ("vehicle.parameters", {"m": ["x"]}), ("vehicle.nudge", {"seed": 1}),
+        ("demand", {"phases": [{"pressure": "some"}]}), ("faults", [{"part": "radar", "kind": "deaf"}]),
+        ("faults", [{"part": "radar"}]), ("truth", {"load": [-1]}), ("sanders", [{"wheelset": 0}]),
+        ("track", {"gradient": [{"begin": 0}]}), ("extends", 3),
+    ],
+    "campaign": [
+        ("scenarios", None), ("scenarios", []), ("panels", "some"), ("draws", {"first": 1}), ("axes.case", 3),
+        ("axes.case", {"a": {"start": {"sped": 1}}}), ("axes.case", {"a": {"adhesion": {"minimum": 2}}}),
+        ("reference", [{"distance": 1, "source": "x"}]), ("expected", [{"match": {}, "outcome": "fine"}]),
+    ],
+    "train": [
+        ("cars", None), ("cars", []), ("resistance.drag_coefficient", 0), ("resistance.rolling_arm", "long"),
+        ("name", 3), ("bogies", {"a": {}}), ("command.kind", "wire"), ("sanders", 3), ("resistence", {}),
+    ],
+}  # fmt: skip
+BASES = {"scenario": ("scenarios", "trapezoid"), "campaign": ("campaigns", "table1"), "train": ("trains", "emu387")}
+
+
+@pytest.mark.parametrize(
+    ("kind", "key", "value"),
+    [(kind, *case) for kind, cases in BROKEN.items() for case in cases],
+    ids=lambda value: json.dumps(value).strip('"'),
+)
+def test_a_broken_file_is_refused(kind, key, value):
+    shelf_of_kind, name = BASES[kind]
+    table = tomllib.loads(shelf(shelf_of_kind)[name].read_text(encoding="utf-8"))
+    if kind == "scenario" and key.startswith("faults"):
+        assert problems(kind, {**table, "faults": [{"part": "radar", "kind": "dead"}]}) == []
+    assert problems(kind, changed(table, key, value))
+
+
+@pytest.mark.parametrize(
+    ("table", "good"),
+    [
+        ({"extends": "trapezoid"}, True),
+        ({"extends": "trapezoid", "adhesion": {"minimum": 0.04}, "sensors": {"period": "2 ms"}}, True),
+        ({"extends": "trapezoid", "adhesion": {"minimum": 2}}, False),
+        ({"extends": "trapezoid", "adhesion": {"minimm": 0.04}}, False),
+        ({"extends": "trapezoid", "controller": {"kind": "mine:Law", "parameters": {"x": 1}}}, True),
+        ({"extends": "trapezoid", "vehicle": {"parameters": {"r_wheel": ["0.37 m", 0.38], "mu_b": 0.3}}}, True),
+        ({"extends": "trapezoid", "vehicle": {"map": {"mu0": "grip[{i}]", "slip": ["a", "b"]}}}, True),
+        ({"extends": "trapezoid", "limits": {"alpha_max": "tsi_short_formation"}}, True),
+        ({"extends": "trapezoid", "demand": {"phases": [{"pressure": ["full", "2 bar", 1e5]}]}}, True),
+        ({"vehicle": {"plant": "Wagon"}, "start": {"speed": 20}, "controller": {"kind": "full_brake"}}, False),
+    ],
+    ids=str,
+)
+def test_a_file_that_extends_another_says_only_what_differs(table, good):
+    assert (problems("scenario", table) == []) is good
+
+
+def descriptions(schema):
+    """Yield table.key and its description, which may be that of its table."""
+    defined = schema.get("$defs", {})
+    for name, table in {"": schema, **defined}.items():
+        for key, field in table.get("properties", {}).items():
+            refs = [field.get("$ref", ""), *(one.get("$ref", "") for one in field.get("allOf", ()))]
+            below = [defined.get(ref.removeprefix("#/$defs/"), {}).get("description", "") for ref in refs]
+            own = (
+                table.get("description", "") if key in ("kind", "part") else ""
+            )  # the table is the meaning of its kind
+            yield f"{name}.{key}", field.get("description") or next(filter(None, below), own)
+
+
+@pytest.mark.parametrize("kind", SCHEMAS)
+def test_every_key_has_a_description(kind):
+    found = dict(descriptions(SCHEMAS[kind]))
+    assert len(found) > {"scenario": 450, "campaign": 250, "train": 80}[kind]
+    assert [key for key, description in found.items() if not description.strip()] == []
