@@ -1,4 +1,4 @@
-"""Trains in files: begin one, draw one, check one."""
+"""Trains in files: draw one, check one."""
 
 from pathlib import Path
 from typing import Annotated
@@ -6,18 +6,17 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import InputError
-from railgrip.base.files import write_text
 from railgrip.cli.app import complete
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.style import save
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.drawing import drawing
-from railgrip.rolling_stock.files import beginning, load_train
+from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.tables import sentence_of_equipment, sentence_of_stop, table_of_axles, table_of_distributors
 from railgrip.scenario.file import located
 
 trains = typer.Typer(
-    help="Begin, draw and check trains in files.",
+    help="Draw and check trains in files.",
     no_args_is_help=True,
     add_completion=False,
     rich_markup_mode=None,
@@ -33,17 +32,10 @@ TrainFile = Annotated[
 ]
 
 
-@trains.command()
-def new(
-    file: Annotated[Path, typer.Argument(metavar="TRAIN.toml", help="File to write; it must not exist yet.")],
-) -> None:
-    """Write a train file to begin with: two cars, every key explained."""
-    if file.suffix != ".toml":
-        raise InputError(f"{file}: a train file ends in .toml")
-    if file.exists():
-        raise InputError(f"{file} is already there; name another file")
-    write_text(file, beginning(file.stem))
-    say(f"{file}; look at it with: railgrip train show {file}")
+@trains.command(hidden=True)
+def new(file: Path) -> None:
+    """Refuse what is another command now."""
+    raise InputError(f"`railgrip train new` is now `railgrip new train {file}`.")
 
 
 @trains.command()

@@ -1,4 +1,4 @@
-"""Train files by path or by name, and one to begin with."""
+"""Train files by path or by name."""
 
 from pathlib import Path
 from typing import Any
@@ -21,12 +21,6 @@ def load_train(path: Path) -> Train:
     table = read_toml(path)
     require_kind(table, "train", path)
     return train_of(table, path.name)
-
-
-def beginning(name: str) -> str:
-    """Return the text of a train file to begin with, every key explained."""
-    text = (Path(__file__).parent / "library" / "new.toml").read_text(encoding="utf-8")
-    return text.replace('name = "new"', f'name = "{name}"', 1)
 
 
 def train_of(table: dict[str, Any], origin: str) -> Train:

@@ -1,16 +1,20 @@
-"""A train of two cars, as `railgrip train new` begins one, as tables that a test may change."""
+"""A train of two cars, as `railgrip new train` begins one, as tables that a test may change."""
 
 import tomllib
+from pathlib import Path
 
 import pytest
 
-from railgrip.rolling_stock.files import beginning, train_of
+from railgrip import cli
+from railgrip.rolling_stock.files import train_of
+
+BEGINNING = Path(cli.__file__).parent / "templates" / "train.toml"
 
 
 @pytest.fixture
 def tables():
     """The tables of a train file."""
-    return tomllib.loads(beginning("ours"))
+    return tomllib.loads(BEGINNING.read_text(encoding="utf-8").replace("NAME", "ours"))
 
 
 @pytest.fixture

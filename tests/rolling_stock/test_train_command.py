@@ -25,7 +25,7 @@ def railgrip(tmp_path, monkeypatch, capfd):
 @pytest.fixture
 def mine(railgrip, tmp_path):
     """A new train file."""
-    assert railgrip("train", "new", "mine.toml")[0] == 0
+    assert railgrip("new", "train", "mine.toml")[0] == 0
     return tmp_path / "mine.toml"
 
 
@@ -44,7 +44,7 @@ def test_a_new_file_is_a_train_that_fits_together(railgrip):
     assert (code, err) == (0, "")
     assert "mine: 88.0 t" in out
     assert "by hand (EN 14531-1)" in out
-    assert railgrip("train", "new", "mine.toml") == (2, "", "mine.toml is already there; name another file\n")
+    assert railgrip("new", "train", "mine.toml") == (2, "", "mine.toml is already there; name another file\n")
 
 
 def test_what_does_not_fit_ends_with_file_and_key(railgrip, mine):

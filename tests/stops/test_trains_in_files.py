@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import railgrip.scenario
+from railgrip import cli
 from railgrip.base.errors import ScenarioError
-from railgrip.rolling_stock.files import beginning, load_train
+from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
@@ -18,6 +19,7 @@ from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.trains.stops import filling_of
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
+BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
 
 
 def dry(vehicle, speed, directory=Path(), **changes):
@@ -54,7 +56,7 @@ def test_a_named_train_stops_as_calculated_by_hand(actuation):
 
 def test_kinds_of_bogies_whose_names_are_alike_keep_their_pads(tmp_path):
     """Friction of the first two pads falls with speed, that of the last is the same at any speed: a tenth and more."""
-    text = beginning("alike")
+    text = BEGINNING.replace("NAME", "alike")
     head, cars = text.split("[[cars]]", 1)
     bogie = head[head.index("[bogies.trailer]") : head.index("[couplers.bar]")]
     pads = head[head.index("[pads.organic]") : head.index("[brakes.disc]")]
@@ -96,7 +98,7 @@ def coaches(tmp_path):
 
     def vehicle(name, count=4, metres=24, **keys):
         # Axles that turn as one are half of what a plant takes to build, and nothing to its air.
-        text = beginning(name).replace("coupled = false", "coupled = true")
+        text = BEGINNING.replace("NAME", name).replace("coupled = false", "coupled = true")
         begin, resistance, cars = text.index("[command]"), text.index("[resistance]"), text.index("[[cars]]")
         pipe = '[command]\nkind = "brake_pipe"\ndiameter = "32 mm"\nfill_time = "4 s"\n'
         pipe += 'reservoir = "150 l"\nestimated = true\n'

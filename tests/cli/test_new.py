@@ -1,0 +1,120 @@
+"""`railgrip new`: each file runs as it is, is as its schema says, and takes the place of none."""
+
+import json
+import re
+import subprocess
+import sys
+import tomllib
+
+import jsonschema
+import pytest
+
+from railgrip.scenario.load import load
+
+KINDS = ("scenario", "train", "campaign", "controller", "estimator")
+
+
+@pytest.fixture
+def folder(tmp_path_factory, monkeypatch):
+    """An empty folder, which is the current one."""
+    folder = tmp_path_factory.mktemp("begin")
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def answer(*arguments):
+    done = subprocess.run([sys.executable, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_a_new_scenario_runs(folder):
+    answer("-m", "railgrip", "new", "scenario", "mine.toml")
+    assert "mine: standstill" in answer("-m", "railgrip", "run", "mine.toml")
+
+
+def test_what_a_new_scenario_says_behind_a_hash_is_what_holds_without_it(folder):
+    """The same scenario with every such line in force."""
+    answer("-m", "railgrip", "new", "scenario", "mine.toml")
+    text = (folder / "mine.toml").read_text(encoding="utf-8")
+    in_force, count = re.subn(r"^# (\[\w+\]|\w+ = )", r"\1", text, flags=re.MULTILINE)
+    assert count > 10
+    (folder / "other").mkdir()
+    (folder / "other" / "mine.toml").write_text(in_force, encoding="utf-8")
+    assert load(folder / "other" / "mine.toml") == load(folder / "mine.toml")
+
+
+def test_a_new_campaign_runs(folder):
+    answer("-m", "railgrip", "new", "campaign", "pair.toml")
+    shown = answer("-m", "railgrip", "campaign", "pair.toml", "--set", "start.speed=30 km/h")
+    assert "build/pair/index.html" in shown
+    assert len(list((folder / "build/pair").glob("*/stop.json"))) == 4
+
+
+def test_a_new_train_runs(folder):
+    answer("-m", "railgrip", "new", "train", "mine.toml")
+    assert "mine: 88.0 t" in answer("-m", "railgrip", "train", "check", "mine.toml")
+    (folder / "stop.toml").write_text('extends = "plain"\nvehicle.train = "mine.toml"\nestimator.kind = "none"\n')
+    assert "stop: standstill" in answer(
+        "-m", "railgrip", "run", "stop.toml", "--set", "start.speed=30 km/h", "--set", "controller.kind=full_brake"
+    )
+
+
+@pytest.mark.parametrize(
+    ("kind", "printed"), [("controller", r"MyPart: standstill, \d"), ("estimator", r"root mean square .*\[0\.0")]
+)
+def test_a_new_part_runs_by_itself_and_in_a_scenario(folder, kind, printed):
+    answer("-m", "railgrip", "new", kind, "my_part.py")
+    assert re.search(printed, answer("my_part.py"))
+    command = re.search(r"^railgrip (run .*)$", (folder / "my_part.py").read_text(encoding="utf-8"), re.MULTILINE)
+    assert command is not None
+    shown = answer("-m", "railgrip", *command[1].split(), "--set", "start.speed=30 km/h")
+    assert "trapezoid: standstill" in shown
+
+
+@pytest.mark.parametrize("kind", ["scenario", "train", "campaign"])
+def test_the_first_line_names_a_schema_that_the_file_keeps_to(railgrip, folder, kind):
+    assert railgrip("new", kind, "sub/mine.toml").code == 0
+    text = (folder / "sub" / "mine.toml").read_text(encoding="utf-8")
+    directive, path = text.splitlines()[0].split()
+    assert directive == "#:schema"
+    schema = json.loads((folder / "sub" / path).read_text(encoding="utf-8"))
+    jsonschema.Draft7Validator(schema).validate(tomllib.loads(text))
+    assert json.loads(railgrip("schema", kind).out) == schema
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_there_is_not_overwritten(railgrip, folder, kind):
+    file = "mine.py" if kind in ("controller", "estimator") else "mine.toml"
+    (folder / file).write_text("here before", encoding="utf-8")
+    (folder / f"{kind}.schema.json").write_text("here before", encoding="utf-8")
+    result = railgrip("new", kind, file)
+    assert (result.code, f"{file} is already there; name another file" in result.err) == (2, True)
+    assert railgrip("new", kind, f"other_{file}").code == 0
+    assert (folder / file).read_text(encoding="utf-8") == "here before"
+    assert (folder / f"{kind}.schema.json").read_text(encoding="utf-8") == "here before"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("scenario", "mine.py"), "mine.py: the file of a scenario ends in .toml"),
+        (("controller", "my-law.py"), "my-law.py: the name of a controller has letters, digits and _"),
+        (("scenario", "my scenario.toml"), "the name of a scenario has letters, digits, dots, - and _"),
+        (("rail", "mine.toml"), "'scenario', 'train', 'controller'"),
+        (("scenario", "taken/mine.toml"), "mine.toml: cannot be written"),
+    ],
+    ids=str,
+)
+def test_a_file_that_cannot_be_begun_is_refused(railgrip, folder, arguments, sentence):
+    (folder / "taken").write_text("a file", encoding="utf-8")
+    result = railgrip("new", *arguments)
+    assert result.code in (2, 3)
+    assert sentence in result.err
+    assert [path.name for path in folder.iterdir()] == ["taken"]
+
+
+def test_the_former_command_is_refused_with_the_new_one(railgrip):
+    result = railgrip("train", "new", "mine.toml")
+    assert result.code == 2
+    assert "`railgrip train new` is now `railgrip new train mine.toml`." in result.err
