@@ -125,6 +125,9 @@ class _Main(Commands):
             "ride": Command("monitoring:ride", "Run the instrumented car with a trained friction estimator."),
             "monitor": Command("monitoring:monitor", "Follow the pad friction of each brake group from stop to stop."),
         },
+        "This installation": {
+            "doctor": Command("doctor:doctor", "Check versions, compilers, folders and parts of other packages."),
+        },
         "Development": {
             "maintain": Command("maintain:maintain", "Commands for those who change railgrip itself."),
         },

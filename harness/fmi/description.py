@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Literal, cast, get_args
+from typing import Any, Final, Literal, cast, get_args
 
 import fmpy
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
@@ -16,6 +16,9 @@ from railgrip.base.errors import FmuError, UnitError
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
 from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import Outline, digest, members, outline
+
+PLATFORM: Final = cast(str, fmpy.platform)
+"""Folder of the binaries that this machine loads."""
 
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
 Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]
@@ -201,18 +204,17 @@ def _leniently(path: Path, problems: list[str]) -> tuple[str, ModelDescription]:
 def _require_binary(description: Description, inside: frozenset[str]) -> None:
     """Refuse an FMU whose shared library for this platform is missing."""
     suffix = fmpy.sharedLibraryExtension
-    here = cast(str, fmpy.platform)
     for interface in (description.co_simulation, description.model_exchange):
         if interface is None:
             continue
-        binary = f"binaries/{here}/{interface.identifier}{suffix}"
+        binary = f"binaries/{PLATFORM}/{interface.identifier}{suffix}"
         if binary not in inside:
             # Files: folders, which may be empty, are not among them.
             others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
             platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
             raise FmuError(
                 f"{description.file}: no binary for this platform, {binary} is missing; {platforms}. "
-                f"Export it for {here}."
+                f"Export it for {PLATFORM}."
             )
 
 

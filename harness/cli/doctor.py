@@ -1,0 +1,167 @@
+"""Whether this installation has what it needs.
+
+Each check imports what it looks at by itself: a package that is broken is then a problem among others.
+"""
+
+import platform
+import re
+import shutil
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution, version
+from pathlib import Path
+from tempfile import TemporaryFile, gettempdir
+from typing import get_args
+
+import typer
+
+import railgrip
+from railgrip.base import cache
+from railgrip.base.errors import RailgripError
+from railgrip.base.registry import Role, installed_names
+from railgrip.report.console import complain, say, show_table
+from railgrip.report.table import Table
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """What a check has found.
+
+    Attributes:
+        what: That was looked at.
+        found: In words.
+        remedy: What to do about a problem; empty where there is none.
+    """
+
+    what: str
+    found: str
+    remedy: str = ""
+
+
+def doctor() -> None:
+    """Check versions, compilers, folders and parts of other packages.
+
+    Exit code 1 means that there are problems; each comes with its remedy.
+    """
+    findings = [finding for check in CHECKS for finding in _findings_of(check)]
+    rows = [{"": "PROBLEM" if one.remedy else "ok", "check": one.what, "found": one.found} for one in findings]
+    show_table(Table(rows, left=("", "check", "found")))
+    problems = [one for one in findings if one.remedy]
+    for one in problems:
+        complain(f"{one.what}: {one.found}: {one.remedy}")
+    if problems:
+        raise typer.Exit(1)
+    say("No problems.")
+
+
+def _findings_of(check: Callable[[], Iterator[Finding]]) -> list[Finding]:
+    """Return what a check finds; whatever it cannot go on with is a problem, too."""
+    try:
+        return list(check())
+    except RailgripError as problem:
+        return [Finding(_name_of(check), "fails", str(problem))]
+    except Exception as problem:  # a compiled package that does not load may raise anything
+        words = f"{type(problem).__name__}: {problem}"
+        return [
+            Finding(_name_of(check), words, "install railgrip anew: python -m pip install --force-reinstall railgrip")
+        ]
+
+
+def _name_of(check: Callable[[], Iterator[Finding]]) -> str:
+    return check.__name__.strip("_").replace("_", " ")
+
+
+def _versions() -> Iterator[Finding]:
+    yield Finding("railgrip", f"{railgrip.__version__} in {Path(railgrip.__file__).parent}")
+    yield Finding("Python", f"{platform.python_version()} on {platform.platform()}, {sys.executable}")
+    required = [one for one in distribution("railgrip").requires or () if "extra ==" not in one]
+    found: list[str] = []
+    for name in [re.split(r"[^A-Za-z0-9._-]", one, maxsplit=1)[0] for one in required]:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            yield Finding(name, "is not installed", f"python -m pip install '{next(o for o in required if name in o)}'")
+    yield Finding("packages", ", ".join(found))
+
+
+def _files_of_the_package() -> Iterator[Finding]:
+    files = distribution("railgrip").files or []
+    own = [file for file in files if file.parts[0] == "railgrip" and file.suffix != ".pyc"]
+    missing = [str(file) for file in own if not Path(str(file.locate())).is_file()]
+    if missing:
+        words = f"{len(missing)} of {len(own)} files are missing, {missing[0]} among them"
+        yield Finding("files of the package", words, "python -m pip install --force-reinstall --no-deps railgrip")
+    else:
+        yield Finding("files of the package", f"{len(own)}, all there" if own else "used from a folder of sources")
+
+
+def _C_compiler() -> Iterator[Finding]:  # noqa: N802 (the name of the language)
+    from railgrip.fmus.native.toolchain import binary, compiler
+
+    cc = compiler()
+    size = len(binary({"doctor.c": "double half(double x) { return 0.5 * x; }\n"}, "doctor"))
+    yield Finding("C compiler", f"{' '.join(cc.command)} ({cc.version}), compiles a library of {size} bytes")
+
+
+def _OpenModelica() -> Iterator[Finding]:  # noqa: N802 (a name)
+    omc = shutil.which("omc")
+    yield Finding("OpenModelica", omc or "not found; the built-in compiler makes the FMUs")
+
+
+def _FMUs() -> Iterator[Finding]:  # noqa: N802 (a name)
+    from railgrip.fmi.description import PLATFORM
+
+    yield Finding("FMUs", f"FMPy {version('fmpy')} loads those with binaries for {PLATFORM}")
+
+
+def _cache() -> Iterator[Finding]:
+    folder = cache.folder()
+    cache.keep("doctor", "writable", "written", b"by railgrip doctor")
+    size = sum(file.lstat().st_size for file in folder.rglob("*") if not file.is_dir())
+    most = f"{cache.LARGEST / 1e9:.0f} GB at most"
+    yield Finding("cache", f"{folder}, {size / 1e6:.0f} MB, {most}; {cache.VARIABLE} names another")
+
+
+def _folders() -> Iterator[Finding]:
+    for what, folder, remedy in (
+        ("temporary folder", Path(gettempdir()), "name one that you may write in TMPDIR, or make room"),
+        ("current folder", Path.cwd(), "results go to build below it: change to another folder, or use --out"),
+    ):
+        try:
+            with TemporaryFile(dir=folder) as file:
+                file.write(b"railgrip doctor")
+        except OSError as problem:
+            yield Finding(what, f"{folder} cannot be written: {problem.strerror}", remedy)
+        else:
+            room = shutil.disk_usage(folder).free
+            yield Finding(what, f"{folder}, {room / 1e9:.1f} GB free")
+
+
+def _parts_of_other_packages() -> Iterator[Finding]:
+    from railgrip.scenario.kinds import Custom
+    from railgrip.simulate.importing import class_of
+
+    names = [(role, name) for role in get_args(Role) for name in installed_names(role)]
+    for role, name in names:
+        what = f"{role.removesuffix('s')} {name}"
+        try:
+            class_of(Custom(kind=name), role)
+        except RailgripError as problem:
+            yield Finding(what, str(problem), f"correct or remove the package with the entry point railgrip.{role}")
+        else:
+            yield Finding(what, installed_names(role)[name])
+    if not names:
+        yield Finding("parts of other packages", f"none; entry points are railgrip.{', '.join(get_args(Role))}")
+
+
+CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
+    _versions,
+    _files_of_the_package,
+    _C_compiler,
+    _OpenModelica,
+    _FMUs,
+    _cache,
+    _folders,
+    _parts_of_other_packages,
+)

@@ -1,0 +1,130 @@
+"""`railgrip doctor`: nothing to complain of here, and each thing that can be wrong is told with its remedy."""
+
+import os
+import sys
+from importlib.metadata import Distribution, PackageNotFoundError, version
+
+import pytest
+
+from railgrip.base import registry
+from railgrip.cli import doctor
+from railgrip.fmus.native import toolchain
+
+
+@pytest.fixture(autouse=True)
+def _fresh():
+    """What is found once is remembered by a process."""
+    for remembered in (registry.installed_names, toolchain._probe):
+        remembered.cache_clear()
+    yield
+    for remembered in (registry.installed_names, toolchain._probe):
+        remembered.cache_clear()
+
+
+def test_a_good_installation_has_no_problems(railgrip):
+    result = railgrip("doctor")
+    assert (result.code, result.err) == (0, "")
+    assert "PROBLEM" not in result.out
+    for what in ("railgrip", "Python", "casadi", "C compiler", "OpenModelica", "cache", "temporary folder", "FMUs"):
+        assert what in result.out
+    assert "No problems." in result.out
+
+
+def no_compiler(folder, monkeypatch):
+    monkeypatch.setenv("CC", "false")
+
+
+def compiler_that_compiles_nothing(folder, monkeypatch):
+    (folder / "cc").write_text('#!/bin/sh\n[ "$1" = --version ] && echo cc 1.0 && exit\necho no licence >&2; exit 1\n')
+    (folder / "cc").chmod(0o755)
+    monkeypatch.setenv("CC", str(folder / "cc"))
+
+
+def relative_cache(folder, monkeypatch):
+    monkeypatch.setenv("RAILGRIP_CACHE", "cache")
+
+
+def cache_that_is_a_file(folder, monkeypatch):
+    (folder / "file").touch()
+    monkeypatch.setenv("RAILGRIP_CACHE", str(folder / "file"))
+
+
+def no_temporary_folder(folder, monkeypatch):
+    monkeypatch.setattr(doctor, "gettempdir", lambda: str(folder / "gone"))
+
+
+def missing_package(folder, monkeypatch):
+    def version_of(name):
+        if name == "pint":
+            raise PackageNotFoundError(name)
+        return version(name)
+
+    monkeypatch.setattr(doctor, "version", version_of)
+
+
+class Incomplete(Distribution):
+    """An installed package of two files, one of which is there."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def read_text(self, filename):
+        return {"RECORD": "railgrip/there.py,,\nrailgrip/gone.toml,,\nrailgrip/a.pyc,,\nrailgrip.dist-info/x,,\n"}.get(
+            filename
+        )
+
+    def locate_file(self, path):
+        return self.folder / path
+
+
+def missing_file(folder, monkeypatch):
+    (folder / "railgrip").mkdir()
+    (folder / "railgrip" / "there.py").touch()
+    monkeypatch.setattr(doctor, "distribution", lambda name: Incomplete(folder))
+
+
+def part_that_does_not_load(folder, monkeypatch):
+    package = folder / "mine-1.0.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (package / "entry_points.txt").write_text("[railgrip.estimators]\nmine = module_that_is_gone:Filter\n")
+    monkeypatch.syspath_prepend(folder)
+
+
+def fmpy_that_does_not_import(folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "railgrip.fmi.description", None)
+
+
+@pytest.mark.parametrize(
+    ("break_it", "sentences"),
+    [
+        (no_compiler, ["C compiler", "does not start"]),
+        (compiler_that_compiles_nothing, ["C compiler", "could not compile doctor", "no licence"]),
+        (relative_cache, ["cache: fails: the cache folder must be an absolute path", "correct RAILGRIP_CACHE"]),
+        (cache_that_is_a_file, ["cache: fails", "name another folder in RAILGRIP_CACHE"]),
+        (no_temporary_folder, ["temporary folder", "cannot be written: No such file", "TMPDIR"]),
+        (missing_package, ["pint: is not installed: python -m pip install 'pint"]),
+        (missing_file, ["1 of 2 files are missing, railgrip/gone.toml among them", "--force-reinstall"]),
+        (part_that_does_not_load, ["estimator mine", "module_that_is_gone cannot be imported", "railgrip.estimators"]),
+        (fmpy_that_does_not_import, ["FMUs", "install railgrip anew"]),
+    ],
+    ids=lambda value: getattr(value, "__name__", ""),
+)
+def test_each_problem_is_told_with_its_remedy(railgrip, tmp_path_factory, monkeypatch, break_it, sentences):
+    break_it(tmp_path_factory.mktemp("broken"), monkeypatch)
+    result = railgrip("doctor")
+    assert result.code == 1, result.out
+    assert "PROBLEM" in result.out
+    assert "No problems." not in result.out
+    assert "Traceback" not in result.err
+    told = " ".join(result.err.split())
+    for sentence in sentences:
+        assert sentence in told
+
+
+def test_openmodelica_is_found_on_the_path(railgrip, tmp_path_factory, monkeypatch):
+    folder = tmp_path_factory.mktemp("bin")
+    (folder / "omc").write_text("#!/bin/sh\n")
+    (folder / "omc").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    assert str(folder / "omc") in railgrip("doctor").out
