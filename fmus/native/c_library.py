@@ -1,6 +1,6 @@
 """A shared library of our C with the structs of its headers, each written there and nowhere else."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -8,6 +8,9 @@ from cffi import FFI
 from numpy.typing import NDArray
 
 from railgrip.fmus.native.toolchain import shared_library
+
+WORD: Final = 8
+"""Bytes of a pointer, and of every number in a struct."""
 
 _FORMATS: Final = {"double": "f8", "long long": "i8", "int": "i4"}
 
@@ -76,9 +79,9 @@ class Struct:
 
     def __init__(self, ffi: Any, name: str, fields: Mapping[str, Any]) -> None:
         """See `CLibrary.struct`."""
-        self._ffi = ffi
+        self._ffi, self._name = ffi, name
         self._types = {field: description.type for field, description in ffi.typeof(name).fields}
-        self._targets: dict[str, Any] = {}
+        self._fields: dict[str, Any] = {}
         self.pointer: Any = ffi.new(f"{name} *")
         self.set(**fields)
 
@@ -94,12 +97,48 @@ class Struct:
         within takes an array, a Struct or a list of these, which are copied; what is left takes a number.
         """
         for name, value in fields.items():
-            self._targets[name] = value
+            self._fields[name] = value
             setattr(self.pointer, name, self._converted(self._types[name], value))
 
     def view(self, name: str) -> NDArray[np.float64]:
         """Return a field that is an array of doubles, sharing its memory."""
         return np.frombuffer(self._ffi.buffer(getattr(self.pointer, name)), dtype=np.float64)
+
+    def copied(self, *names: str, **changes: Any) -> "Struct":
+        """Return a struct of the same type with the same in these fields, or in all, but for changes."""
+        fields = {name: value for name, value in self._fields.items() if name in names or not names}
+        return Struct(self._ffi, self._name, fields | changes)
+
+    @property
+    def content(self) -> bytes:
+        """Its bytes."""
+        return bytes(self._ffi.buffer(self.pointer))
+
+    def targets(self) -> Iterator["Struct | NDArray[Any]"]:
+        """Yield structs and arrays that it points to, and those that structs within it point to."""
+        for name, value in self._fields.items():
+            within = self._types[name].kind not in ("pointer", "function")
+            for one in value if isinstance(value, list) else [value]:
+                if isinstance(one, Struct) and within:
+                    yield from one.targets()
+                elif isinstance(one, Struct) or (isinstance(one, np.ndarray) and not within):
+                    yield one
+
+    def pointers(self) -> dict[int, str]:
+        """Return the words that are pointers, to functions too, and the field `Type.field` that each is."""
+        return dict(self._pointers(self._ffi.typeof(self._name), 0))
+
+    def _pointers(self, kind: Any, begin: int) -> Iterator[tuple[int, str]]:
+        for name, field in kind.fields:
+            inner, count = field.type, 1
+            if inner.kind == "array":
+                inner, count = inner.item, inner.length
+            first, size = begin + field.offset, self._ffi.sizeof(inner)
+            for place in range(first, first + count * size, size):
+                if inner.kind == "struct":
+                    yield from self._pointers(inner, place)
+                elif inner.kind in ("pointer", "function"):
+                    yield place // WORD, f"{kind.cname}.{name}"
 
     def _converted(self, kind: Any, value: Any) -> Any:
         if kind.kind not in ("pointer", "function"):

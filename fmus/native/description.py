@@ -175,6 +175,7 @@ def document(
     experiment: dict[str, str],
     rows: Iterable[str],
     structure: Mapping[str, Sequence[str]],
+    files: Sequence[str] = (),
 ) -> str:
     """Return modelDescription.xml.
 
@@ -186,13 +187,14 @@ def document(
         experiment: Attributes of the default experiment beside its times.
         rows: Lines of `Writer`.
         structure: Lines of each part of ModelStructure; a part without a line is left out.
+        files: C files to compile, of those in `sources`; told where there are any.
     """
     # No generationDateAndTime: the same sources give the same bytes.
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
             f"<fmiModelDescription{attributes_text(head)}>",
-            *(f"  <{kind}{attributes_text(flags)}/>" for kind, flags in interfaces.items()),
+            *(line for kind, flags in interfaces.items() for line in _interface(kind, flags, files)),
             *_unit_definitions(units),
             "  <LogCategories>",
             *(f"    <Category{attributes_text({'name': k, 'description': v})}/>" for k, v in categories.items()),
@@ -208,6 +210,13 @@ def document(
             "",
         ]
     )
+
+
+def _interface(kind: str, flags: dict[str, str], files: Sequence[str]) -> list[str]:
+    if not files:
+        return [f"  <{kind}{attributes_text(flags)}/>"]
+    entries = [f"      <File{attributes_text({'name': file})}/>" for file in files]
+    return [f"  <{kind}{attributes_text(flags)}>", "    <SourceFiles>", *entries, "    </SourceFiles>", f"  </{kind}>"]
 
 
 def _variables(w: Writer, system: System, layout: Layout, solver: str, tolerance: float) -> None:

@@ -1,11 +1,12 @@
-"""A CasADi function (state, input) → (state, output) as a discrete-time co-simulation FMU.
+"""A CasADi function (state, input) → (state, output), or C of our own, as a discrete-time co-simulation FMU.
 
 What an estimator or controller written in CasADi needs to be dropped into another tool: the same C code generator, the
 same packager and compiler as for Modelica classes, another small runtime (`runtime/discrete.c`). One communication step
 of one period calls the function once: outputs at its end come from the inputs set at its beginning.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.metadata import version
 
 import casadi as ca
@@ -22,6 +23,21 @@ PARTS = ("discrete.c", "instance.c", "status.c")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WrittenStep:
+    """A step in C, which keeps its own memory.
+
+    Attributes:
+        text: Defines MEMORY, `lay` and `sample`; see `runtime/discrete.c`.
+        files: That it includes, file name to text.
+        units: Those of the files that are compiled on their own.
+    """
+
+    text: str
+    files: Mapping[str, str]
+    units: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Discrete:
     """A discrete-time system.
 
@@ -33,6 +49,9 @@ class Discrete:
             until the first call. Parameters are set before the first step.
         step: (state, input, parameter) → (state, output), dense columns; without parameters the third may be
             missing.
+        waits: Number of the first inputs of which one must not be zero: with the step in which it is, the first period
+            begins.
+        hidden: Names of parameters that are not shown.
     """
 
     name: str
@@ -42,12 +61,20 @@ class Discrete:
     inputs: tuple[Variable, ...]
     parameters: tuple[Variable, ...]
     outputs: tuple[Variable, ...]
-    step: ca.Function
+    step: ca.Function | WrittenStep
+    waits: int = 0
+    hidden: frozenset[str] = field(default=frozenset())
 
     def __post_init__(self) -> None:
         """Refuse a period that is none and functions that do not fit."""
         if not self.period > 0:
             raise InputError(f"{self.name}: the period is a positive time, got {self.period} s.")
+        names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise InputError(f"{self.name}: more than one variable is named {', '.join(twice)}.")
+        if isinstance(self.step, WrittenStep):
+            return
         takes = [self.step.numel_in(i) for i in range(self.step.n_in())]
         gives = [self.step.numel_out(i) for i in range(self.step.n_out())]
         sizes = [len(self.states), len(self.inputs), len(self.parameters)]
@@ -56,49 +83,55 @@ class Discrete:
                 f"{self.name}: a step function takes (state, input, parameter) of {sizes} numbers and gives "
                 f"(state, output) of {[len(self.states), len(self.outputs)]}; this one takes {takes} and gives {gives}."
             )
-        names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise InputError(f"{self.name}: more than one variable is named {', '.join(twice)}.")
 
 
 def sources(system: Discrete) -> Source:
     """Return C code and modelDescription.xml, ready for `package.pack`."""
     identifier = c_identifier(system.name)
     files = {"model.c": _code(system)} | {part: (RUNTIME / part).read_text() for part in PARTS}
-    return Source.of(identifier, files, _xml(system, identifier))
+    units: tuple[str, ...] = ("model.c",)
+    if isinstance(system.step, WrittenStep):
+        files |= system.step.files
+        units += system.step.units
+    return Source.of(identifier, files, _xml(system, identifier, units), units)
+
+
+def straight_step(name: str, step: ca.Function, sizes: Sequence[int]) -> str:
+    """Return C of a step (state, input, parameter) → (state, output), whose last argument may be missing."""
+    # Expanded to scalar operations and inputs that are all there: then no argument is a null pointer.
+    every = [ca.SX.sym(argument, size) for argument, size in zip("xup", sizes, strict=True)]
+    arguments = every[: step.n_in()]
+    following, output = step.expand().call(arguments) if arguments else ([], [])
+    return straight(ca.Function(name, every, [ca.densify(following), ca.densify(output)], {"cse": True}))
 
 
 def _code(system: Discrete) -> str:
-    # Expanded to scalar operations and inputs that are all there: then no argument is a null pointer.
-    state, entry, parameter = (
-        ca.SX.sym(name, len(group))
-        for name, group in (("x", system.states), ("u", system.inputs), ("p", system.parameters))
-    )
-    arguments = [state, entry, parameter][: system.step.n_in()]
-    following, output = system.step.expand().call(arguments) if arguments else ([], [])
-    step = ca.Function("f_step", [state, entry, parameter], [ca.densify(following), ca.densify(output)], {"cse": True})
-    sizes = {
-        "NX": len(system.states), "NU": len(system.inputs), "NP": len(system.parameters), "NY": len(system.outputs),
-        "PERIOD": repr(float(system.period)), "MODEL_GUID": string_literal(""),
-    }  # fmt: skip
     groups = {"x": system.states, "u": system.inputs, "p": system.parameters, "y": system.outputs}
+    sizes = {f"N{name.upper()}": len(group) for name, group in groups.items()}
+    if isinstance(system.step, WrittenStep):
+        step = system.step.text
+    else:
+        step = straight_step("f_step", system.step, [*sizes.values()][:3])
+    numbers = sizes | {
+        "PERIOD": repr(float(system.period)), "WAITS": system.waits, "MODEL_GUID": string_literal("")
+    }  # fmt: skip
     return "\n".join(
         [
-            "/* Generated from a CasADi function; do not edit. */",
-            *(f"#define {name} {value}" for name, value in sizes.items()),
+            "/* Generated; do not edit. */",
+            *(f"#define {name} {value}" for name, value in numbers.items()),
             *(table("double", f"start_{name}", [v.start for v in group]) for name, group in groups.items()),
             "#include <math.h>",
-            straight(step),
+            "#include <string.h>",
+            step,
             '#include "discrete.c"',
             "",
         ]
     )
 
 
-def _xml(system: Discrete, identifier: str) -> str:
+def _xml(system: Discrete, identifier: str, units: Sequence[str]) -> str:
     w = Writer()
-    place = 1
+    place = 0
     for group, causality, variability, initial in (
         (system.states, "local", "discrete", "exact"),
         (system.inputs, "input", "discrete", None),
@@ -106,6 +139,9 @@ def _xml(system: Discrete, identifier: str) -> str:
         (system.outputs, "output", "discrete", "exact"),
     ):
         for v in group:
+            place += 1
+            if v.name in system.hidden:
+                continue
             bounds = {"min": v.minimum, "max": v.maximum}
             attributes = {"unit": v.unit} if v.unit else {}
             attributes |= {key: repr(float(value)) for key, value in bounds.items() if value is not None}
@@ -113,9 +149,8 @@ def _xml(system: Discrete, identifier: str) -> str:
                 v.name, place, causality=causality, variability=variability, initial=initial, start=v.start,
                 description=v.description, attributes=attributes,
             )  # fmt: skip
-            place += 1
     every = (*system.states, *system.inputs, *system.parameters, *system.outputs)
-    first = len(every) - len(system.outputs) + 2
+    first = len(every) - len(system.outputs) + 1
     return document(
         {
             "fmiVersion": "2.0",
@@ -138,5 +173,6 @@ def _xml(system: Discrete, identifier: str) -> str:
         categories={"logStatusError": "Why a call failed"},
         experiment={"stepSize": repr(float(system.period))},
         rows=w.rows,
-        structure={"Outputs": [f'      <Unknown index="{first + k}"/>' for k in range(len(system.outputs))]},
+        structure={"Outputs": [f'      <Unknown index="{w.index[first + k]}"/>' for k in range(len(system.outputs))]},
+        files=units,
     )

@@ -7,19 +7,21 @@ import platform
 import re
 import struct
 import zipfile
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 
 from railgrip.fmus.native import code, description
 from railgrip.fmus.native.system import System
-from railgrip.fmus.native.toolchain import FMU_FLAGS, SUFFIX, binary
+from railgrip.fmus.native.toolchain import FMU_FLAGS, SUFFIX, TARGETS, Target, binary
 
 _fmpy = find_spec("fmpy")
 assert _fmpy is not None
 assert _fmpy.origin is not None
 HEADERS = Path(_fmpy.origin).parent / "c-code"
-"""FMI 2.0's own header files, which FMPy carries; importing it would take a fifth of a second."""
+"""Header files of FMI 2.0 and 3.0, which FMPy carries; importing it would take a fifth of a second."""
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of every file in the zip, the earliest it can hold."""
@@ -33,20 +35,23 @@ class Source:
         identifier: Name of the library inside, a C identifier.
         files: C file name to text.
         xml: modelDescription.xml.
+        units: Those of the files that are compiled.
+        is_fmi_3: Whether it is an FMU by FMI 3; else by FMI 2.
     """
 
     identifier: str
     files: dict[str, str]
     xml: str
+    units: tuple[str, ...] = ("model.c",)
+    is_fmi_3: bool = False
 
     @classmethod
-    def of(cls, identifier: str, files: dict[str, str], xml: str) -> "Source":
+    def of(cls, identifier: str, files: dict[str, str], xml: str, units: tuple[str, ...] = ("model.c",)) -> "Source":
         """Return sources whose GUID is empty, in `model.c` and in the XML, with the one that all of them decide."""
         guid = f"{{{hashlib.sha256(chr(0).join([xml, *files.values()]).encode()).hexdigest()[:32]}}}"
         model = files["model.c"].replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{guid}"')
-        return cls(
-            identifier=identifier, files=files | {"model.c": model}, xml=xml.replace('guid=""', f'guid="{guid}"')
-        )
+        xml = re.sub(r'(guid|instantiationToken)=""', rf'\1="{guid}"', xml, count=1)
+        return cls(identifier=identifier, files=files | {"model.c": model}, xml=xml, units=units)
 
     @property
     def digest(self) -> str:
@@ -59,6 +64,12 @@ def platform_folder() -> str:
     """Return FMI 2.0's name of this platform, such as linux64."""
     system = {"Linux": "linux", "Darwin": "darwin", "Windows": "win"}[platform.system()]
     return f"{system}{8 * struct.calcsize('P')}"
+
+
+def tuple_of_platform() -> str:
+    """Return FMI 3.0's name of this platform, such as x86_64-linux."""
+    machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+    return f"{machine}-{platform.system().lower()}"
 
 
 def sources(
@@ -90,33 +101,51 @@ def c_identifier(name: str) -> str:
     return re.sub(r"^(?=\d)|\W", "_", name, flags=re.ASCII)[:100]
 
 
-def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS) -> Path:
-    """Write an FMU to a file.
-
-    Raises:
-        CompilerMissing, BuildFailed: From the C compiler.
-    """
+def pack(source: Source, path: Path, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> Path:
+    """Write an FMU to a file; arguments and errors are those of `archive_bytes`."""
     path.parent.mkdir(parents=True, exist_ok=True)
     half = path.with_suffix(f".{os.getpid()}.part")  # two processes may build it at once
     try:
-        half.write_bytes(archive_bytes(source, flags=flags))
+        half.write_bytes(archive_bytes(source, flags=flags, platforms=platforms))
         half.replace(path)
     finally:
         half.unlink(missing_ok=True)
     return path
 
 
-def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS) -> bytes:
-    """Return the content of an FMU, compiled for this platform; the same sources give the same bytes.
+def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS, platforms: Sequence[str] = ()) -> bytes:
+    """Return the content of an FMU; the same sources give the same bytes.
+
+    Args:
+        source: What is inside.
+        flags: For the C compiler.
+        platforms: Of `toolchain.TARGETS`; none for this one.
 
     Raises:
         CompilerMissing, BuildFailed: From the C compiler.
     """
-    library = binary(source.files, source.identifier, units=["model.c"], include=[HEADERS], flags=flags)
-    members = {
-        "modelDescription.xml": source.xml.encode(),
-        f"binaries/{platform_folder()}/{source.identifier}{SUFFIX}": library,
-    } | {f"sources/{name}": text.encode() for name, text in source.files.items()}
+
+    def library(target: Target | None) -> bytes:
+        return binary(
+            source.files, source.identifier, units=source.units, include=[HEADERS], flags=flags, target=target
+        )
+
+    targets = {name: TARGETS[name] for name in platforms}
+    if targets:
+        with ThreadPoolExecutor(2) as pool:
+            folders = [name if source.is_fmi_3 else target.folder for name, target in targets.items()]
+            suffixes = [target.suffix for target in targets.values()]
+            libraries = [*zip(folders, suffixes, pool.map(library, targets.values()), strict=True)]
+    else:
+        libraries = [(tuple_of_platform() if source.is_fmi_3 else platform_folder(), SUFFIX, library(None))]
+    members = {"modelDescription.xml": source.xml.encode()}
+    members |= {f"binaries/{folder}/{source.identifier}{suffix}": content for folder, suffix, content in libraries}
+    members |= {f"sources/{name}": text.encode() for name, text in source.files.items()}
+    return zipped(members)
+
+
+def zipped(members: Mapping[str, bytes]) -> bytes:
+    """Return an archive of files by name; the same files give the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, member in sorted(members.items()):

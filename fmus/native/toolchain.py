@@ -30,6 +30,35 @@ LONGEST = 900.0
 SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
 
 
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A platform that shared libraries can be compiled for, wherever that is done.
+
+    Attributes:
+        zig: Its name for the compiler in `ziglang`.
+        suffix: Of a shared library.
+        folder: Of it among the binaries of an FMU by FMI 2; by FMI 3 it is that of `TARGETS`.
+    """
+
+    zig: str
+    suffix: str
+    folder: str
+
+
+TARGETS = {
+    # As old a C library as Python's own wheels for Linux want.
+    "x86_64-linux": Target("x86_64-linux-gnu.2.17", ".so", "linux64"),
+    "x86_64-windows": Target("x86_64-windows-gnu", ".dll", "win64"),
+    "x86_64-darwin": Target("x86_64-macos", ".dylib", "darwin64"),
+    "aarch64-darwin": Target("aarch64-macos", ".dylib", "aarch64-darwin"),
+}
+"""Platforms by their names in FMI 3."""
+
+
+# -P: without it, Python would first look for ziglang in the current folder.
+_ZIG = (sys.executable, "-P", "-m", "ziglang", "cc")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compiler:
     """A C compiler as a command.
@@ -55,8 +84,7 @@ def compiler() -> Compiler:
         if path:
             return _probe((path, *words[1:]))
     if importlib.util.find_spec("ziglang") is not None:
-        # -P: without it, Python would first look for ziglang in the current folder.
-        return _probe((sys.executable, "-P", "-m", "ziglang", "cc"))
+        return _probe(_ZIG)
     raise CompilerMissing(
         "no C compiler: neither CC, cc, gcc nor clang is on the PATH and the Python package ziglang "
         "is not installed; install one of them (`pip install ziglang` needs no administrator)."
@@ -102,19 +130,40 @@ def binary(
     units: Sequence[str] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
+    target: Target | None = None,
 ) -> bytes:
-    """Return the shared library that C sources compile to; arguments and errors are those of `shared_library`."""
-    cc = compiler()
+    """Return the shared library that C sources compile to; other arguments and errors are those of `shared_library`.
+
+    Args:
+        target: What it is for, if not this machine.
+    """
+    cc = compiler() if target is None else _compiler_for(target)
     with scratch("build") as folder:
         for file, text in sources.items():
             (folder / file).write_text(text, encoding="utf-8")
         # Relative names only: an absolute path would end up in the library and change its bytes.
-        output = name + SUFFIX
+        output = name + (SUFFIX if target is None else target.suffix)
         files = units or sorted(file for file in sources if file.endswith(".c"))
-        code, words = _run([*cc.command, *_options(include, flags), *files, "-o", output, *_linking()], folder, name)
+        options = [option for option in _options(include, flags) if target is None or _suits(target, option)]
+        linking = _linking() if target is None else ("-lm", "-s")
+        code, words = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
         if code:
             raise BuildFailed(f"{' '.join(cc.command)} could not compile {name}:\n{_head(words)}")
         return (folder / output).read_bytes()
+
+
+def _compiler_for(target: Target) -> Compiler:
+    if importlib.util.find_spec("ziglang") is None:
+        raise CompilerMissing(
+            f"for {target.zig} the compiler of the Python package ziglang is needed; `pip install ziglang` needs no "
+            "administrator."
+        )
+    return _probe((*_ZIG, "-target", target.zig))
+
+
+def _suits(target: Target, option: str) -> bool:
+    # Code for Windows moves anyhow, and the compiler refuses to be told so.
+    return target.suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
 
 
 def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:

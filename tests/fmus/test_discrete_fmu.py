@@ -83,6 +83,20 @@ def test_a_longer_step_holds_the_input_over_whole_periods(slave):
     assert slave.getReal([of["memory"]]) == [0.5 * (0.5 * (0.5 * 2 + 1) + 1) + 1]
 
 
+def test_parts_of_a_period_call_the_function_once(slave):
+    """What is set between two samples counts from the next one on."""
+    of = slave.references
+    slave.exitInitializationMode()
+    seen = []
+    for k in range(8):
+        slave.setReal([of["acceleration"]], [float(k)])
+        slave.doStep(k * PERIOD / 4, PERIOD / 4)
+        seen += slave.getReal([of["memory"]])
+    first = 0.5 * 2.0 + 0.0
+    assert seen == [first] * 4 + [0.5 * first + 4.0] * 4
+    assert slave.getReal([0])[0] == 2 * PERIOD
+
+
 @pytest.mark.parametrize(("start", "step"), [(0.0, 1.5 * PERIOD), (0.3 * PERIOD, PERIOD), (0.0, 0.0)])
 def test_a_step_that_is_no_whole_sample_is_refused(slave, start, step):
     slave.exitInitializationMode()

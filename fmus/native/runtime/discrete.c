@@ -1,7 +1,10 @@
 /* FMI 2.0 for Co-Simulation of a function (state, input, parameter) -> (state, output) called once a period.
  *
  * The generated file comes first: sizes (NX states, NU inputs, NP parameters, NY outputs), PERIOD, tables of start
- * values, MODEL_GUID and f_step. A value reference is an index into State.v. */
+ * values, MODEL_GUID and f_step; WAITS, the number of the first inputs of which one must not be zero: until then nothing
+ * is called, and the first period begins with the step in which it is. With
+ * MEMORY, words that C of our own works on, it has no states but `lay`, which writes the words at the start, and
+ * `sample`, which advances them. A value reference is an index into State.v. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -16,8 +19,12 @@ enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 typedef struct {
     double v[NV];
     double start; /* time at which the first period begins */
-    double calls; /* of f_step so far, so that time is never summed */
+    double calls; /* so far, so that time is never summed */
+    double into;  /* share of the period of the last call that is over; 0: the next one is due */
     int phase;
+#ifdef MEMORY
+    unsigned long long memory[MEMORY];
+#endif
 } State;
 
 typedef struct {
@@ -37,6 +44,9 @@ static void reset(State *s) {
     memcpy(s->v + U, start_u, NU * sizeof(double));
     memcpy(s->v + P, start_p, NP * sizeof(double));
     memcpy(s->v + Y, start_y, NY * sizeof(double));
+#ifdef MEMORY
+    lay(s->memory);
+#endif
 }
 
 static int begin(Instance *m, fmi2Type type) {
@@ -69,9 +79,20 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
+/* Whether nothing has been called yet and all inputs that are waited for are zero: an importer may step what it has not
+ * given anything yet. */
+static int waits(const State *s) {
+    int count = s->calls == 0 ? WAITS : 0, i = 0;
+    while (i < count && s->v[U + i] == 0) i++;
+    return count && i == count;
+}
+
 /* Call the function once on the inputs that are set. */
 static int call(Instance *m) {
     State *s = &m->s;
+#ifdef MEMORY
+    if (sample(s->memory, (long long)s->calls, s->v + U, s->v + P, s->v + Y)) return 1;
+#else
     const double *a[] = { s->v + X, s->v + U, s->v + P };
     double *r[] = { m->next_x, m->next_y };
     f_step(a, r);
@@ -79,26 +100,35 @@ static int call(Instance *m) {
         if (!isfinite(m->next_x[i])) return 1;
     memcpy(s->v + X, m->next_x, NX * sizeof(double));
     memcpy(s->v + Y, m->next_y, NY * sizeof(double));
+#endif
     s->calls++;
-    s->v[TIME] = s->start + s->calls * PERIOD;
     return 0;
 }
 
 fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set_state) {
     State *s = &M->s;
-    double periods = h / PERIOD, whole = floor(periods + 0.5);
+    double periods = h / PERIOD, whole = floor(periods + 0.5), fraction = floor(PERIOD / h + 0.5);
     (void)no_set_state;
     if (s->phase != RUNNING) return refuse(M, "fmi2DoStep: not initialised, or terminated");
     /* The caller's clock may be summed: a hundredth of a period is forgiven, a sample more or less is not. */
     if (!(fabs(t - s->v[TIME]) <= 0.01 * PERIOD))
         return refuse(M, "fmi2DoStep: asked for a step from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
-    if (!(whole >= 1 && fabs(periods - whole) <= 0.01))
-        return refuse(M, "fmi2DoStep: a step is a whole number of periods of %.9g s, got %.9g s", (double)PERIOD, h);
-    for (double k = 0; k < whole; k++)
+    int is_whole = whole >= 1 && fabs(periods - whole) <= 0.01 && s->into == 0;
+    if (!is_whole && !(h > 0 && fraction >= 1 && fabs(periods * fraction - 1) <= 0.01))
+        return refuse(M, "fmi2DoStep: a step is a whole number of periods of %.9g s, or a whole part of one, got %.9g s",
+                      (double)PERIOD, h);
+    if (waits(s)) {
+        s->v[TIME] = s->start = t + h;
+        return fmi2OK;
+    }
+    for (double k = 0; s->into == 0 && k < (is_whole ? whole : 1); k++)
         if (call(M)) {
             s->phase = FAILED;
             return refuse(M, "fmi2DoStep: a state is not a number at time = %.9g s", s->v[TIME]);
         }
+    if (!is_whole) s->into = floor(s->into * fraction + 1.5) / fraction;
+    if (s->into >= 1) s->into = 0;
+    s->v[TIME] = s->start + (s->into > 0 ? s->calls - 1 + s->into : s->calls) * PERIOD;
     return fmi2OK;
 }
 /* ---- values ---- */

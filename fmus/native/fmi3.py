@@ -1,0 +1,96 @@
+"""An FMU of ours by FMI 3.0: the same C below other function names, and its own modelDescription.xml."""
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from railgrip.fmus.native.code import RUNTIME
+from railgrip.fmus.native.description import attributes_text
+from railgrip.fmus.native.package import Source
+
+_TYPES = {"Real": "Float64", "Integer": "Int32", "Boolean": "Boolean"}
+_FLAGS = {
+    "modelIdentifier": "modelIdentifier", "canGetAndSetFMUstate": "canGetAndSetFMUState",
+    "canSerializeFMUstate": "canSerializeFMUState", "providesDirectionalDerivative": "providesDirectionalDerivatives",
+    "canHandleVariableCommunicationStepSize": "canHandleVariableCommunicationStepSize",
+}  # fmt: skip
+"""Of CoSimulation, and what FMI 3.0 calls them."""
+
+_UNKNOWNS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative", "InitialUnknowns": "InitialUnknown"}
+
+
+def as_fmi_3(source: Source) -> Source:
+    """Return a co-simulation FMU by FMI 2.0 as one by FMI 3.0; names and value references stay."""
+    files = source.files | {
+        "fmi3.c": (RUNTIME / "fmi3.c").read_text(),
+        "model.c": _without_guid(source.files["model.c"]) + '#include "fmi3.c"\n',
+    }
+    made = Source.of(source.identifier, files, _described(ET.fromstring(source.xml)), source.units)
+    build = _build_description(made.identifier, made.units)
+    return replace(made, files=made.files | {"buildDescription.xml": build}, is_fmi_3=True)
+
+
+def _without_guid(model: str) -> str:
+    return re.sub(r'#define MODEL_GUID ".*"', '#define MODEL_GUID ""', model)
+
+
+def _described(root: ET.Element) -> str:
+    head = dict(root.attrib) | {"fmiVersion": "3.0", "guid": ""}
+    head = {name: text for name, text in head.items() if name not in ("guid", "numberOfEventIndicators")}
+    interface = root.find("CoSimulation")
+    assert interface is not None
+    flags = {_FLAGS[name]: text for name, text in interface.attrib.items() if name in _FLAGS}
+    variables = root.findall("ModelVariables/ScalarVariable")
+    references = [variable.attrib["valueReference"] for variable in variables]
+    return "\n".join(
+        [
+            '<?xml version="1.0" encoding="UTF-8"?>',
+            # Empty as the GUID of FMI 2.0 is, for `Source.of` to fill in.
+            f'<fmiModelDescription instantiationToken=""{attributes_text(head)}>',
+            f"  <CoSimulation{attributes_text(flags)}/>",
+            *(
+                ET.tostring(part, encoding="unicode").rstrip()
+                for name in ("UnitDefinitions", "LogCategories", "DefaultExperiment")
+                for part in root.findall(name)
+            ),
+            "  <ModelVariables>",
+            *(_variable(variable, references) for variable in variables),
+            "  </ModelVariables>",
+            "  <ModelStructure>",
+            *(line for group, name in _UNKNOWNS.items() for line in _unknowns(root, group, name, references)),
+            "  </ModelStructure>",
+            "</fmiModelDescription>",
+            "",
+        ]
+    )
+
+
+def _variable(variable: ET.Element, references: Sequence[str]) -> str:
+    inner = variable[0]
+    attributes = dict(variable.attrib) | dict(inner.attrib)
+    if "derivative" in attributes:
+        attributes["derivative"] = references[int(attributes["derivative"]) - 1]
+    return f"    <{_TYPES[inner.tag]}{attributes_text(attributes)}/>"
+
+
+def _unknowns(root: ET.Element, group: str, name: str, references: Sequence[str]) -> Iterator[str]:
+    for unknown in root.findall(f"ModelStructure/{group}/Unknown"):
+        attributes = {"valueReference": references[int(unknown.attrib["index"]) - 1]}
+        if "dependencies" in unknown.attrib:
+            places = unknown.attrib["dependencies"].split()
+            attributes["dependencies"] = " ".join(references[int(place) - 1] for place in places)
+            attributes["dependenciesKind"] = unknown.attrib["dependenciesKind"]
+        yield f"    <{name}{attributes_text(attributes)}/>"
+
+
+def _build_description(identifier: str, units: Sequence[str]) -> str:
+    files = "".join(f'      <SourceFile name="{unit}"/>\n' for unit in units)
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<fmiBuildDescription fmiVersion="3.0">\n'
+        f'  <BuildConfiguration modelIdentifier="{identifier}">\n'
+        f'    <SourceFileSet language="C99">\n{files}    </SourceFileSet>\n'
+        "  </BuildConfiguration>\n"
+        "</fmiBuildDescription>\n"
+    )

@@ -1,0 +1,75 @@
+"""FMUs for other platforms and by FMI 3: those for this machine are stepped, of the others the bytes are read."""
+
+import platform
+import re
+import zipfile
+from importlib.util import find_spec
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+import pytest
+from binaries import described
+from fmpy import simulate_fmu
+from fmpy.validation import validate_fmu
+
+from railgrip.fmus.native import Variable
+from railgrip.fmus.native.discrete import Discrete, sources
+from railgrip.fmus.native.fmi3 import as_fmi_3
+from railgrip.fmus.native.package import pack
+from railgrip.fmus.native.toolchain import TARGETS
+
+HEADERS = Path(find_spec("fmpy").origin).parent / "c-code"
+FOLDERS = {
+    2: {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"},
+    3: {},
+}
+"""Of binaries, where they are not called as FMI 3 calls the platform."""
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def packed(request, tmp_path_factory):
+    """Return the version of FMI and an FMU for all platforms: y = x, the sum of u."""
+    x, u = ca.SX.sym("x"), ca.SX.sym("u")
+    of = {
+        name: Variable(
+            name=name, unit="1", start=0.0, description=name, minimum=None, maximum=None, nominal=1.0
+        )
+        for name in ("x", "u", "y")
+    }  # fmt: skip
+    source = sources(
+        Discrete(
+            name="Sum", description="For tests", period=0.1, states=(of["x"],), inputs=(of["u"],), parameters=(),
+            outputs=(of["y"],), step=ca.Function("step", [x, u], [x + u, x + u]),
+        )
+    )  # fmt: skip
+    version = request.param
+    path = tmp_path_factory.mktemp("platforms") / f"sum{version}.fmu"
+    return version, pack(source if version == 2 else as_fmi_3(source), path, platforms=[*TARGETS])
+
+
+def test_each_library_is_for_its_platform_and_exports_the_functions_of_its_standard(packed):
+    version, path = packed
+    header = (HEADERS / f"fmi{version}Functions.h").read_text()
+    if version == 2:  # without what only Model Exchange has
+        begin, end = (header.rindex(f"Functions for FMI2 for {kind}") for kind in ("Model Exchange", "Co-Simulation"))
+        header = header[:begin] + header[end:]
+    functions = set(re.findall(rf"^\s*FMI{version}_Export\s+\w+\s+(\w+);", header, re.MULTILINE))
+    assert len(functions) > 20
+    with zipfile.ZipFile(path) as archive:
+        for target in TARGETS:
+            folder = FOLDERS[version].get(target, target)
+            (file,) = [name for name in archive.namelist() if name.startswith(f"binaries/{folder}/")]
+            found, exports = described(archive.read(file))
+            assert found == target
+            assert functions <= exports
+
+
+def test_the_same_file_runs_here(packed):
+    version, path = packed
+    assert validate_fmu(str(path)) == []
+    if platform.system() == "Linux" and platform.machine() == "x86_64":
+        signal = np.array([(0.0, 2.0), (1.0, 2.0)], dtype=[("time", float), ("u", float)])
+        rows = simulate_fmu(str(path), stop_time=1.0, step_size=0.1, output_interval=0.1, input=signal, output=["y"])
+        assert rows["y"][-1] == pytest.approx(20.0)
+    assert version in (2, 3)
