@@ -49,13 +49,20 @@ class Estimates:
 
 
 class StepInC:
-    """A filter whose step is C that works on one block of memory, which a subclass lays out and keeps."""
+    """A filter whose step is C that works on one block of memory, which a subclass lays out and keeps.
+
+    Attributes:
+        sources: File name to text; `plain.c` has the step `int step_plain(double *block)` for any machine.
+    """
+
+    sources: Mapping[str, str]
 
     _block: Vector
     _nis: Vector
 
     def load(self, sources: Mapping[str, str]) -> ctypes.CDLL:
         """Return the library with `int step(double *block)`, compiled or found compiled."""
+        self.sources = sources
         library = ctypes.CDLL(str(shared_library(sources, "filter", flags=("-O3",))))
         self._step = library.step
         self._step.argtypes, self._step.restype = [ctypes.c_void_p], ctypes.c_int

@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
@@ -158,7 +158,9 @@ def _compiler_for(target: Target) -> Compiler:
             f"for {target.zig} the compiler of the Python package ziglang is needed; `pip install ziglang` needs no "
             "administrator."
         )
-    return _probe((*_ZIG, "-target", target.zig))
+    # Asked for its version with a target, it would leave an object file in the current folder.
+    zig = _probe(_ZIG)
+    return replace(zig, command=(*zig.command, "-target", target.zig))
 
 
 def _suits(target: Target, option: str) -> bool:

@@ -117,7 +117,7 @@ class _Main(Commands):
             "train": Command("trains:trains", "Draw and check trains in files."),
             "build": Command("fmus:build_command", "Bring FMUs up to date, or build the plant of your own class."),
             "map": Command("exchange:map_", "Print a draft of [vehicle.map] for the FMU of another tool."),
-            "export": Command("exchange:export", "Make an FMU of a scenario's controller for another tool."),
+            "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
         },
         "Estimation and monitoring": {
             "estimate": Command("estimation:estimate", "Run the filter of an estimation over its recording."),

@@ -1,23 +1,30 @@
-"""FMUs for other tools and of other tools: export a controller, map a plant."""
+"""FMUs for other tools and of other tools: export the parts of a scenario, map a plant."""
 
+from collections.abc import Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from railgrip.base.errors import PlantFailed
+from railgrip.base.errors import InputError, PlantFailed
 from railgrip.campaign.one_stop import make_folder
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import Signal, bind, describe, open_plant
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import drafted
+from railgrip.fmus.native.fmi3 import as_fmi_3
 from railgrip.fmus.native.package import pack
+from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
 from railgrip.simulate.files import parameters_of
 from railgrip.simulate.loop.plausible import slowing_of
+from railgrip.simulate.parts_in_c import part_fmu
 from railgrip.simulate.plant import plant_signals
+from railgrip.simulate.plant_fmu import plant_fmu
+from railgrip.simulate.ssp import write_ssp
 from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
 from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
@@ -25,18 +32,79 @@ from railgrip.vehicle.parameters import counts_of
 from railgrip.vehicle.signals import layout_of
 
 
+class Part(StrEnum):
+    """What of a scenario leaves as an FMU."""
+
+    ONBOARD = "onboard"
+    CONTROLLER = "controller"
+    PLANT = "plant"
+    TRACK = "track"
+    SENSORS = "sensors"
+    ESTIMATOR = "estimator"
+
+
+def _fmi(version: int) -> int:
+    if version not in (2, 3):
+        raise typer.BadParameter(f"{version} is no version of FMI that is written; it is 2 or 3")
+    return version
+
+
 def export(
     file: File,
     equipment: With = None,
     overrides: Overrides = None,
-    out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-CONTROLLER.fmu unless given.")] = None,
+    out: Annotated[Path | None, typer.Option(help="The FMU; build/NAME-PART.fmu unless given.")] = None,
+    part: Annotated[
+        Part,
+        typer.Option(
+            help="onboard: estimator, law and valves from readings to commands; controller: law and valves alone; "
+            "track: rail and driver."
+        ),
+    ] = Part.ONBOARD,
+    fmi: Annotated[int, typer.Option(metavar="2|3", callback=_fmi, help="Version of FMI.")] = 2,
+    platforms: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--platforms", metavar="NAME", help=f"{', '.join(TARGETS)}, or all; repeatable. This one unless given."
+        ),
+    ] = None,
+    ssp: Annotated[
+        Path | None, typer.Option(help="In place of an FMU: the whole loop as a system of FMUs, SSP 1.0.")
+    ] = None,
 ) -> None:
-    """Make an FMU of a scenario's controller for another tool."""
-    scenario = load(file, overrides or [], equipment or [])
-    place = out or Path("build") / f"{scenario.name}-{scenario.controller.kind}.fmu"
+    """Make FMUs of a scenario for another tool: a part or the whole loop."""
+    scenario, targets = load(file, overrides or [], equipment or []), _targets(platforms or [])
+    if ssp is not None:
+        if out is not None or fmi == 3 or part != Part.ONBOARD:
+            raise InputError("--ssp writes all parts by FMI 2 into one file; leave out --out, --part and --fmi.")
+        make_folder(ssp.parent, ssp.name)
+        say(str(write_ssp(scenario, ssp, targets)))
+        return
+    place = out or Path("build") / f"{scenario.name}-{part}.fmu"
     make_folder(place.parent, place.name)
-    fmu = pack(controller_fmu(scenario), place)
-    say(str(fmu))
+    match part:
+        case Part.CONTROLLER:
+            source = controller_fmu(scenario)
+        case Part.PLANT:
+            source = plant_fmu(scenario)
+        case _:
+            source = part_fmu(scenario, part.value)
+    say(str(pack(as_fmi_3(source) if fmi == 3 else source, place, platforms=targets)))
+
+
+def _targets(names: Sequence[str]) -> tuple[str, ...]:
+    """Return platforms by name, each once.
+
+    Raises:
+        InputError: There is no such platform.
+    """
+    wanted = [each for name in names for each in name.split(",")]
+    unknown = [name for name in wanted if name not in (*TARGETS, "all")]
+    if unknown:
+        raise InputError(
+            f"--platforms: there is no platform {', '.join(unknown)}; there is {', '.join(TARGETS)}, and all."
+        )
+    return tuple(name for name in TARGETS if name in wanted or "all" in wanted)
 
 
 def map_(

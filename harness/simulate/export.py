@@ -1,4 +1,4 @@
-"""The controller of a scenario as an FMU, to be dropped into another tool."""
+"""The controller of a scenario, and its valve logic, as FMUs for other tools."""
 
 from collections.abc import Iterable, Sequence
 
@@ -14,11 +14,12 @@ from railgrip.simulate.vehicle import VehicleData
 
 _VALVES = "valves."
 _MEMORY = "memory."
-_PERIODS = ("period", _VALVES + "period")
+PERIODS = frozenset({"period", _VALVES + "period"})
+"""Parameters that say how often the step is called: those of the FMU's own, and any other would be wrong."""
 
 
-def controller_fmu(scenario: Scenario) -> Source:
-    """Return C code and modelDescription.xml of a controller with its valve logic.
+def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
+    """Return C code and modelDescription.xml of a controller, with its valve logic unless that stays out.
 
     They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
     end are decided on the inputs at its beginning. Inputs are those of
@@ -31,18 +32,17 @@ def controller_fmu(scenario: Scenario) -> Source:
     """
     vehicle = VehicleData(scenario)
     groups = vehicle.nominal.formation.brakes
-    law, valves = controller_of(vehicle), valve_logic_of(vehicle)
+    law, valves = controller_of(vehicle), valve_logic_of(vehicle) if with_valves else None
     assert isinstance(law, Sampled)
-    states = _variables(law.formula.states, law.state, _MEMORY)
-    parameters = _variables(law.formula.parameters, law.parameters)
+    states = variables(law.formula.states, law.state, _MEMORY)
+    parameters = variables(law.formula.parameters, law.parameters)
     # A law that redistributes holds the driver's demand itself, and asks some groups for more.
     limited = law.step if scenario.controller.redistribute else _limited(law, len(groups))
     outputs, step = law.formula.outputs, limited
     if valves is not None:
-        states += _variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
-        parameters += _variables(valves.formula.parameters, valves.parameters, _VALVES)
+        states += variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
+        parameters += variables(valves.formula.parameters, valves.parameters, _VALVES)
         outputs, step = valves.formula.outputs, _in_series(law, limited, valves, len(groups))
-    parameters, step = _paced(parameters, step)
     full = {f"driver_demand[{g}]": group.pressure_max for g, group in enumerate(groups, start=1)}
     return sources(
         Discrete(
@@ -50,10 +50,35 @@ def controller_fmu(scenario: Scenario) -> Source:
             description=law.formula.description,
             period=scenario.periods.controller,
             states=states,
-            inputs=_variables(law.formula.inputs, [full.get(one.name, 0.0) for one in law.formula.inputs]),
+            inputs=variables(law.formula.inputs, [full.get(one.name, 0.0) for one in law.formula.inputs]),
             parameters=parameters,
-            outputs=_variables(outputs, [0.0] * len(outputs)),
+            outputs=variables(outputs, [0.0] * len(outputs)),
             step=step,
+            waits=int(scenario.start.speed > 0.0),
+            hidden=PERIODS,
+        )
+    )
+
+
+def valves_fmu(scenario: Scenario) -> Source | None:
+    """Return the same of the valve logic alone, from demanded and measured pressures; None where the plant has none."""
+    valves = valve_logic_of(VehicleData(scenario))
+    if valves is None:
+        return None
+    formula = valves.formula
+    return sources(
+        Discrete(
+            name=formula.name,
+            description=formula.description,
+            period=scenario.periods.controller,
+            states=variables(formula.states, valves.state, _MEMORY),
+            inputs=variables(formula.inputs, [0.0] * len(formula.inputs)),
+            parameters=variables(formula.parameters, valves.parameters),
+            outputs=variables(formula.outputs, [0.0] * len(formula.outputs)),
+            step=valves.step,
+            # Without it, a moment without a demand would be held for the shortest pulse.
+            waits=len(formula.inputs),
+            hidden=PERIODS,
         )
     )
 
@@ -82,17 +107,8 @@ def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int)
     return ca.Function("step", [state, inputs, parameter], [ca.vertcat(following, onwards), command])
 
 
-def _paced(parameters: tuple[Variable, ...], step: ca.Function) -> tuple[tuple[Variable, ...], ca.Function]:
-    """Return the parameters without those that say how often the step is called, and the step with their values."""
-    free = tuple(variable for variable in parameters if variable.name not in _PERIODS)
-    symbols = {variable.name: ca.SX.sym(variable.name) for variable in free}
-    state, inputs = (ca.SX.sym(name, step.numel_in(place)) for place, name in enumerate(("state", "given")))
-    every = [symbols.get(variable.name, ca.SX(variable.start)) for variable in parameters]
-    results = step(state, inputs, ca.vertcat(*every))
-    return free, ca.Function("step", [state, inputs, ca.vertcat(*symbols.values())], [*results])
-
-
-def _variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
+def variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
+    """Return quantities of a formula as variables of an FMU."""
     return tuple(
         Variable(
             name=prefix + quantity.name,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.units import GRAVITY
-from railgrip.fmi import Description, Signal, bind, open_plant
+from railgrip.fmi import Binding, Description, Signal, bind, open_plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.table import STEEPEST
 from railgrip.scenario.vehicle import CompiledHere, Nudge, OfOurParts, Recipe, TrainFile
@@ -62,6 +62,37 @@ def plant_signals(
     return inputs, outputs, Signal(name="start_speed", unit="m/s", size=0, needed=True)
 
 
+def binding_of(vehicle: VehicleData) -> Binding:
+    """Return how the plant's FMU is bound to the vectors of the loop.
+
+    Raises:
+        FmuError: It does not fit.
+    """
+    scenario = vehicle.scenario
+    inputs, outputs, start = plant_signals(
+        vehicle.layout,
+        pneumatic=scenario.actuation.kind == "pneumatic",
+        track_force=bool(np.any(vehicle.track_force.forces))
+        or (scenario.demand is not None and scenario.demand.has_traction),
+    )
+    return bind(
+        vehicle.file,
+        inputs=inputs,
+        outputs=outputs,
+        parameters=(start,),
+        table=scenario.vehicle.map,
+        where=f"{scenario.name}: [vehicle.map]",
+    )
+
+
+def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
+    """Return the parameters of the plant's FMU that the scenario sets, in its names and units, before any nudge."""
+    scenario, variables = vehicle.scenario, vehicle.file.variables
+    surface, is_recipe = scenario.adhesion.polach.plant_parameters(), isinstance(scenario.vehicle.source, Recipe)
+    shape = {name: value for name, value in surface.items() if is_recipe or name in variables}
+    return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
+
+
 def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
     """Open the plant of a scenario that is an FMU; one from outside makes two short runs before.
 
@@ -69,29 +100,11 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         ScenarioError: The short run shows what no train is, or the track is none for this one.
         FmuError: It does not fit.
     """
-    scenario, description, layout = vehicle.scenario, vehicle.file, vehicle.layout
+    scenario, description = vehicle.scenario, vehicle.file
     table = scenario.vehicle
     _refuse_steep_track(vehicle)
-    source = table.source
-    inputs, outputs, start = plant_signals(
-        layout,
-        pneumatic=scenario.actuation.kind == "pneumatic",
-        track_force=bool(np.any(vehicle.track_force.forces))
-        or (scenario.demand is not None and scenario.demand.has_traction),
-    )
-    binding = bind(
-        description,
-        inputs=inputs,
-        outputs=outputs,
-        parameters=(start,),
-        table=table.map,
-        where=f"{scenario.name}: [vehicle.map]",
-    )
-    surface = scenario.adhesion.polach.plant_parameters()
-    shape = {
-        name: value for name, value in surface.items() if isinstance(source, Recipe) or name in description.variables
-    }
-    values = binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
+    source, binding = table.source, binding_of(vehicle)
+    values = values_of(vehicle, binding)
     opening = partial(
         open_plant,
         description,

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
 from table_1 import table_1_scenario
@@ -176,3 +177,30 @@ def test_the_command_says_where_the_fmu_is(tmp_path, capsys):
     assert {v.minimum for v in described.values()} == {0.0}
     assert all(v.unit_name for v in described.values())
     assert not {"period", "valves.period"} & set(described)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--platforms", "x86_64-linux,riscv"], "there is no platform riscv; there is x86_64-linux, "),
+        (["--ssp", "x.ssp", "--out", "x.fmu"], "--ssp writes all parts by FMI 2 into one file; leave out --out"),
+        (["--fmi", "1"], "1 is no version of FMI that is written; it is 2 or 3"),
+        (["--part", "wheel"], "'wheel' is not one of 'onboard'"),
+    ],
+)
+def test_an_export_that_makes_no_sense_is_refused(arguments, sentence, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SystemExit) as end:
+        main(["export", str(PLAIN), *arguments])
+    assert end.value.code == 2
+    assert sentence in " ".join(capsys.readouterr().err.split())
+    assert not [*tmp_path.iterdir()]
+
+
+def test_the_command_writes_any_part_by_either_version(tmp_path, capsys):
+    file = tmp_path / "law.fmu"
+    with pytest.raises(SystemExit) as end:
+        main(["export", str(PLAIN), "--part", "controller", "--fmi", "3", "--out", str(file)])
+    assert end.value.code == 0
+    assert validate_fmu(str(file)) == []
+    assert read_model_description(str(file)).fmiVersion == "3.0"

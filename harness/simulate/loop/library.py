@@ -10,7 +10,7 @@ from railgrip.vehicle.signals import Layout
 from railgrip.vehicle.slip import SMALL_SPEED
 
 KERNEL: Final = files("railgrip.simulate.loop") / "kernel"
-_HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h")
+_HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h", "onboard.h")
 _PHYSICS: Final = f"#define GRAVITY {GRAVITY}\n#define SMALL_SPEED {SMALL_SPEED}\n"
 """Constants in SI units; no declaration of the headers needs them."""
 
@@ -22,8 +22,17 @@ def kernel(layout: Layout) -> CLibrary:
     Raises:
         railgrip.base.errors.CompilerMissing: There is no C compiler.
     """
-    constants, formation = layout.header(), layout.formation
-    names = ("export.h", *_HEADERS, *(name.replace(".h", ".c") for name in _HEADERS))
-    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
+    formation = layout.formation
+    units = (name.replace(".h", ".c") for name in _HEADERS)
     name = f"cycle_{formation.groups}_{formation.wheelsets}"
-    return CLibrary(sources | {"layout.h": constants + _PHYSICS}, name, _HEADERS, constants)
+    return CLibrary(headers(layout) | texts(*units), name, _HEADERS, layout.header())
+
+
+def headers(layout: Layout) -> dict[str, str]:
+    """Return the text of all headers, by name, for vectors of this layout."""
+    return texts("export.h", "vectors.h", *_HEADERS) | {"layout.h": layout.header() + _PHYSICS}
+
+
+def texts(*names: str) -> dict[str, str]:
+    """Return the text of files of the kernel, by name."""
+    return {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}

@@ -56,6 +56,7 @@ class Loop:
 
     Attributes:
         ending: How the stop ended; None before.
+        struct: `Cycle` of cycle.h, with the parts that are in C.
     """
 
     def __init__(self, parts: Parts, progress: Callable[[float], None] | None = None) -> None:
@@ -80,7 +81,7 @@ class Loop:
         parts.rail.write_inputs(inputs)
         truth = parts.plant.start(inputs)
         parts.rail.check_plant(truth)
-        self._struct = struct = _cycle(parts, self._plausibility)
+        self.struct = struct = _cycle(parts, self._plausibility)
         self._cycle = struct.pointer
         self._truth, self._inputs, self._reading = (struct.view(name) for name in ("truth", "inputs", "reading"))
         self._observation, self._demand = struct.view("observation"), struct.view("demand")
@@ -218,7 +219,7 @@ class Loop:
         if due == functions.DIVERGED:
             return Outcome.DIVERGED, f"{self._failure_of_the_filter()} At {time:.3f} s."
         if due == functions.NO_COMMAND:
-            command = tuple(self._struct.view("command").tolist())
+            command = tuple(self.struct.view("command").tolist())
             reason = f"The controller's command at {time:.3f} s is {command}, not {len(command)} numbers."
             return Outcome.CONTROLLER_FAILED, reason
         if due == functions.PLANT_FAILED:

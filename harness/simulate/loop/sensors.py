@@ -36,6 +36,7 @@ class WhiteSensors:
         places: Which output each entry of a reading shows.
         gain, bias: Of each entry, constant over a stop.
         noise: Of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
+        deviation: Standard deviation of it, shape (readings,).
     """
 
     def __init__(
@@ -44,11 +45,11 @@ class WhiteSensors:
         """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it."""
         self.places, self.gain, self.bias = places, gain, bias
         self.noise = np.empty((BLOCK, deviation.size))
-        self._deviation, self._random = deviation, random
+        self.deviation, self._random = deviation, random
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
-        self.noise[:] = self._random.standard_normal(self.noise.shape) * self._deviation
+        self.noise[:] = self._random.standard_normal(self.noise.shape) * self.deviation
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of a sample; they come one after the other, from 0 on."""
@@ -155,6 +156,10 @@ class ServiceSensors:
 
     The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so that the same seed gives the
     same readings. Samples are read one after the other, from 0 on.
+
+    Attributes:
+        struct: `Service` of sensors.h.
+        deviation: Standard deviation of the noise of speed, acceleration and each deflection.
     """
 
     def __init__(
@@ -165,11 +170,11 @@ class ServiceSensors:
         self._random = random
         whole = (MissingTeeth(),) * groups
         encoders = [_encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or whole]
-        self._deviation = np.array(
+        self.deviation = np.array(
             [instruments.speed_noise, instruments.acceleration_noise]
             + [instruments.deflection_noise] * layout.formation.wheelsets
         )
-        self._noise = np.empty((BLOCK, self._deviation.size))
+        self._noise = np.empty((BLOCK, self.deviation.size))
         self.struct = kernel(layout).struct("Service", encoder=encoders, noise=self._noise,
             offset_steps=instruments.pressure_offset / instruments.pressure_step,
             past=np.empty(instruments.speed_latency + 1), period=period,
@@ -188,7 +193,7 @@ class ServiceSensors:
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
-        self._noise[:] = self._random.standard_normal(self._noise.shape) * self._deviation
+        self._noise[:] = self._random.standard_normal(self._noise.shape) * self.deviation
 
 
 def _encoder(

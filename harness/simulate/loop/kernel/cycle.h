@@ -37,7 +37,8 @@ typedef struct {
     /* Instruments: a service train's, or outputs themselves, with errors if there is noise; both null are Python's, which write `reading`. */
     Service *service;
     const long long *read_of;
-    const double *gain, *bias, *noise;           /* rows of READINGS for `block` samples from a multiple of it on */
+    const double *gain, *bias;
+    double *noise;                               /* rows of READINGS for `block` samples from a multiple of it on */
     /* The filter; a null mean: there is none. A null function is one in Python, which works on the same arrays. */
     Advance *advance;
     double *memory, *held, *seen;

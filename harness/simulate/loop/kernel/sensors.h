@@ -28,7 +28,7 @@ typedef struct {
     const double *speed_factor;                  /* of one reading of the train speed after the other, and again; NaN: lost */
     double shift[2 * WHEELSETS];                 /* of each wheelset, what the frame over it remembers of the rail [m] */
     double forward[3], back[2];                  /* from the height of the rail to the deflection: a digital filter */
-    const double *noise;                         /* rows of NOISES for `block` samples from a multiple of it on */
+    double *noise;                               /* rows of NOISES for `block` samples from a multiple of it on */
     const double *offset_steps;                  /* of each transducer, in steps of the converter */
     double *past;                                /* speed_latency + 1 train speeds, a ring */
     double period, acceleration_bias, pressure_step, pressure_share;

@@ -1,0 +1,14 @@
+/* Of vectors of doubles. */
+#ifndef VECTORS_H
+#define VECTORS_H
+
+/* Of a sensor that has nothing new, or a quantity that nobody knows. */
+static const double NOTHING = 0.0 / 0.0;
+
+static void copy(double *to, const double *from, long long count)
+{
+    for (long long i = 0; i < count; i++)
+        to[i] = from[i];
+}
+
+#endif

@@ -1,0 +1,295 @@
+"""Parts of a scenario's stop as FMUs: the loop's own C, with the memory that it has before the first sample."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import ScenarioError
+from railgrip.controllers.law import OF_GROUPS
+from railgrip.controllers.sampled import Sampled
+from railgrip.estimators.compiled import StepInC
+from railgrip.fmus.native import Variable, memory
+from railgrip.fmus.native.c_library import Struct
+from railgrip.fmus.native.discrete import Discrete, WrittenStep, sources, straight_step
+from railgrip.fmus.native.package import Source
+from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.export import PERIODS, variables
+from railgrip.simulate.loop.library import headers, kernel, texts
+from railgrip.simulate.loop.loop import Loop
+from railgrip.simulate.loop.parts import Parts, StateEstimator
+from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors, WhiteSensors
+from railgrip.simulate.parts import assembled
+from railgrip.vehicle.signals import BELIEVED, DRIVEN, Layout, Signal
+
+Kind = Literal["onboard", "estimator", "sensors", "track"]
+"""onboard: from readings and the driver's demand to commands; track: the rail and the driver."""
+
+_UNITS = ("onboard.c", "sensors.c", "rail.c", "driver.c", "exported.c")
+_FIELDS = {
+    "track": ("rail", "driver", "slip_radius", "full", "period"),
+    "sensors": ("service", "read_of", "gain", "bias", "noise", "sensors_every", "slip_radius"),
+    "estimator": (
+        "memory", "held", "seen", "mean", "covariance", "squared", "used", "seen_of", "believed_of", "seen_count",
+        "row", "radius", "full", "estimator_every", "controller_every",
+    ),
+}  # fmt: skip
+"""Of `Cycle` in cycle.h, what each part works with."""
+
+_OBSERVED = (
+    Signal("speed", "train", "m/s", "speed of the train"),
+    Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
+    *(Signal(name, "group", unit, meaning) for name, unit, meaning in OF_GROUPS if name != "driver_demand"),
+)
+"""What an estimator shows a law, beside the driver's demand."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Role:
+    """What one kind of FMU has of a stop.
+
+    Attributes:
+        given, shown: Its inputs and outputs.
+        struct: `Cycle` of cycle.h.
+        formulas: In C, by field of `struct`.
+        parameters: Of the FMU.
+        macros: See exported.c.
+    """
+
+    given: Sequence[Variable]
+    shown: Sequence[Variable]
+    struct: Struct
+    formulas: Mapping[str, Sampled]
+    parameters: Sequence[Variable] = ()
+    macros: Mapping[str, object]
+
+
+def part_fmu(scenario: Scenario, kind: Kind) -> Source:
+    """Return C code and modelDescription.xml of a part of a scenario's stop.
+
+    A step is one communication period. Readings are NaN where a sensor has nothing new.
+
+    Raises:
+        ScenarioError: It is not in C: of Python, or an FMU of somebody else's.
+        FmuError: The plant does not fit.
+    """
+    scenario = _with_filter_in_c(scenario)
+    with assembled(scenario) as opened:
+        parts, struct = opened.parts, Loop(opened.parts).struct
+        role = {"onboard": _onboard, "estimator": _estimator, "sensors": _sensors, "track": _track}[kind]
+        return _source(scenario, parts, kind, role(scenario, parts, struct))
+
+
+def _with_filter_in_c(scenario: Scenario) -> Scenario:
+    """Return the scenario with its filter in C, equal but for rounding; the decentralised one is in C."""
+    estimator = scenario.estimator
+    if not isinstance(estimator, KalmanFilter) or estimator.kind not in ("fmu", "python") or estimator.file is not None:
+        return scenario
+    return scenario.model_copy(update={"estimator": estimator.model_copy(update={"kind": "compiled"})})
+
+
+def _source(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Source:
+    layout, estimator = parts.layout, parts.estimator
+    files = headers(layout) | texts(*_UNITS) | {"export.h": "#define EXPORT\n"}
+    units: tuple[str, ...] = ()
+    calls = [f"    c->{name}.call = call_{name};" for name in role.formulas]
+    if kind in ("onboard", "estimator") and isinstance(estimator, StateEstimator):
+        assert isinstance(estimator.filter, StepInC)
+        files |= {
+            name: text for name, text in estimator.filter.sources.items() if name == "plain.c" or name[-2:] == ".h"
+        }
+        units = ("plain.c",)
+        calls.append("    c->advance = step_plain;")
+    macros: dict[str, object] = {"GIVEN": 0, "DEVIATIONS": 0.0, "BINDING": 1, "LAW_PARAMETERS": 0, **role.macros}
+    text = [
+        *(f"#define {name} {value}" for name, value in macros.items()),
+        *(f'#include "{name}"' for name in _UNITS),
+        memory.in_c(role.struct, headers(layout).values()),
+        *(_called(name, formula) for name, formula in role.formulas.items()),
+        "int step_plain(double *block);",
+        "static int sample(unsigned long long *memory, long long k, const double *given, const double *parameter,",
+        "                  double *shown)",
+        "{",
+        "    Cycle *c = (Cycle *)memory;",
+        "    point(memory);",
+        *calls,
+        f"    return sample_{kind}(c, k, given, parameter, shown);",
+        "}",
+    ]
+    return sources(
+        Discrete(
+            name=f"{scenario.name}_{kind}",
+            description=_DESCRIPTIONS[kind],
+            period=parts.clock.period,
+            states=(),
+            inputs=tuple(role.given),
+            parameters=tuple(role.parameters),
+            outputs=tuple(role.shown),
+            step=WrittenStep(text="\n".join(text), files=files, units=units),
+            # A train that begins to move has nothing but zeros to wait for.
+            waits=sum(not one.name.startswith("driver_demand") for one in role.given) if scenario.start.speed else 0,
+            hidden=PERIODS,
+        )
+    )
+
+
+_DESCRIPTIONS = {
+    "onboard": "Estimator, control law and valve logic, never above the driver's demand",
+    "estimator": "Estimator: from readings to what a control law takes; NaN where nothing is known",
+    "sensors": "Sensors: readings of the plant's outputs, NaN where there is nothing new",
+    "track": "Track and driver: friction and force at the train, and demanded brake pressures",
+}
+
+
+def _called(name: str, formula: Sampled) -> str:
+    """Return C of a formula with the signature of `Call` in cycle.h."""
+    step, count = formula.step, formula.state.size
+    sizes = [step.numel_in(0), step.numel_in(1), formula.parameters.size]
+    return "\n".join(
+        [
+            straight_step(f"f_{name}", step, sizes),
+            f"static void call_{name}(double *state, const double *given, const double *parameter, double *shown)",
+            "{",
+            f"    double following[{count + 1}];",
+            "    const double *arguments[] = { state, given, parameter };",
+            "    double *results[] = { following, shown };",
+            f"    f_{name}(arguments, results);",
+            f"    memcpy(state, following, {count} * sizeof *state);",
+            "}",
+        ]
+    )
+
+
+def _track(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
+    recovers = parts.rail.field is not None
+    needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
+    given, places = _given(parts.layout, struct, needed)
+    sent = parts.layout.sent_signals[1:]
+    starts = np.zeros(parts.layout.inputs)
+    parts.rail.write_inputs(starts)
+    shown = _of(sent, parts.layout, starts[parts.layout.formation.groups :])
+    return _Role(
+        given=given,
+        shown=(*shown, *_of(DRIVEN, parts.layout, parts.driver.full)),
+        struct=struct.copied(*_FIELDS["track"]),
+        formulas={},
+        macros={"GIVEN": places},
+    )
+
+
+def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
+    sensors, layout = parts.sensors, parts.layout
+    if not isinstance(sensors, IdealSensors | WhiteSensors | ServiceSensors):
+        raise ScenarioError(f"{scenario.name}: [sensors] read in Python and cannot leave as an FMU")
+    if parts.faults is not None:
+        raise ScenarioError(f"{scenario.name}: [[faults]] of sensors or valves cannot leave as an FMU; leave them out")
+    changes: dict[str, object] = {"block": 1}
+    deviation = np.zeros(1) if isinstance(sensors, IdealSensors) else sensors.deviation
+    if isinstance(sensors, ServiceSensors):
+        needed = ("distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure", "deflection")
+        changes["service"] = sensors.struct.copied(noise=np.zeros(deviation.size), block=1)
+    else:
+        needed = [n for n, at in layout.output.items() if np.isin(sensors.places, np.arange(at.start, at.stop)).any()]
+        if isinstance(sensors, WhiteSensors):
+            changes["noise"] = np.zeros(deviation.size)
+    given, places = _given(layout, struct, needed)
+    seed = Variable(
+        name="seed", unit="1", start=float(scenario.seed % 2**32), description="of the noise, a whole number",
+        minimum=0.0, maximum=None, nominal=1.0,
+    )  # fmt: skip
+    return _Role(
+        given=given,
+        shown=_of(layout.reading_signals, layout),
+        struct=struct.copied(*_FIELDS["sensors"], **changes),
+        formulas={},
+        parameters=(seed,),
+        macros={"GIVEN": places, "DEVIATIONS": ", ".join(map(repr, deviation.tolist()))},
+    )
+
+
+def _estimator(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
+    own, formulas = _belief(scenario, parts, struct)
+    return _Role(
+        given=_of(parts.layout.reading_signals, parts.layout),
+        shown=_of(_OBSERVED, parts.layout),
+        struct=own,
+        formulas=formulas,
+        macros={},
+    )
+
+
+def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
+    own, formulas = _belief(scenario, parts, struct)
+    law, valves = parts.controller, parts.valves
+    if not isinstance(law, Sampled):
+        raise ScenarioError(
+            f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is no law of this project"
+        )
+    formulas["law"] = law
+    parameters = variables(law.formula.parameters, law.parameters)
+    commands = variables(law.formula.outputs, [0.0] * len(law.formula.outputs))
+    if valves is not None:
+        formulas["valves"] = valves
+        parameters += variables(valves.formula.parameters, valves.parameters, "valves.")
+        commands = variables(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
+    own.set(**{name: kernel(parts.layout).struct("Formula", state=formulas[name].state) for name in formulas})
+    believed = _of(BELIEVED, parts.layout) if parts.estimator is not None else []
+    return _Role(
+        given=[*_of(parts.layout.reading_signals, parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
+        shown=[*commands, *believed],
+        struct=own,
+        formulas=formulas,
+        parameters=parameters,
+        macros={"BINDING": int(parts.driver.struct.pointer.binding), "LAW_PARAMETERS": law.parameters.size},
+    )
+
+
+def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, dict[str, Sampled]]:
+    """Return what the belief works with, and the formula that stands in for a silent radar, if there is one."""
+    estimator = parts.estimator
+    own = struct.copied(*_FIELDS["estimator"])
+    own.view("reference")[0] = np.nan
+    if estimator is None:
+        return own, {}
+    if not isinstance(estimator, StateEstimator) or not isinstance(estimator.filter, StepInC):
+        raise ScenarioError(
+            f"{scenario.name}: [estimator] kind '{scenario.estimator.kind}' is not in C and cannot leave as an FMU; "
+            "kinds compiled, python and fmu do, with a model of this project or a Modelica class"
+        )
+    if estimator.free_wheel is None:
+        return own, {}
+    free_wheel = estimator.free_wheel
+    own.set(free_wheel=kernel(parts.layout).struct("Formula", state=free_wheel.state, parameter=free_wheel.parameters))
+    return own, {"free_wheel": free_wheel}
+
+
+def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
+    """Return outputs of the plant as inputs, as far as it has them, and their places among all, for C."""
+    absent = np.isnan(struct.view("truth"))
+    signals = [s for s in layout.plant_signals if s.name in names and not absent[layout.output[s.name]].any()]
+    places = [place for signal in signals for place in range(*layout.output[signal.name].indices(layout.outputs))]
+    return _of(signals, layout), ", ".join(map(str, places))
+
+
+def _of(signals: Sequence[Signal], layout: Layout, starts: NDArray[np.float64] | None = None) -> list[Variable]:
+    """Return the variables of signals, one after the other."""
+    names = [
+        (name, signal)
+        for signal in signals
+        for name in (
+            [signal.name]
+            if signal.extent == "train"
+            else [f"{signal.name}[{i + 1}]" for i in range(layout.formation.width(signal.extent))]
+        )
+    ]
+    values = np.zeros(len(names)) if starts is None else starts
+    return [
+        Variable(
+            name=name, unit=signal.unit, start=float(start), description=signal.meaning, minimum=None, maximum=None,
+            nominal=1.0,
+        )
+        for (name, signal), start in zip(names, values, strict=True)
+    ]  # fmt: skip

@@ -1,0 +1,198 @@
+"""A scenario as a system of FMUs by SSP 1.0: plant, track, sensors, estimator, law and valves, connected."""
+
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from railgrip.base.files import write_bytes
+from railgrip.fmi import Side
+from railgrip.fmus.native.package import Source, archive_bytes, zipped
+from railgrip.scenario.schema import Scenario
+from railgrip.scenario.vehicle import FmuFile
+from railgrip.simulate.export import controller_fmu, valves_fmu
+from railgrip.simulate.parts_in_c import part_fmu
+from railgrip.simulate.plant import binding_of, values_of
+from railgrip.simulate.plant_fmu import plant_fmu
+from railgrip.simulate.vehicle import VehicleData
+
+_NAMESPACES = {
+    key: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
+    for key, name in (("ssd", "Description"), ("ssc", "Common"), ("ssv", "ParameterValues"))
+}
+_PARAMETERS = "resources/parameters.ssv"
+
+
+@dataclass(frozen=True, slots=True)
+class _Component:
+    """An FMU of the system, with its modelDescription.xml, which says names and units of its variables."""
+
+    name: str
+    content: bytes
+    description: ET.Element
+
+    def variables(self, causality: str) -> dict[str, ET.Element]:
+        """Return the type elements of variables by name."""
+        every = self.description.findall("ModelVariables/ScalarVariable")
+        return {one.attrib["name"]: one[0] for one in every if one.get("causality") == causality}
+
+
+@dataclass(frozen=True, slots=True)
+class _Connection:
+    """From an output to an input, as (component, variable), times a gain plus a shift."""
+
+    source: tuple[str, str]
+    target: tuple[str, str]
+    gain: float = 1.0
+    shift: float = 0.0
+
+
+def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> Path:
+    """Write a scenario's system into a file.
+
+    The parameters that the scenario sets are start values of the FMUs and, once more, in a parameter set of the system.
+
+    Args:
+        scenario: What leaves.
+        path: The .ssp.
+        platforms: See `railgrip.fmus.native.package.archive_bytes`.
+
+    Raises:
+        ScenarioError: A part cannot leave as an FMU.
+        FmuError: The plant does not fit.
+    """
+    vehicle = VehicleData(scenario)
+    components = {component.name: component for component in _components(scenario, vehicle, platforms)}
+    connections = [*_connections(vehicle, components)]
+    members = {f"resources/{name}.fmu": component.content for name, component in components.items()}
+    members["SystemStructure.ssd"] = _bytes(_structure(scenario, components, connections))
+    members[_PARAMETERS] = _bytes(_parameter_set(vehicle, components))
+    write_bytes(path, zipped(members))
+    return path
+
+
+def _components(scenario: Scenario, vehicle: VehicleData, platforms: Sequence[str]) -> Iterator[_Component]:
+    if isinstance(scenario.vehicle.source, FmuFile):
+        file = vehicle.file.file
+        with zipfile.ZipFile(file) as archive:
+            yield _Component("plant", file.read_bytes(), ET.fromstring(archive.read("modelDescription.xml")))
+        sources: dict[str, Source | None] = {}
+    else:
+        sources = {"plant": plant_fmu(scenario)}
+    sources |= {kind: part_fmu(scenario, kind) for kind in ("track", "sensors", "estimator")}
+    sources |= {"law": controller_fmu(scenario, with_valves=False), "valves": valves_fmu(scenario)}
+    for name, source in sources.items():
+        if source is not None:
+            yield _Component(name, archive_bytes(source, platforms=platforms), ET.fromstring(source.xml))
+
+
+def _connections(vehicle: VehicleData, components: Mapping[str, _Component]) -> Iterator[_Connection]:
+    binding = binding_of(vehicle)
+    outputs, inputs = _ties(binding.outputs), _ties(binding.inputs)
+    for name in ("track", "sensors"):
+        for variable in components[name].variables("input"):
+            if variable in outputs:
+                yield _Connection(("plant", outputs[variable][0]), (name, variable), *outputs[variable][1:])
+    from_track = components["track"].variables("output")
+    for variable in from_track.keys() & inputs.keys():
+        yield _Connection(("track", variable), ("plant", inputs[variable][0]), *inputs[variable][1:])
+    for source, target in (("sensors", "estimator"), ("estimator", "law"), ("track", "law"), ("law", "valves")):
+        if target in components:
+            wanted = components[target].variables("input")
+            for variable in components[source].variables("output"):
+                if variable in wanted:
+                    yield _Connection((source, variable), (target, variable))
+    last, command = ("valves", "valve_command") if "valves" in components else ("law", "pressure_command")
+    if "valves" in components:
+        for variable in components["valves"].variables("input"):
+            if variable.startswith("pressure["):
+                yield _Connection(("estimator", variable), ("valves", variable))
+    for variable in components[last].variables("output"):
+        name, gain, shift = inputs[command + variable[variable.find("[") :]]
+        yield _Connection((last, variable), ("plant", name), gain, shift)
+
+
+def _ties(side: Side) -> dict[str, tuple[str, float, float]]:
+    """Return by our name of an element the plant's variable, and gain and shift on the way."""
+    return {
+        side.elements[position]: (variable, float(gain), float(shift))
+        for channel in side.channels
+        for variable, position, gain, shift in zip(
+            channel.variables, channel.positions, channel.gain, channel.shift, strict=True
+        )
+    }
+
+
+def _structure(
+    scenario: Scenario, components: Mapping[str, _Component], connections: Sequence[_Connection]
+) -> ET.Element:
+    root = _element(None, "ssd:SystemStructureDescription", version="1.0", name=scenario.name)
+    system = _element(root, "ssd:System", name=scenario.name, description=scenario.description)
+    bindings = _element(system, "ssd:ParameterBindings")
+    _element(bindings, "ssd:ParameterBinding", source=_PARAMETERS)
+    elements = _element(system, "ssd:Elements")
+    for name, component in components.items():
+        own = _element(elements, "ssd:Component", name=name, type="application/x-fmu-sharedlibrary")
+        own.set("source", f"resources/{name}.fmu")
+        connectors = _element(own, "ssd:Connectors")
+        for kind, ends in (("input", "target"), ("output", "source")):
+            used = {variable for owner, variable in (getattr(one, ends) for one in connections) if owner == name}
+            for variable, type_ in component.variables(kind).items():
+                if variable in used:
+                    connector = _element(connectors, "ssd:Connector", name=variable, kind=kind)
+                    _element(connector, f"ssc:{type_.tag}", **_unit(type_))
+    lines = _element(system, "ssd:Connections")
+    for one in connections:
+        line = _element(
+            lines, "ssd:Connection", startElement=one.source[0], startConnector=one.source[1],
+            endElement=one.target[0], endConnector=one.target[1],
+        )  # fmt: skip
+        if (one.gain, one.shift) != (1.0, 0.0):
+            _element(line, "ssc:LinearTransformation", factor=repr(one.gain), offset=repr(one.shift))
+    _units(root, "ssd:Units", components)
+    _element(root, "ssd:DefaultExperiment", startTime="0", stopTime=repr(scenario.limits.horizon))
+    return root
+
+
+def _parameter_set(vehicle: VehicleData, components: Mapping[str, _Component]) -> ET.Element:
+    root = _element(None, "ssv:ParameterSet", version="1.0", name=vehicle.scenario.name)
+    parameters = _element(root, "ssv:Parameters")
+    values = values_of(vehicle, binding_of(vehicle))
+    for name, component in components.items():
+        for variable, type_ in component.variables("parameter").items():
+            value = values.get(variable) if name == "plant" else type_.get("start")
+            if value is not None and type_.tag == "Real":
+                entry = _element(parameters, "ssv:Parameter", name=f"{name}.{variable}")
+                _element(entry, "ssv:Real", value=str(value), **_unit(type_))
+    _units(root, "ssv:Units", components)
+    return root
+
+
+def _units(root: ET.Element, tag: str, components: Mapping[str, _Component]) -> None:
+    """Add the units of all components."""
+    units = {
+        unit.attrib["name"]: unit.find("BaseUnit")
+        for component in components.values()
+        for unit in component.description.findall("UnitDefinitions/Unit")
+    }
+    group = _element(root, tag)
+    for name, base in units.items():
+        _element(_element(group, "ssc:Unit", name=name), "ssc:BaseUnit", **({} if base is None else base.attrib))
+
+
+def _unit(type_: ET.Element) -> dict[str, str]:
+    return {"unit": type_.attrib["unit"]} if type_.tag == "Real" and "unit" in type_.attrib else {}
+
+
+def _element(parent: ET.Element | None, tag: str, **attributes: str) -> ET.Element:
+    key, _, name = tag.partition(":")
+    full = f"{{{_NAMESPACES[key]}}}{name}"
+    return ET.Element(full, attributes) if parent is None else ET.SubElement(parent, full, attributes)
+
+
+def _bytes(root: ET.Element) -> bytes:
+    for key, uri in _NAMESPACES.items():
+        ET.register_namespace(key, uri)
+    ET.indent(root)
+    return ET.tostring(root, encoding="UTF-8", xml_declaration=True)

@@ -1,0 +1,210 @@
+"""Stops whose parts have left as FMUs: FMPy steps them, and nothing of this project."""
+
+import runpy
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave
+from fmpy.ssp.simulation import simulate_ssp
+from fmpy.ssp.ssd import read_ssd, read_ssv
+from fmpy.validation import validate_fmu
+from synthetic import LIBRARY
+
+from railgrip.base.errors import ScenarioError
+from railgrip.fmus.native.fmi3 import as_fmi_3
+from railgrip.fmus.native.package import pack
+from railgrip.scenario.load import load
+from railgrip.simulate.parts_in_c import part_fmu
+from railgrip.simulate.plant_fmu import plant_fmu
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.ssp import write_ssp
+
+braking_distance = runpy.run_path(str(Path(__file__).parents[2] / "docs/examples/loop_in_fmpy.py"))["braking_distance"]
+FAST = ("limits.horizon=40 s", "estimator.kind=compiled")
+PNEUMATIC = ("vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic")
+SAME = 1e-6
+"""m: the FMUs hold the loop's own C, which rounds in the same way, and are stepped in the loop's order."""
+
+
+def scenario_with(*changes):
+    return load(LIBRARY / "plain.toml", [*FAST, *changes])
+
+
+def exported(scenario, folder, version=lambda source: source):
+    """Write the FMUs of a scenario into a folder; return it."""
+    sources = {"plant": plant_fmu(scenario)}
+    sources |= {kind: part_fmu(scenario, kind) for kind in ("track", "sensors", "onboard")}
+    for name, source in sources.items():
+        assert validate_fmu(str(pack(version(source), folder / f"{name}.fmu"))) == []
+    return folder
+
+
+def distance(scenario):
+    """Return how far the harness's train goes from its start."""
+    return float(run_stop(scenario).trace["distance"].values[-1])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        pytest.param(["vehicle.parameters.A_piston='0.029 m^2'"], id="estimator, weaker brakes"),
+        pytest.param(["controller.kind=slip_three_state", "estimator={kind='none'}", *PNEUMATIC], id="valves"),
+        pytest.param(
+            [
+                "controller.kind=constant_slip", *PNEUMATIC,
+                'demand.phases=[{pressure="1.2 bar", until={time="4 s"}}, {pressure="2 bar"}]',
+            ],
+            id="service brake",
+        ),
+        pytest.param(
+            ["adhesion.recovery={mu0=0.3, A=0.4, B=0.6, rate='1.9e-4 m/J'}", "start.speed=50 km/h"],
+            id="rail that slip cleans",
+        ),
+    ],
+)  # fmt: skip
+def test_a_stop_in_fmpy_is_that_of_the_harness(changes, tmp_path):
+    scenario = scenario_with(*changes)
+    assert braking_distance(exported(scenario, tmp_path)) == pytest.approx(distance(scenario), abs=SAME)
+
+
+def test_a_stop_by_fmi_3_is_that_of_the_harness(tmp_path):
+    scenario = scenario_with("start.speed=50 km/h")
+    folder = exported(scenario, tmp_path, as_fmi_3)
+    assert read_model_description(str(folder / "onboard.fmu")).fmiVersion == "3.0"
+    assert braking_distance(folder) == pytest.approx(distance(scenario), abs=SAME)
+
+
+def test_service_sensors_leave_with_their_noise(tmp_path):
+    """Its draws are of another generator: stops of different seeds scatter by 0.3 %, so 1.5 % is five of that."""
+    service = [
+        "sensors={kind='white', noise={speed='0.1 m/s', acceleration='0.05 m/s2'}, bias={acceleration='0.01 m/s2'}}",
+        "estimator.noise=service", "start.speed=50 km/h",
+    ]  # fmt: skip
+    scenario = scenario_with(*service)
+    stops = [braking_distance(exported(each, tmp_path)) for each in (scenario, scenario_with(*service, "seed=8"))]
+    assert stops[0] == pytest.approx(distance(scenario), rel=0.015)
+    assert stops[0] != stops[1]
+
+
+def test_noise_is_white_and_of_its_deviation(tmp_path):
+    """Of 20 000 draws: mean within 5/√n of a deviation, the deviation within 5/√(2 n), neighbours uncorrelated."""
+    scenario = scenario_with("sensors={kind='white', noise={acceleration='0.05 m/s2'}}")
+    with slave(pack(part_fmu(scenario, "sensors"), tmp_path / "sensors.fmu")) as sensors:
+        readings = np.array([sensors.read(k, speed=20.0, acceleration=-1.0) for k in range(20_000)])
+    noise = (readings + 1.0) / 0.05
+    assert abs(noise.mean()) < 5 / 20_000**0.5
+    assert abs(noise.std() - 1.0) < 5 / 40_000**0.5
+    assert abs(np.mean(noise[1:] * noise[:-1])) < 5 / 20_000**0.5
+
+
+class slave:  # noqa: N801 - reads as a verb in `with`
+    """A co-simulation FMU of ours, open."""
+
+    def __init__(self, path):
+        description = read_model_description(str(path))
+        self.reference = {v.name: v.valueReference for v in description.modelVariables}
+        self.fmu = FMU2Slave(
+            guid=description.guid, unzipDirectory=extract(str(path)), instanceName="one",
+            modelIdentifier=description.coSimulation.modelIdentifier,
+        )  # fmt: skip
+
+    def __enter__(self):
+        self.fmu.instantiate()
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        return self
+
+    def __exit__(self, *reason):
+        self.fmu.freeInstance()
+
+    def set(self, **values):
+        self.fmu.setReal([self.reference[name] for name in values], list(values.values()))
+
+    def get(self, name):
+        return self.fmu.getReal([self.reference[name]])[0]
+
+    def read(self, sample, **values):
+        self.set(**values)
+        self.fmu.doStep(sample * 1e-3, 1e-3)
+        return self.get("reading_acceleration")
+
+
+def test_what_is_on_board_can_be_taken_back(tmp_path):
+    """Its memory holds pointers into itself, and a state that is set must not lead into the instance it came from."""
+    path = pack(part_fmu(scenario_with(), "onboard"), tmp_path / "onboard.fmu")
+    readings = {"reading_speed": 20.0, "reading_acceleration": -0.5}
+    readings |= {f"reading_wheelset_speed[{g}]": 51.0 for g in range(1, 5)}
+    with slave(path) as one, slave(path) as other:
+        for fmu in (one, other):
+            fmu.set(**readings)
+        one.fmu.doStep(0.0, 0.02)
+        size = one.fmu.getFMUState()
+        kept = one.fmu.serializeFMUState(size)
+        one.fmu.doStep(0.02, 0.02)
+        after = [one.get(f"estimate_adhesion[{g}]") for g in range(1, 5)]
+        one.fmu.freeFMUState(size)
+        state = other.fmu.deserializeFMUState(kept)
+        other.fmu.setFMUState(state)
+        other.set(**readings)
+        other.fmu.doStep(0.02, 0.02)
+        assert [other.get(f"estimate_adhesion[{g}]") for g in range(1, 5)] == after
+        other.fmu.freeFMUState(state)
+
+
+def test_it_waits_for_its_first_reading(tmp_path):
+    """An importer may step it before anything has come: a train that stood would be believed for seconds."""
+    path = pack(part_fmu(scenario_with(), "onboard"), tmp_path / "onboard.fmu")
+    with slave(path) as onboard:
+        onboard.fmu.doStep(0.0, 0.05)
+        onboard.set(**{"reading_speed": 20.0} | {f"reading_wheelset_speed[{g}]": 20.0 / 0.38 for g in range(1, 5)})
+        onboard.fmu.doStep(0.05, 0.001)
+        assert onboard.get("estimate_speed") == pytest.approx(80 / 3.6)
+
+
+@pytest.fixture(scope="module")
+def system(tmp_path_factory):
+    """Return a scenario and its system."""
+    scenario = scenario_with("start.speed=50 km/h", "limits.horizon=25 s")
+    return scenario, write_ssp(scenario, tmp_path_factory.mktemp("system") / "plain.ssp")
+
+
+def test_a_system_simulated_from_its_own_description_stops_as_the_harness_does(system):
+    """FMPy hands values on after all have stepped: a command is three periods late, in which a train at 50 km/h goes
+    4 cm; of 130 m that is 0.03 %, and 0.1 % leaves room for what the law makes of it."""
+    scenario, path = system
+    values = read_ssv(str(path), "resources/parameters.ssv")
+    assert "plant.start_speed" in {parameter.name for parameter in values.parameters}
+    rows = simulate_ssp(str(path), stop_time=25.0, step_size=1e-3, parameter_set=values)
+    moving = rows["plant.speed"] > scenario.limits.stop_speed
+    place = np.flatnonzero(moving)[-1] + 1
+    assert rows["plant.distance"][place] == pytest.approx(distance(scenario), rel=1e-3)
+
+
+def test_a_system_has_a_connection_for_every_input(system):
+    """But for the force of a track, which a plant may go without; the reader is FMPy's, and checks the schema."""
+    _, path = system
+    read = read_ssd(str(path))
+    ends = {(connection.endElement, connection.endConnector) for connection in read.system.connections}
+    with zipfile.ZipFile(path) as archive:
+        for component in read.system.elements:
+            (path.parent / "one.fmu").write_bytes(archive.read(component.source))
+            description = read_model_description(str(path.parent / "one.fmu"))
+            inputs = {v.name for v in description.modelVariables if v.causality == "input"}
+            assert {(component.name, name) for name in inputs} <= ends, component.name
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "kind", "sentence"),
+    [
+        ("plain", ["controller.kind=ideal_bound", "estimator={kind='none'}"], "onboard", "'ideal_bound' is no law"),
+        ("field", [], "sensors", "read in Python and cannot leave as an FMU"),
+        ("degraded", [], "sensors", "of sensors or valves cannot leave as an FMU"),
+    ],
+)
+def test_a_part_that_cannot_leave_is_refused(name, changes, kind, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        part_fmu(load(LIBRARY / f"{name}.toml", changes), kind)
