@@ -14,6 +14,9 @@ from railgrip.trace.stop import FILES, Stop, clear_stop, write_stop
 SOURCES = "sources"
 """Name of the digest of this program's text among the versions of a result."""
 
+RUNS = Path("build/runs")
+"""Folder of the folders of runs."""
+
 Progress = Callable[[float], None]
 """Called now and then with the speed of the train [m/s]."""
 
@@ -31,6 +34,11 @@ class Runner(Protocol):
     def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = silently) -> Stop:
         """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""
         ...
+
+
+def run_folder(scenario: Scenario) -> Path:
+    """Return the folder of a run whose user names none; another scenario of the same name has another one."""
+    return RUNS / f"{scenario.name}-{scenario.digest()[:8]}"
 
 
 def make_folder(directory: Path, *files: str) -> None:

@@ -9,18 +9,21 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import InputError
-from railgrip.campaign.one_stop import Runner
+from railgrip.campaign.one_stop import RUNS, Runner, run_folder
 from railgrip.campaign.one_stop import run as run_scenario
 from railgrip.cli.app import File, ImportFrom, Overrides, With, fail
 from railgrip.report.console import progress, remark, say
 from railgrip.scenario.load import load
+from railgrip.trace.stop import STOP_FILE, require_no_campaign
 
 
 def run(
     file: File,
     equipment: With = None,
     overrides: Overrides = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the result; build/runs/NAME unless given.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the result; build/runs/NAME-DIGEST, of the scenario, unless given.")
+    ] = None,
     engine: Annotated[str | None, typer.Option(hidden=True)] = None,
     import_from: ImportFrom = None,
 ) -> None:
@@ -28,7 +31,13 @@ def run(
     if engine is not None:
         raise InputError("--engine: there is one loop for all stops now; leave it out")
     scenario = load(file, overrides or [], equipment or [])
-    directory = out or Path("build/runs") / scenario.name
+    directory = out or run_folder(scenario)
+    require_no_campaign(directory)
+    former = RUNS / scenario.name
+    if out is None and (former / STOP_FILE).exists():
+        remark(
+            f"{former} holds a stop of an earlier version of railgrip and stays as it is; this one is in {directory}"
+        )
     with progress(scenario.name, scenario.start.speed or None) as bar:
         stop = run_scenario(
             scenario,

@@ -21,7 +21,7 @@ from railgrip.report.table import names
 from railgrip.scenario.campaign import DRAW, Panels
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.metrics import meanings
-from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, read_stop
+from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, others_like, read_stop
 
 _REFERENCES = (
     "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "
@@ -60,7 +60,8 @@ def write_report(
         return write_page(
             page, "report/stop.html.jinja", **_page_values(result, style.save(stop_figure(result), figure))
         )
-    raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}; name the folder of a run or campaign")
+    like = others_like(directory) or "; name the folder of a run or campaign"
+    raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
 
 
 def _campaign_report(

@@ -3,6 +3,7 @@
 stop.json carries a digest of its own content and one of trace.nc: a file that was changed or cut off is no result.
 """
 
+import glob
 import hashlib
 import json
 from collections.abc import Mapping
@@ -63,6 +64,7 @@ class Stop:
 
     def write(self, directory: Path | str) -> None:
         """Write stop.json and trace.nc into a folder; see `write_stop`."""
+        require_no_campaign(Path(directory))
         write_stop(self, Path(directory))
 
 
@@ -123,6 +125,19 @@ class StopRecord:
         return read_trace(self.directory / TRACE_FILE)
 
 
+def require_no_campaign(directory: Path) -> None:
+    """Refuse a folder inside that of a campaign, whose page would go on to show the stop that was there.
+
+    Raises:
+        RecordError: It is one.
+    """
+    parent = directory.absolute().parent
+    if (parent / CAMPAIGN_FILE).exists():
+        raise RecordError(
+            f"{directory}: belongs to the campaign in {parent}; name another folder for a stop of its own"
+        )
+
+
 def clear_stop(directory: Path) -> None:
     """Remove the result of an earlier stop from a folder, and the page that was made of it.
 
@@ -181,6 +196,13 @@ def _digest(content: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(finite(content), sort_keys=True).encode()).hexdigest()
 
 
+def others_like(directory: Path) -> str:
+    """Return a clause that names results beside a folder that has none: runs of its name with a digest behind it."""
+    beside = sorted(path.parent for path in directory.parent.glob(f"{glob.escape(directory.name)}-*/{STOP_FILE}"))
+    more = f" and {len(beside) - 3} more" if len(beside) > 3 else ""
+    return f"; there is {', '.join(map(str, beside[:3]))}{more}" if beside else ""
+
+
 def read_stop(directory: Path) -> StopRecord:
     """Return what the stop.json in a folder says.
 
@@ -203,7 +225,8 @@ def read_stop(directory: Path) -> StopRecord:
             trace_digest=content[_TRACE_DIGEST],
         )
     except FileNotFoundError as problem:
-        raise RecordError(f"{path}: there is no such result; `railgrip run FILE --out DIR` makes one") from problem
+        like = others_like(directory) or "; `railgrip run FILE --out DIR` makes one"
+        raise RecordError(f"{path}: there is no such result{like}") from problem
     except (OSError, UnicodeDecodeError) as problem:
         raise RecordError(f"{path}: cannot be read: {problem}") from problem
     except (ValueError, KeyError, TypeError, AttributeError) as problem:

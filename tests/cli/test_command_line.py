@@ -3,6 +3,7 @@
 import importlib
 import json
 import os
+import re
 import signal
 import time
 import tomllib
@@ -12,6 +13,7 @@ import pytest
 import synthetic_runner
 
 from railgrip.__main__ import main
+from railgrip.base.errors import RecordError
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import kept_result
 from railgrip.scenario.campaign import load_campaign
@@ -43,6 +45,51 @@ def test_a_run_prints_its_distance_and_keeps_its_result(railgrip, project):
     content = json.loads((project / "here" / "stop.json").read_text(encoding="utf-8"))
     assert content["distance_m"] == pytest.approx(52.63, abs=0.01)
     assert (project / "here" / "trace.nc").exists()
+
+
+def test_each_scenario_has_a_folder_of_its_own_and_pages_stay_with_their_stops(railgrip, project):
+    faster = ("run", "wet.toml", "--set", "start.speed=100 km/h")
+    assert railgrip("run", "wet.toml").code == 0
+    (first,) = (project / "build/runs").iterdir()
+    assert re.fullmatch(r"wet-[0-9a-f]{8}", first.name)
+    assert railgrip("report", first).code == 0
+    page = (first / "index.html").read_text(encoding="utf-8")
+    assert railgrip(*faster).code == 0
+    (second,) = {*(project / "build/runs").iterdir()} - {first}
+    assert not (second / "index.html").exists()
+    assert (first / "index.html").read_text(encoding="utf-8") == page
+    # Run again, or another stop in the same folder: what the page showed is gone, and so is the page.
+    assert railgrip("run", "wet.toml").code == 0
+    assert not (first / "index.html").exists()
+    assert railgrip("report", second).code == 0
+    assert railgrip("run", "wet.toml", "--out", second).code == 0
+    assert not (second / "index.html").exists()
+
+
+def test_a_folder_without_a_digest_is_told_where_the_runs_of_that_name_are(railgrip, project):
+    assert railgrip("run", "wet.toml").code == 0
+    (folder,) = (project / "build/runs").iterdir()
+    result = railgrip("report", "build/runs/wet")
+    assert result.code == 2
+    assert f"has neither campaign.json nor stop.json; there is {folder.relative_to(project)}" in result.err
+
+
+def test_a_run_of_the_former_layout_stays_and_is_named(railgrip, project):
+    former = project / "build/runs/wet"
+    assert railgrip("run", "wet.toml", "--out", former).code == 0
+    result = railgrip("run", "wet.toml")
+    assert result.code == 0
+    assert "build/runs/wet holds a stop of an earlier version of railgrip and stays as it is" in result.err
+    assert railgrip("report", former).code == 0
+
+
+def test_a_stop_is_not_written_into_a_campaign_whose_page_shows_another(railgrip, project):
+    assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
+    result = railgrip("run", "wet.toml", "--set", "description=break", "--out", "out/wet-sbc")
+    assert result.code == 2
+    assert "out/wet-sbc: belongs to the campaign in " in result.err
+    with pytest.raises(RecordError, match="belongs to the campaign"):
+        synthetic_runner.run_stop(load_campaign(project / "pair.toml").stops[0].scenario).write("out/wet-sbc")
 
 
 def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):

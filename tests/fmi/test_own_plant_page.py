@@ -68,7 +68,8 @@ def test_the_scenario_with_it_runs(printed: str, foundry: Path, tmp_path: Path, 
     with pytest.raises(SystemExit) as end:
         main(["run", "mine.toml"])
     assert (end.value.code or 0) == 0
-    assert json.loads((tmp_path / "build/runs/mine/stop.json").read_text())["outcome"] == "standstill"
+    (result,) = (tmp_path / "build/runs").glob("mine-*/stop.json")
+    assert json.loads(result.read_text())["outcome"] == "standstill"
 
 
 @pytest.mark.parametrize(
