@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
     from railgrip.campaign.sweep import Sweep
+    from railgrip.report.comparison import Comparison
     from railgrip.simulate.by_hand import Bench
     from railgrip.simulate.parts import OwnParts
     from railgrip.trace.stop import Stop
@@ -61,6 +62,7 @@ __all__ = [
     "Sensors",
     "SensorsFailed",
     "Stop",
+    "compare",
     "estimate",
     "open",
     "run",
@@ -211,6 +213,21 @@ def sweep(
         return whole.changed(rest), _parts(import_from, parameters, **{n: _copied(n, p) for n, p in parts.items()})
 
     return swept(whole.name, variant, {key: _choices(key, axis) for key, axis in _axes(axes)}, workers)
+
+
+def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str | Path") -> "Comparison":
+    """Return in what results differ from the first: question, answer, and where along the track distance is lost.
+
+    Args:
+        a: A stop, or the folder of a run, of a stop in a campaign, or of a campaign.
+        b: What is compared with it; further ones may follow.
+
+    Raises:
+        RecordError: A folder holds no result, or stops stand beside campaigns.
+    """
+    from railgrip.report.comparison import compare as compared
+
+    return compared(a, b, *more)
 
 
 def estimate(

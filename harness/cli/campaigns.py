@@ -1,5 +1,6 @@
-"""Many stops: campaigns and their reports."""
+"""Many stops: campaigns, their reports, and comparisons."""
 
+import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -7,17 +8,21 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.files import finite
+from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.cli.app import Campaigns, Fresh, ImportFrom, Overrides, Workers
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
+from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, say, show_table
 from railgrip.report.distances import rows_of, tables_of
 from railgrip.report.index import write_report
 from railgrip.report.results import by_compiler, read_results
 from railgrip.report.row import Row
 from railgrip.scenario.campaign import Panels, load_campaign
+from railgrip.trace.stop import require_no_result
 
 BASELINES = Path("tests/baselines")
 
@@ -74,6 +79,37 @@ def report(
     with progress("report") as bar:
         page = write_report(directory, panels=panels, notify=lambda what: bar.update(doing=f"drawing {what}"))
     say(str(page))
+
+
+def compare(
+    results: Annotated[
+        list[Path],
+        typer.Argument(metavar="A B ...", help="Folders of runs, of stops in a campaign, or of campaigns."),
+    ],
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the page; build/compare/A-B, of their names, unless given.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")] = False,
+) -> None:
+    """Show in what results differ, and where along the track."""
+    comparison = compared(*results)
+    names = [path.resolve().name for path in results]
+    folder = out or Path("build/compare") / (
+        "-".join(names) if len(names) < 4 else f"{names[0]}-{len(names) - 1}-others"
+    )
+    require_no_result(folder)
+    make_folder(folder)
+    page = comparison.page()
+    path = page.write(folder)
+    if as_json:
+        say(json.dumps(finite(comparison.to_plain()), indent=1, ensure_ascii=False))
+        return
+    for part in page.screen:
+        if isinstance(part, str):
+            say(part)
+        else:
+            show_table(part)
+    say(str(path))
 
 
 def run_campaigns(

@@ -76,6 +76,7 @@ class StopRecord:
         directory: Where the files are.
         scenario: As resolved, plain values in SI units.
         digest: Of the scenario and the files it names.
+        classes: See `Stop`.
         trace_digest: SHA-256 of the trace's file; None where the samples were not kept.
     """
 
@@ -87,6 +88,7 @@ class StopRecord:
     metrics: Metrics
     versions: Mapping[str, str]
     fmus: Mapping[str, str]
+    classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
     trace_digest: str | None = None
 
     @property
@@ -136,6 +138,16 @@ def require_no_campaign(directory: Path) -> None:
         raise RecordError(
             f"{directory}: belongs to the campaign in {parent}; name another folder for a stop of its own"
         )
+
+
+def require_no_result(directory: Path) -> None:
+    """Refuse the folder of a stop or campaign, whose page would be lost.
+
+    Raises:
+        RecordError: It is one.
+    """
+    if any((directory / name).exists() for name in (STOP_FILE, CAMPAIGN_FILE)):
+        raise RecordError(f"{directory}: holds a result with a page of its own; name another folder")
 
 
 def clear_stop(directory: Path) -> None:
@@ -222,6 +234,7 @@ def read_stop(directory: Path) -> StopRecord:
             metrics=Metrics.from_plain(content["metrics"]),
             versions=content["versions"],
             fmus=content["fmus"],
+            classes=content.get("classes", {}),
             trace_digest=content[_TRACE_DIGEST],
         )
     except FileNotFoundError as problem:

@@ -1,0 +1,512 @@
+"""Two results or more beside each other: what differs in the question, in the answer, and where along the track."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from string import ascii_uppercase
+from typing import TYPE_CHECKING, Any, Self
+
+import xarray
+
+from railgrip.base.errors import RecordError
+from railgrip.base.units import cut, short
+from railgrip.report.page import Page
+from railgrip.report.results import Results, read_results
+from railgrip.report.table import Form, Table, percent, text
+from railgrip.scenario.keys import units_of_keys
+from railgrip.scenario.outcome import Outcome
+from railgrip.trace.loss import Loss, Section, course_of, loss
+from railgrip.trace.metrics import Metrics, meanings
+from railgrip.trace.stop import (
+    CAMPAIGN_FILE,
+    STOP_FILE,
+    Stop,
+    StopRecord,
+    others_like,
+    read_stop,
+    require_no_result,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+KMH = 3.6
+_ALIKE = "several"
+_MISSING = "–"
+_LONGEST_TEXT = 40
+_FIGURE = "figures/comparison.png"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Side:
+    """A stop to compare.
+
+    Attributes:
+        name: Folder of its result, or the name of its scenario.
+        asked: Everything that was asked, by key: of the scenario, and versions, FMUs and classes that answered.
+        distance: Of braking [m]; None without standstill.
+        trace: None where no samples were kept.
+    """
+
+    name: str
+    asked: Mapping[str, Any]
+    outcome: Outcome
+    reason: str
+    metrics: Metrics
+    trace: xarray.Dataset | None
+
+    @classmethod
+    def of(cls, stop: Stop | StopRecord, name: str) -> Self:
+        """Return a stop, or the record of one, as a side; the trace of a record is read here."""
+        is_record = isinstance(stop, StopRecord)
+        scenario = stop.scenario if is_record else stop.scenario.resolved()
+        digest = stop.digest if is_record else stop.scenario.digest()
+        return cls(
+            name=name,
+            asked=flat(scenario)
+            | flat({"versions": stop.versions, "fmus": stop.fmus, "classes": stop.classes})
+            | {"scenario digest": digest},
+            outcome=stop.outcome,
+            reason=stop.reason,
+            metrics=stop.metrics,
+            trace=(stop.trace() if stop.has_trace else None) if is_record else stop.trace,
+        )
+
+    @property
+    def distance(self) -> float | None:
+        """Braking distance [m]; None without standstill."""
+        return self.metrics.distance if self.outcome is Outcome.STANDSTILL else None
+
+    @property
+    def headline(self) -> str:
+        """Outcome and distance, for people."""
+        end = f"{self.metrics.distance_travelled:.2f} m in {self.metrics.duration:.2f} s"
+        return f"{self.outcome.value}, {end}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
+class Comparison:
+    """What differs between results.
+
+    Attributes:
+        names: Of the results, in the order of their letters A, B …
+        headlines: Outcome of each, for people.
+        question: Keys that differ, with a column for each letter.
+        answer: Figures that differ, or, of campaigns, their stops, with the differences to A.
+        overview: The same with one row for all groups, wheelsets or classes of a figure, their mean.
+        along: Letter → where this stop loses distance against A.
+        sentences: What a reader wants to know first.
+        differences: Name of a stop → difference of its distances [m], of campaigns.
+    """
+
+    names: Sequence[str]
+    headlines: Sequence[str]
+    question: Table
+    answer: Table
+    overview: Table
+    along: Mapping[str, Loss] = field(default_factory=dict[str, Loss])
+    sentences: Sequence[str] = ()
+    differences: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    @property
+    def letters(self) -> str:
+        """A letter for each result."""
+        return ascii_uppercase[: len(self.names)]
+
+    @property
+    def sections(self) -> dict[str, Table]:
+        """Letter → table of the distance lost in each section of the track."""
+        return {letter: _sections(letter, lost) for letter, lost in self.along.items()}
+
+    def to_plain(self) -> dict[str, Any]:
+        """Return everything as JSON values."""
+        return {
+            "results": dict(zip(self.letters, self.names, strict=True)),
+            "headlines": dict(zip(self.letters, self.headlines, strict=True)),
+            "sentences": list(self.sentences),
+            "question": list(self.question.rows),
+            "answer": list(self.answer.rows),
+            "track": {letter: list(table.rows) for letter, table in self.sections.items()},
+        }
+
+    def __repr__(self) -> str:
+        """Return the results and the sentences."""
+        results = (f"{letter}: {name}: {line}" for letter, name, line in self._results())
+        return "\n".join([*results, *self.sentences])
+
+    def _repr_html_(self) -> str:
+        """Return the tables, for notebooks."""
+        parts = (self.question, self.overview, *self.sections.values())
+        return f"<pre>{self!r}</pre>" + "".join(part.__html__() for part in parts if part)
+
+    def _results(self) -> list[tuple[str, str, str]]:
+        return list(zip(self.letters, self.names, self.headlines, strict=True))
+
+    def plot(self) -> "Figure":
+        """Return a figure of speeds, and of the distance lost along the track; of campaigns, of their stops."""
+        from railgrip.report.comparison_figure import stops_figure, track_figure  # matplotlib takes half a second
+
+        return track_figure(self.along) if self.along else stops_figure(self.differences)
+
+    def page(self) -> Page:
+        """Return a page of everything, which a screen shows in short."""
+        rows = zip(self.letters, self.names, self.headlines, strict=True)
+        results = Table.of(("", "result", "outcome"), rows, left=3)
+        return Page(
+            template="report/comparison.html.jinja",
+            values={
+                "results": results,
+                "sentences": self.sentences,
+                "question": self.question,
+                "overview": self.overview,
+                "answer": None if self.answer is self.overview else self.answer,
+                "sections": self.sections,
+                "figure": _FIGURE,
+                "title": " and ".join((", ".join(self.names[:-1]), self.names[-1])),
+            },
+            figures={_FIGURE: self.plot()} if self.along or self.differences else {},
+            data={"comparison.json": self.to_plain()},
+            screen=[results, self.question, self.overview, *self.sections.values(), *self.sentences],
+        )
+
+    def write(self, folder: Path | str) -> Path:
+        """Write index.html and comparison.json into a folder; return the page.
+
+        Raises:
+            RecordError: The folder is that of a stop or campaign.
+        """
+        require_no_result(Path(folder))
+        return self.page().write(Path(folder))
+
+
+Comparable = Stop | str | Path
+"""A stop, or the folder of a run, of a stop in a campaign, or of a campaign."""
+
+
+def compare(*results: Comparable) -> Comparison:
+    """Compare results with the first of them.
+
+    Raises:
+        RecordError: Fewer than two or more than 26, a folder without a result, or stops beside campaigns.
+    """
+    if not 2 <= len(results) <= len(ascii_uppercase):
+        raise RecordError(f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}")
+    campaigns = [_is_campaign(one) for one in results]
+    if any(campaigns) and not all(campaigns):
+        stop = results[campaigns.index(False)]
+        campaign = results[campaigns.index(True)]
+        raise RecordError(
+            f"compare: {campaign} holds a campaign and {stop if not isinstance(stop, Stop) else 'another is'} a stop; "
+            f"name a stop of the campaign, as {campaign}/NAME"
+        )
+    if all(campaigns):
+        return _of_campaigns([str(one) for one in results], [read_results(Path(str(one))) for one in results])
+    return _of_stops([_side(one) for one in results])
+
+
+def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
+    """Return the values of nested tables by their keys; those of a list of tables are counted from 1."""
+    keys: dict[str, Any] = {}
+    for name, value in table.items():
+        if isinstance(value, Mapping):
+            keys |= flat(value, f"{path}{name}.")
+        elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):
+            for number, one in enumerate(value, start=1):
+                keys |= flat(one, f"{path}{name}[{number}].")
+        elif value is not None:
+            keys[f"{path}{name}"] = value
+    return keys
+
+
+def _is_campaign(result: Any) -> bool:
+    if isinstance(result, Stop):
+        return False
+    if not isinstance(result, str | Path):
+        raise RecordError(f"compare: {short(result)} is neither a stop nor the folder of a result")
+    folder = Path(result)
+    if (folder / CAMPAIGN_FILE).exists():
+        return True
+    if folder.name != STOP_FILE and not (folder / STOP_FILE).exists():
+        like = others_like(folder) or "; name the folder of a run, of a stop in a campaign, or of a campaign"
+        raise RecordError(f"{folder}: has neither {STOP_FILE} nor {CAMPAIGN_FILE}{like}")
+    return False
+
+
+def _side(result: Comparable) -> Side:
+    if isinstance(result, Stop):
+        return Side.of(result, result.scenario.name)
+    folder = Path(result)
+    folder = folder.parent if folder.name == STOP_FILE else folder
+    return Side.of(read_stop(folder), str(folder))
+
+
+# ---- stops ------------------------------------------------------------------------------------------------------
+
+
+def _of_stops(sides: Sequence[Side]) -> Comparison:
+    letters = ascii_uppercase[: len(sides)]
+    along: dict[str, Loss] = {}
+    without = [side.name for side in sides if side.trace is None]
+    if sides[0].trace is not None:
+        courses = {
+            letter: course_of(side.trace, stands=side.outcome is Outcome.STANDSTILL)
+            for letter, side in zip(letters, sides, strict=True)
+            if side.trace is not None
+        }
+        along = {letter: loss(courses["A"], courses[letter]) for letter in courses if letter != "A"}
+    sentences = [
+        _distance_sentence(letter, sides[0], side) for letter, side in zip(letters[1:], sides[1:], strict=True)
+    ]
+    sentences += [sentence for letter, lost in along.items() for sentence in _where(letter, lost)]
+    if without:
+        sentences.append(f"Where along the track is not known: no samples were kept of {', '.join(without)}.")
+    return Comparison(
+        names=[side.name for side in sides],
+        headlines=[side.headline for side in sides],
+        question=_question([side.asked for side in sides]),
+        answer=_answer(sides, flat_figures, "Figures of each group and wheelset"),
+        overview=_answer(sides, _means, "What differs in the answer"),
+        along=along,
+        sentences=sentences,
+    )
+
+
+def _distance_sentence(letter: str, first: Side, side: Side) -> str:
+    if first.distance is None or side.distance is None:
+        missing = ", ".join(
+            f"{name} ended with {one.outcome.value}"
+            for name, one in (("A", first), (letter, side))
+            if one.distance is None
+        )
+        return f"{letter} against A: no difference of braking distances, for {missing}."
+    difference = side.distance - first.distance
+    change = f"{text(difference, '{:+.2f} m')}, {percent(side.distance / first.distance - 1)}"
+    return f"{letter} stops in {side.distance:.2f} m, A in {first.distance:.2f} m: {change}."
+
+
+def _where(letter: str, lost: Loss) -> list[str]:
+    """Return which sections decide, in sentences; none where nothing differs."""
+    sections = sorted(lost.sections, key=lambda section: -abs(section.lost))
+    sentences: list[str] = []
+    if abs(lost.at_start) >= 0.005:
+        sentences.append(f"{letter} saves {-lost.at_start:.2f} m because it starts more slowly than A.")
+    for section in sections[:3]:
+        if abs(section.lost) < 0.005:
+            break
+        other = section.deceleration_of_first
+        slows = (
+            "is faster than A ever was"
+            if math.isnan(other)
+            else f"slows by {section.deceleration:.2f} m/s², A by {other:.2f} m/s² at the same speeds"
+        )
+        sentences.append(
+            f"{letter} {'loses' if section.lost > 0 else 'gains'} {abs(section.lost):.2f} m from {section.begin:.0f} m "
+            f"to {section.end:.0f} m (entered at {section.time:.1f} s, {KMH * section.speed:.0f} km/h): it {slows}."
+        )
+    return sentences
+
+
+def _sections(letter: str, lost: Loss) -> Table:
+    def row(section: Section) -> dict[str, Any]:
+        return {
+            "from [m]": section.begin,
+            "to [m]": section.end,
+            "at [s]": section.time,
+            "speed [km/h]": KMH * section.speed,
+            "lost [m]": section.lost,
+            "so far [m]": section.so_far,
+            f"deceleration {letter} [m/s²]": section.deceleration,
+            "of A at the same speeds [m/s²]": section.deceleration_of_first,
+        }
+
+    forms = dict.fromkeys(("from [m]", "to [m]"), "{:.0f}") | dict.fromkeys(("at [s]", "speed [km/h]"), "{:.1f}")
+    forms |= dict.fromkeys(("lost [m]", "so far [m]"), "{:+.2f}")
+    forms |= dict.fromkeys((f"deceleration {letter} [m/s²]", "of A at the same speeds [m/s²]"), "{:.3f}")
+    return Table([row(section) for section in lost.sections], forms, (), f"Distance that {letter} loses against A")
+
+
+def _question(asked: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the keys whose values differ, those of the scenario first."""
+    letters = ascii_uppercase[: len(asked)]
+    keys = dict.fromkeys(key for one in asked for key in one)
+    rows = [
+        {"key": key, **{letter: _value(one.get(key)) for letter, one in zip(letters, asked, strict=True)}, "unit": unit}
+        for key in keys
+        if any(one.get(key) != asked[0].get(key) for one in asked)
+        for unit in [_unit_of(key)]
+    ]
+    return Table(rows, left=("key", *letters, "unit"), title="What differs in the question")
+
+
+def _unit_of(key: str) -> str:
+    bare = "".join(part.partition("]")[2] if i else part for i, part in enumerate(key.split("[")))
+    unit = units_of_keys().get(bare, "")
+    return "" if unit == "1" else unit
+
+
+def _value(value: Any) -> str:
+    """Return a value of a key as a table shows it."""
+    if value is None:
+        return _MISSING
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, list):
+        return cut(", ".join(_value(one) for one in value), _LONGEST_TEXT)
+    whole = str(value)
+    return f"{whole[:8]}…" if len(whole) == 64 and whole.isalnum() else cut(whole, 80)
+
+
+_Figures = Mapping[str, tuple[float, str]]
+"""Name of a figure → value, NaN where there is none, and unit."""
+
+
+def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], title: str) -> Table:
+    """Return the figures that differ, with the differences to the first stop."""
+    letters = ascii_uppercase[: len(sides)]
+    figures = [figures_of(side.metrics) for side in sides]
+    rows: list[dict[str, Any]] = []
+    if len({side.outcome for side in sides}) > 1:
+        rows.append(_row("outcome", [side.outcome.value for side in sides], "", letters))
+    for name, unit in dict.fromkeys((name, unit) for one in figures for name, (_, unit) in one.items()):
+        values = [one.get(name, (math.nan, unit))[0] for one in figures]
+        if any(value != values[0] and not (math.isnan(value) and math.isnan(values[0])) for value in values):
+            rows.append(_row(name, values, unit, letters))
+    numbers = [column for column in (rows[0] if rows else ()) if column not in ("figure", "unit")]
+    forms: dict[str, Form] = {
+        column: "{:+.4g}" if column.endswith(" − A") else "{:+.1f}" if "%" in column else "{:.5g}" for column in numbers
+    }
+    return Table(rows, forms, ("figure", "unit"), title)
+
+
+def _row(name: str, values: Sequence[Any], unit: str, letters: str) -> dict[str, Any]:
+    row: dict[str, Any] = {"figure": name} | dict(zip(letters, values, strict=True))
+    for letter, value in zip(letters[1:], values[1:], strict=True):
+        is_number = not isinstance(value, str)
+        row[f"{letter} − A"] = value - values[0] if is_number else math.nan
+        row[f"{letter} − A [%]"] = 100 * (value / values[0] - 1) if is_number and values[0] > 0 else math.nan
+    return row | {"unit": "" if unit == "1" else unit}
+
+
+def flat_figures(metrics: Metrics) -> dict[str, tuple[float, str]]:
+    """Return figure, as `longest_lock[2]` of the second group, → value and unit; one that is none is NaN."""
+    figures: dict[str, tuple[float, str]] = {}
+
+    def add(name: str, value: Any, unit: str) -> None:
+        if isinstance(value, list | tuple):
+            for number, one in enumerate(value, start=1):
+                add(f"{name}[{number}]", one, unit)
+        else:
+            figures[name] = (math.nan if value is None else float(value), unit)
+
+    for name, (unit, _) in meanings().items():
+        add(name, getattr(metrics, name), unit)
+    return figures
+
+
+def _means(metrics: Metrics) -> dict[str, tuple[float, str]]:
+    """Return figure → value and unit, of several elements their mean; without histograms, whose mean says nothing."""
+    elements: dict[str, list[tuple[float, str]]] = {}
+    for name, value in flat_figures(metrics).items():
+        if name.count("[") < 2:
+            elements.setdefault(name.partition("[")[0], []).append(value)
+    figures: dict[str, tuple[float, str]] = {}
+    for name, values in elements.items():
+        known = [value for value, _ in values if not math.isnan(value)]
+        called = name if len(values) == 1 else f"{name}, mean of {len(values)}"
+        figures[called] = (sum(known) / len(known) if known else math.nan, values[0][1])
+    return figures
+
+
+# ---- campaigns --------------------------------------------------------------------------------------------------
+
+
+def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Comparison:
+    letters = ascii_uppercase[: len(names)]
+    stops = [{stop.name: stop.record for stop in one.stops} for one in results]
+    common = [name for name in stops[0] if all(name in one for one in stops)]
+    if not common:
+        raise RecordError(f"compare: {' and '.join(names)} have no stop of the same name")
+    differences = {
+        name: b - a
+        for name in common
+        if (a := stops[0][name].braking_distance) is not None and (b := stops[1][name].braking_distance) is not None
+    }
+    only = [
+        f"Only {letter} has {len(lacking)} stops, {', '.join(lacking[:3])}{' …' if len(lacking) > 3 else ''}."
+        for letter, one in zip(letters, stops, strict=True)
+        if (lacking := [name for name in one if name not in common])
+    ]
+    distances = _distances(common, stops)
+    return Comparison(
+        names=names,
+        headlines=[f"campaign {one.name}, {len(one.stops)} stops" for one in results],
+        question=_common_question([[one[name] for one in stops] for name in common]),
+        answer=distances,
+        overview=distances,
+        sentences=[*_spread(letters, common, stops), *only],
+        differences=differences,
+    )
+
+
+def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> Table:
+    letters = ascii_uppercase[: len(stops)]
+    rows: list[dict[str, Any]] = []
+    for name in common:
+        records = [one[name] for one in stops]
+        first = records[0].braking_distance
+        row: dict[str, Any] = {"stop": name}
+        row |= {
+            f"{letter} [m]": record.outcome.value if record.braking_distance is None else record.braking_distance
+            for letter, record in zip(letters, records, strict=True)
+        }
+        for letter, record in zip(letters[1:], records[1:], strict=True):
+            other, difference, share = record.braking_distance, math.nan, math.nan
+            if first is not None and other is not None:
+                difference, share = other - first, 100 * (other / first - 1)
+            row |= {f"{letter} − A [m]": difference, f"{letter} − A [%]": share}
+        rows.append(row)
+    forms = {f"{letter} [m]": "{:.2f}" for letter in letters}
+    forms |= {f"{letter} − A [m]": "{:+.2f}" for letter in letters[1:]}
+    forms |= {f"{letter} − A [%]": "{:+.1f}" for letter in letters[1:]}
+    return Table(rows, forms, ("stop",), "Braking distances")
+
+
+def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> list[str]:
+    """Return how the distances of all stops differ, a sentence for each further campaign."""
+    sentences: list[str] = []
+    for letter, one in zip(letters[1:], stops[1:], strict=True):
+        pairs = {name: (stops[0][name].braking_distance, one[name].braking_distance) for name in common}
+        changes = sorted((b / a - 1, name) for name, (a, b) in pairs.items() if a is not None and b is not None)
+        if not changes:
+            sentences.append(f"{letter} against A: no stop came to a standstill in both.")
+            continue
+        longer = sum(change > 0 for change, _ in changes)
+        shorter = sum(change < 0 for change, _ in changes)
+        (least, best), (median, _), (most, worst) = changes[0], changes[len(changes) // 2], changes[-1]
+        sentences.append(
+            f"{letter} against A over {len(changes)} stops: {longer} longer, {shorter} shorter, median "
+            f"{percent(median)}, from {percent(least)} ({best}) to {percent(most)} ({worst})."
+        )
+        different = [name for name in common if stops[0][name].outcome is not one[name].outcome]
+        if different:
+            sentences.append(f"Other outcomes in {letter}: {', '.join(different[:8])}.")
+    return sentences
+
+
+def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
+    """Return the keys that differ in some of the stops, with how many, and values that all of these share."""
+    letters = ascii_uppercase[: len(pairs[0])]
+    rows: dict[str, dict[str, Any]] = {}
+    for records in pairs:
+        asked = [
+            flat(record.scenario) | flat({"versions": record.versions, "fmus": record.fmus, "classes": record.classes})
+            for record in records
+        ]
+        for row in _question(asked).rows:
+            known = rows.setdefault(row["key"], dict(row) | {"stops": 0})
+            known["stops"] += 1
+            for letter in letters:
+                if known[letter] != row[letter]:
+                    known[letter] = _ALIKE
+    return Table(list(rows.values()), left=("key", *letters, "unit"), title="What differs in the question")

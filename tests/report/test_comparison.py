@@ -1,0 +1,188 @@
+"""A comparison says what differs in the question and in the answer, with units and signs, and where."""
+
+import json
+import sys
+from dataclasses import replace
+
+import pytest
+from synthetic import LIBRARY
+from synthetic_runner import DECELERATION, run_stop
+
+import railgrip as rg
+from railgrip.base.errors import RecordError
+from railgrip.cli.main import main
+from railgrip.report.comparison import compare, flat
+from railgrip.scenario.keys import units_of_keys
+from railgrip.scenario.load import load
+from railgrip.scenario.outcome import Outcome
+from railgrip.trace.stop import write_stop
+
+COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
+SPEED = 80 / 3.6
+
+
+def stop(*overrides):
+    return run_stop(load(LIBRARY / "trapezoid.toml", [*COARSE, *overrides]))
+
+
+@pytest.fixture(scope="module")
+def slip():
+    return stop("controller.kind=slip_two_state")
+
+
+@pytest.fixture(scope="module")
+def adhesion():
+    return stop("controller.kind=adhesion_based")
+
+
+def rows(table, key):
+    return {row[key]: row for row in table.rows}
+
+
+def test_the_question_names_each_key_that_differs_with_its_unit(slip):
+    other = stop("controller.kind=slip_two_state", "start.speed=100 km/h", "seed=7")
+    question = rows(compare(slip, other).question, "key")
+    assert set(question) == {"start.speed", "seed", "scenario digest"}
+    assert question["start.speed"] == {"key": "start.speed", "A": "22.2222", "B": "27.7778", "unit": "m/s"}
+    assert (question["seed"]["A"], question["seed"]["B"]) == ("2021", "7")
+
+
+def test_versions_and_parts_are_of_the_question(slip, adhesion, tmp_path):
+    other = replace(
+        slip, versions={"railgrip": "1"}, fmus={"Plant.fmu": "1" * 64}, classes={"controller": {"class": "Mine"}}
+    )
+    write_stop(other, tmp_path / "other")
+    for changed in (other, tmp_path / "other"):
+        question = rows(compare(slip, changed).question, "key")
+        assert set(question) == {"versions.railgrip", "fmus.Plant.fmu", "classes.controller.class"}
+        assert question["classes.controller.class"]["A"] == "–"
+
+
+def test_the_answer_has_each_figure_that_differs_with_unit_and_sign(slip, adhesion):
+    comparison = compare(slip, adhesion)
+    a, b = DECELERATION["slip_two_state"], DECELERATION["adhesion_based"]
+    distance = rows(comparison.answer, "figure")["distance"]
+    expected = SPEED**2 / 2 * (1 / b - 1 / a)
+    assert distance["B − A"] == pytest.approx(expected, rel=1e-3)
+    assert distance["B − A [%]"] == pytest.approx(100 * (a / b - 1), rel=1e-3)
+    assert distance["unit"] == "m"
+    assert comparison.along["B"].total == pytest.approx(distance["B − A"], abs=1e-9)
+    assert sum(row["lost [m]"] for row in comparison.sections["B"].rows) == pytest.approx(distance["B − A"], abs=1e-9)
+    assert comparison.sentences[0].startswith("B stops in 259.9")
+    assert "longest_lock[1]" not in rows(comparison.answer, "figure"), "equal in both"
+    assert "−" in str(comparison.overview)
+
+
+def test_a_stop_without_a_standstill_has_no_difference_of_distances(slip):
+    comparison = compare(slip, stop("description=slide"))
+    assert "no difference of braking distances, for B ended with horizon" in comparison.sentences[0]
+    outcome = rows(comparison.answer, "figure")["outcome"]
+    assert (outcome["A"], outcome["B"]) == ("standstill", "horizon")
+    assert slip.outcome is Outcome.STANDSTILL
+
+
+def test_the_same_stop_differs_in_nothing(slip):
+    comparison = compare(slip, slip)
+    assert not comparison.question
+    assert not comparison.answer
+    assert len(comparison.sentences) == 1
+
+
+def test_stored_stops_compare_as_those_in_memory(slip, adhesion, tmp_path):
+    for name, one in (("a", slip), ("b", adhesion)):
+        write_stop(one, tmp_path / name)
+    stored, own = compare(tmp_path / "a", tmp_path / "b" / "stop.json"), compare(slip, adhesion)
+    assert stored.sentences == own.sentences
+    assert stored.question == own.question
+    assert [row["figure"] for row in stored.answer.rows] == [row["figure"] for row in own.answer.rows]
+
+
+def test_without_samples_the_place_is_not_known_and_said_so(slip, adhesion, tmp_path):
+    write_stop(adhesion, tmp_path, keep_trace=False)
+    comparison = compare(slip, tmp_path)
+    assert not comparison.along
+    assert comparison.sentences[-1] == f"Where along the track is not known: no samples were kept of {tmp_path}."
+    assert comparison.write(tmp_path / "page").exists()
+
+
+def test_three_stops_are_compared_with_the_first(slip, adhesion):
+    comparison = rg.compare(slip, adhesion, stop("controller.kind=full_brake"))
+    assert list(comparison.along) == ["B", "C"]
+    assert comparison.along["C"].total > 0 > comparison.along["B"].total
+    assert len(repr(comparison).splitlines()) == 3 + len(comparison.sentences)
+    assert comparison._repr_html_().count("<table>") == 4
+
+
+@pytest.mark.parametrize(
+    ("results", "sentence"),
+    [
+        (("nowhere", "elsewhere"), "nowhere: has neither stop.json nor campaign.json; name the folder"),
+        ((1, 2), "compare: 1 is neither a stop nor the folder of a result"),
+        (("one",), "two to 26 results are wanted, got 1"),
+    ],
+)
+def test_what_is_no_result_is_refused(results, sentence):
+    with pytest.raises(RecordError, match=sentence):
+        compare(*results)
+
+
+def test_campaigns_are_compared_stop_by_stop(write_campaign, tmp_path, slip):
+    campaign = write_campaign(tmp_path / "a", few)
+    faster = write_campaign(tmp_path / "b", few, ["start.speed=100 km/h"])
+    comparison = compare(tmp_path / "a", tmp_path / "b")
+    distances = rows(comparison.answer, "stop")
+    assert list(distances) == [one.name for one in campaign.stops] == [one.name for one in faster.stops]
+    for row in distances.values():
+        assert row["B − A [%]"] == pytest.approx(100 * ((100 / 80) ** 2 - 1), rel=0.01)
+    question = rows(comparison.question, "key")
+    assert question["start.speed"]["stops"] == len(distances)
+    assert not any(key.startswith("controller") for key in question)
+    with pytest.raises(RecordError, match="holds a campaign and another is a stop; name a stop of the campaign"):
+        compare(tmp_path / "a", slip)
+
+
+def few(stop):
+    return stop.variants["scenario"] == "trapezoid" and stop.variants["equipment"] == "ideal"
+
+
+def command(capsys, *arguments):
+    with pytest.raises(SystemExit) as end:
+        main(["compare", *map(str, arguments)])
+    out, err = capsys.readouterr()
+    return int(end.value.code or 0), out, err
+
+
+def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+    write_stop(slip, tmp_path / "runs" / "a")
+    write_stop(adhesion, tmp_path / "runs" / "b")
+    code, out, err = command(capfd, "runs/a", "runs/b")
+    assert code == 0, err
+    assert "controller.kind" in out
+    assert "mean_deceleration" in out
+    page = (tmp_path / "build/compare/a-b/index.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 1
+    assert "Where B loses distance against A" in page
+    code, out, _ = command(capfd, "runs/a", "runs/b", "--json")
+    content = json.loads(out)
+    assert code == 0
+    assert content["results"] == {"A": "runs/a", "B": "runs/b"}
+    assert content == json.loads((tmp_path / "build/compare/a-b/comparison.json").read_text(encoding="utf-8"))
+    assert {row["figure"]: row["unit"] for row in content["answer"]}["distance"] == "m"
+    code, _, err = command(capfd, "runs/a", "runs/b", "--out", "runs/a")
+    assert (code, "runs/a: holds a result with a page of its own" in err) == (2, True)
+
+
+def test_comparing_loads_no_matplotlib_until_it_is_drawn(slip, adhesion, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
+    monkeypatch.delitem(sys.modules, "railgrip.report.comparison_figure", raising=False)
+    comparison = compare(slip, adhesion)
+    with pytest.raises(ImportError):
+        comparison.plot()
+
+
+def test_keys_of_lists_of_tables_are_counted_from_1():
+    table = {"a": {"b": 1}, "phases": [{"pressure": 2.0}, {"pressure": "full"}], "none": None, "list": [1, 2]}
+    assert flat(table) == {"a.b": 1, "phases[1].pressure": 2.0, "phases[2].pressure": "full", "list": [1, 2]}
+    assert units_of_keys()["demand.phases.traction.force"] == "N"
