@@ -303,7 +303,8 @@ def python_page() -> None:
         if isinstance(offered, str):  # the version
             continue
         identifier = offered.__name__ if inspect.ismodule(offered) else f"{offered.__module__}.{offered.__qualname__}"
-        sections.append(f"::: {identifier}\n    options:\n      heading_level: 2\n")
+        more = "      inherited_members: true\n" if name == "Stop" else ""
+        sections.append(f"::: {identifier}\n    options:\n      heading_level: 2\n{more}")
     write(
         "python",
         "Python interface",

@@ -36,9 +36,10 @@ if TYPE_CHECKING:
 
     from railgrip.campaign.sweep import Sweep
     from railgrip.report.comparison import Comparison
+    from railgrip.report.estimates import Estimates
+    from railgrip.report.stop import Stop
     from railgrip.simulate.by_hand import Bench
     from railgrip.simulate.parts import OwnParts
-    from railgrip.trace.stop import Stop
 
 
 __all__ = [
@@ -73,7 +74,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import what loads xarray and CasADi when it is used."""
     if name == "Stop":
-        return import_module("railgrip.trace.stop").Stop
+        return import_module("railgrip.report.stop").Stop
     raise AttributeError(f"module 'railgrip.api' has no attribute '{name}'")
 
 
@@ -232,8 +233,10 @@ def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str |
 
 def estimate(
     recording: "xarray.Dataset | str | Path", model: str | Path = "stop", changes: Mapping[str, Any] | None = None
-) -> "xarray.Dataset":
+) -> "Estimates":
     """Return what a filter believes at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
+
+    It is an xarray dataset; `.plot()` draws it.
 
     Args:
         recording: A trace, such as `stop.trace`, or a file: trace.nc of a stop, or csv, parquet, mat or mf4 that
@@ -247,15 +250,17 @@ def estimate(
     """
     from railgrip.estimation.sources import completed, recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification
+    from railgrip.report.estimates import as_estimates
 
     specification = load_specification(_path(model, "model"), _changes(changes))
     if isinstance(recording, str | Path):
-        return estimate_of(specification, recording_of_estimation(specification, data=Path(recording)))
+        own = recording_of_estimation(specification, data=Path(recording))
+        return as_estimates(estimate_of(specification, own))
     if not _is_over_time(recording):
         raise EstimationError(
             f"recording is {short(recording)}; wanted is a trace over time, such as stop.trace, or the path of a file"
         )
-    return estimate_of(specification, completed(specification, recording))
+    return as_estimates(estimate_of(specification, completed(specification, recording)))
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:

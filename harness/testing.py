@@ -76,10 +76,15 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
         controller, limits = CustomController(law, formation), limits_of(formation)
+        shown: list[Observation] = []
         for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
             for observation in observations(formation, estimated=estimated):
                 before = copy.deepcopy(observation)
-                demands = controller.decide(observation)
+                shown.append(before)
+                try:
+                    demands = controller.decide(observation)
+                except ControllerFailed as problem:
+                    raise ControllerFailed(f"{problem}{_blamed(factory, formation, shown)}") from problem
                 _require_unchanged(law, before, observation)
                 _require_pressures(law, formation, demands)
                 yield tuple(limits.limit(demands, observation))
@@ -193,6 +198,51 @@ def observations(formation: Formation, *, estimated: bool) -> Iterator[Observati
     estimates = (values, 7 * values) if estimated else (None, None)
     yield Observation(0.0, np.nan, np.nan, unread, unread, estimated, *estimates, pressure, formation.pressure_max)
     yield from _braking(formation, estimated=estimated)
+
+
+def _rolling(formation: Formation, *, estimated: bool) -> Observation:
+    """Return a train whose groups all roll, at a brake applied by half."""
+    groups, speed = formation.groups, 25.0
+    slip, half = np.full(groups, 0.01), 0.5 * formation.pressure_max
+    estimates = (np.full(groups, 0.08), np.full(groups, 0.35)) if estimated else (None, None)
+    wheels = 0.99 * speed / formation.wheel_radius
+    return Observation(0.0, speed, -1.0, wheels, slip, estimated, *estimates, half, formation.pressure_max)
+
+
+def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequence[Observation]) -> str:
+    """Return a sentence on the inputs that a law fails on: with these as of a rolling train it does not fail.
+
+    Args:
+        factory: Of the law.
+        formation: Of the vehicle.
+        shown: What it was shown, up to what it failed on.
+    """
+    *before, failed = shown
+    rolling = _rolling(formation, estimated=True)
+
+    def passes(names: Sequence[str]) -> bool:
+        law = CustomController(factory(), formation)
+        try:
+            for observation in before:
+                law.decide(observation)
+            law.decide(failed._replace(**{name: getattr(rolling, name) for name in names}))
+        except ControllerFailed:
+            return False
+        return True
+
+    blamed = ["speed", "acceleration", "wheelset_speed", "slip", "adhesion", "pad_friction", "pressure"]
+    if not passes(blamed):
+        return ""
+    for name in tuple(blamed):
+        others = [other for other in blamed if other != name]
+        if passes(others):
+            blamed = others
+    found = ", ".join(f"{name} = {_shown(getattr(failed, name))}" for name in blamed)
+    return f" It fails on {found}; it does not on the values of a rolling train."
+
+
+def _shown(value: float | NDArray[np.float64] | None) -> str:
+    return short(value.tolist() if isinstance(value, np.ndarray) else value)
 
 
 def _braking(formation: Formation, *, estimated: bool) -> Iterator[Observation]:

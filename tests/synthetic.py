@@ -6,12 +6,12 @@ import numpy as np
 from scipy.stats import chi2
 
 import railgrip.scenario
+from railgrip.report.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.bound import with_bound
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import trace_of
-from railgrip.trace.stop import Stop
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import ESTIMATES, PLANT, READINGS, SENT, layout_of

@@ -8,8 +8,9 @@ from typing import Protocol
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.campaign.sources import sources_digest
+from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.stop import FILES, Stop, clear_stop, write_stop
+from railgrip.trace.stop import FILES, clear_stop, write_stop
 
 SOURCES = "sources"
 """Name of the digest of this program's text among the versions of a result."""

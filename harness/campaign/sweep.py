@@ -1,15 +1,18 @@
 """Every combination of values of a scenario, as one table."""
 
+import html
 import itertools
 import math
 import pickle
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas
 import xarray
+from numpy.typing import NDArray
 
 from railgrip.base.errors import InputError, RailgripError, ScenarioError
 from railgrip.base.units import short
@@ -20,6 +23,9 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import OwnParts
 from railgrip.simulate.run import run_stop
 from railgrip.trace.metrics import Metrics, meanings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +54,46 @@ class Sweep:
 
     axes: Mapping[str, tuple[Any, ...]]
     results: tuple[Result, ...]
+
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """Braking distances, shape as the axes [m]; NaN without a standstill."""
+        shape = tuple(len(values) for values in self.axes.values())
+        each = [math.nan if one.metrics is None else one.metrics.distance for one in self.results]
+        return np.array(each).reshape(shape)
+
+    def __repr__(self) -> str:
+        """Return what a reader wants to know first, in five lines."""
+        combinations = list(itertools.product(*self.axes.values()))
+        known = sorted((d, i) for i, d in enumerate(self.distances.ravel().tolist()) if math.isfinite(d))
+        outcomes = Counter(result.outcome for result in self.results)
+
+        def line(rank: int) -> str:
+            if not known:
+                return "none"
+            distance, number = known[rank]
+            values = zip(self.axes, combinations[number], strict=True)
+            return f"{distance:.2f} m with {', '.join(f'{key} = {value}' for key, value in values) or 'no axis'}"
+
+        lines = (
+            f"Sweep of {len(self.results)} stops over "
+            f"{', '.join(f'{key} ({len(values)})' for key, values in self.axes.items()) or 'nothing'}",
+            f"  {', '.join(f'{count} {outcome}' for outcome, count in outcomes.items())}",
+            f"  shortest {line(0)}",
+            f"  median {line(len(known) // 2)}",
+            f"  longest {line(-1)}",
+        )
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        """Return the short form and the table, for notebooks."""
+        return f"<pre>{html.escape(repr(self))}</pre>{self.to_pandas().to_html(max_rows=20, max_cols=12)}"
+
+    def plot(self) -> "Figure":
+        """Return a figure (matplotlib) of the braking distances over the longest axis."""
+        from railgrip.report.sweep_figure import sweep_figure  # matplotlib takes half a second to load
+
+        return sweep_figure(self.axes, self.distances)
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return a row for each stop: its values, outcome, reason and figures; `slip[2]` is the second group's."""

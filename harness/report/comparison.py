@@ -44,45 +44,30 @@ class Side:
 
     Attributes:
         name: Folder of its result, or the name of its scenario.
-        asked: Everything that was asked, by key: of the scenario, and versions, FMUs and classes that answered.
-        distance: Of braking [m]; None without standstill.
         trace: None where no samples were kept.
     """
 
     name: str
-    asked: Mapping[str, Any]
-    outcome: Outcome
-    reason: str
-    metrics: Metrics
+    record: StopRecord
     trace: xarray.Dataset | None
 
     @classmethod
     def of(cls, stop: Stop | StopRecord, name: str) -> Self:
         """Return a stop, or the record of one, as a side; the trace of a record is read here."""
-        is_record = isinstance(stop, StopRecord)
-        scenario = stop.scenario if is_record else stop.scenario.resolved()
-        digest = stop.digest if is_record else stop.scenario.digest()
-        return cls(
-            name=name,
-            asked=flat(scenario)
-            | flat({"versions": stop.versions, "fmus": stop.fmus, "classes": stop.classes})
-            | {"scenario digest": digest},
-            outcome=stop.outcome,
-            reason=stop.reason,
-            metrics=stop.metrics,
-            trace=(stop.trace() if stop.has_trace else None) if is_record else stop.trace,
-        )
+        record = stop if isinstance(stop, StopRecord) else stop.record()
+        trace = stop.trace if isinstance(stop, Stop) else stop.trace() if stop.has_trace else None
+        return cls(name=name, record=record, trace=trace)
 
     @property
-    def distance(self) -> float | None:
-        """Braking distance [m]; None without standstill."""
-        return self.metrics.distance if self.outcome is Outcome.STANDSTILL else None
+    def asked(self) -> dict[str, Any]:
+        """Everything that was asked, by key: of the scenario, and versions, FMUs and classes that answered."""
+        return asked_of(self.record) | {"scenario digest": self.record.digest}
 
     @property
     def headline(self) -> str:
         """Outcome and distance, for people."""
-        end = f"{self.metrics.distance_travelled:.2f} m in {self.metrics.duration:.2f} s"
-        return f"{self.outcome.value}, {end}"
+        metrics = self.record.metrics
+        return f"{self.record.outcome.value}, {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
@@ -219,6 +204,11 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     return keys
 
 
+def asked_of(record: StopRecord) -> dict[str, Any]:
+    """Return everything that a stop was asked, by key: of the scenario, versions, FMUs and classes."""
+    return flat(record.scenario) | flat({"versions": record.versions, "fmus": record.fmus, "classes": record.classes})
+
+
 def _is_campaign(result: Any) -> bool:
     if isinstance(result, Stop):
         return False
@@ -250,14 +240,13 @@ def _of_stops(sides: Sequence[Side]) -> Comparison:
     without = [side.name for side in sides if side.trace is None]
     if sides[0].trace is not None:
         courses = {
-            letter: course_of(side.trace, stands=side.outcome is Outcome.STANDSTILL)
+            letter: course_of(side.trace, stands=side.record.outcome is Outcome.STANDSTILL)
             for letter, side in zip(letters, sides, strict=True)
             if side.trace is not None
         }
         along = {letter: loss(courses["A"], courses[letter]) for letter in courses if letter != "A"}
-    sentences = [
-        _distance_sentence(letter, sides[0], side) for letter, side in zip(letters[1:], sides[1:], strict=True)
-    ]
+    records = [side.record for side in sides]
+    sentences = [_distance_sentence(letters[i], records[0], records[i]) for i in range(1, len(records))]
     sentences += [sentence for letter, lost in along.items() for sentence in _where(letter, lost)]
     if without:
         sentences.append(f"Where along the track is not known: no samples were kept of {', '.join(without)}.")
@@ -272,17 +261,17 @@ def _of_stops(sides: Sequence[Side]) -> Comparison:
     )
 
 
-def _distance_sentence(letter: str, first: Side, side: Side) -> str:
-    if first.distance is None or side.distance is None:
+def _distance_sentence(letter: str, first: StopRecord, other: StopRecord) -> str:
+    before, after = first.braking_distance, other.braking_distance
+    if before is None or after is None:
         missing = ", ".join(
             f"{name} ended with {one.outcome.value}"
-            for name, one in (("A", first), (letter, side))
-            if one.distance is None
+            for name, one in (("A", first), (letter, other))
+            if one.braking_distance is None
         )
         return f"{letter} against A: no difference of braking distances, for {missing}."
-    difference = side.distance - first.distance
-    change = f"{text(difference, '{:+.2f} m')}, {percent(side.distance / first.distance - 1)}"
-    return f"{letter} stops in {side.distance:.2f} m, A in {first.distance:.2f} m: {change}."
+    change = f"{text(after - before, '{:+.2f} m')}, {percent(after / before - 1)}"
+    return f"{letter} stops in {after:.2f} m, A in {before:.2f} m: {change}."
 
 
 def _where(letter: str, lost: Loss) -> list[str]:
@@ -364,10 +353,10 @@ _Figures = Mapping[str, tuple[float, str]]
 def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], title: str) -> Table:
     """Return the figures that differ, with the differences to the first stop."""
     letters = ascii_uppercase[: len(sides)]
-    figures = [figures_of(side.metrics) for side in sides]
+    figures = [figures_of(side.record.metrics) for side in sides]
     rows: list[dict[str, Any]] = []
-    if len({side.outcome for side in sides}) > 1:
-        rows.append(_row("outcome", [side.outcome.value for side in sides], "", letters))
+    if len({side.record.outcome for side in sides}) > 1:
+        rows.append(_row("outcome", [side.record.outcome.value for side in sides], "", letters))
     for name, unit in dict.fromkeys((name, unit) for one in figures for name, (_, unit) in one.items()):
         values = [one.get(name, (math.nan, unit))[0] for one in figures]
         if any(value != values[0] and not (math.isnan(value) and math.isnan(values[0])) for value in values):
@@ -499,11 +488,7 @@ def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
     letters = ascii_uppercase[: len(pairs[0])]
     rows: dict[str, dict[str, Any]] = {}
     for records in pairs:
-        asked = [
-            flat(record.scenario) | flat({"versions": record.versions, "fmus": record.fmus, "classes": record.classes})
-            for record in records
-        ]
-        for row in _question(asked).rows:
+        for row in _question([asked_of(record) for record in records]).rows:
             known = rows.setdefault(row["key"], dict(row) | {"stops": 0})
             known["stops"] += 1
             for letter in letters:

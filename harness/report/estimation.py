@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from railgrip.report import style
 from railgrip.trace.samples import knows, reading_of, truth_of, unit_of
@@ -24,11 +25,17 @@ _SETTLED = 0.02
 
 
 def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str], path: Path) -> Path:
-    """Draw inputs, states ± 2 standard deviations with their truth (dashed), and the consistency of innovations.
+    """Draw what `estimates_figure` returns."""
+    return style.save(estimates_figure(recording, estimates, inputs), path)
+
+
+def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str]) -> Figure:
+    """Return inputs, states ± 2 standard deviations with their truth (dashed), and the consistency of innovations.
 
     Args:
         recording: What the filter was given.
         estimates: What it believes, see `railgrip.estimation.run.estimate`.
+        inputs: Names of readings.
     """
     states = _families([str(state) for state in estimates["state"].values])
     families = _families(inputs)
@@ -64,8 +71,9 @@ def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequ
     style.dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
     truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
     nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"
-    drawing.suptitle(f"{recording.attrs['name']}: estimates ± 2 sd{truth}{nis}", fontsize=10)
-    return style.save(drawing, path)
+    name = f"{estimates.attrs['name']}: " if estimates.attrs["name"] else ""
+    drawing.suptitle(f"{name}estimates ± 2 sd{truth}{nis}", fontsize=10)
+    return drawing
 
 
 def _families(names: Sequence[str]) -> Mapping[str, list[str]]:

@@ -160,6 +160,11 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
 
 
 def stop_figure(stop: Result) -> Figure:
+    """Return the figure of a stop whose samples are in a file; see `signals_figure`."""
+    return signals_figure(stop, stop.record.trace())
+
+
+def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
     """Return what an engineer asks of one stop: a column for each group, rows from speed to pressure.
 
     A train of many groups goes on below, in bands with the same axes.
@@ -168,8 +173,7 @@ def stop_figure(stop: Result) -> Figure:
     greatest possible; the same of the pad friction; cylinder pressure. What a plant from outside hides, and nobody
     estimates, has no row.
     """
-    trace, metrics = stop.record.trace(), stop.record.metrics
-    time = trace["time"].values
+    metrics, time = stop.record.metrics, trace["time"].values
     rows = {
         quantity: draw
         for quantity, draw in _ROWS.items()

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.errors import ControllerFailed, PlantFailed, ScenarioError
 from railgrip.controllers.observation import Observation
+from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.custom import problem_with
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.parts import Assembled, OwnParts, assembled
-from railgrip.trace.stop import Stop
 from railgrip.vehicle.formation import Formation
 
 

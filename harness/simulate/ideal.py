@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
 from railgrip.controllers.observation import Observation
+from railgrip.report.stop import Stop
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.outcome import Outcome
@@ -32,7 +33,6 @@ from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.contact import peak
 from railgrip.trace.recorder import Recorder
-from railgrip.trace.stop import Stop
 from railgrip.vehicle.signals import CURVE, PLANT
 
 Array = NDArray[np.float64]

@@ -14,6 +14,7 @@ import numpy as np
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.registry import Role
 from railgrip.fmi import Description
+from railgrip.report.stop import Stop
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.parts import KalmanFilter, OwnLaw
@@ -36,7 +37,6 @@ from railgrip.trace.adhesion_use import over_the_rail
 from railgrip.trace.bound import with_bound
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
-from railgrip.trace.stop import Stop
 from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, sent
 
 _MOST_OF_THE_RAIL = 1.005

@@ -6,13 +6,13 @@ from pathlib import Path
 import xarray
 
 from railgrip.base.errors import ScenarioError
+from railgrip.report.stop import Stop
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.parts import NO_OWN_PARTS, OwnParts, assembled
 from railgrip.trace.motion import distance_travelled, since_brake_demand
-from railgrip.trace.stop import Stop
 
 
 def run_stop(

@@ -8,6 +8,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +62,37 @@ class Stop:
     fmus: Mapping[str, str]
     classes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Mapping[str, Any]])
     limited_demands: int = 0
+
+    def __repr__(self) -> str:
+        """Return what a reader wants to know first, in five lines."""
+        scenario, metrics, start = self.scenario, self.metrics, 3.6 * self.scenario.start.speed
+        parts = {"controller": scenario.controller, "estimator": scenario.estimator, "sensors": scenario.sensors}
+        kinds = [f"{name} {self.classes.get(name, {}).get('class', part.kind)}" for name, part in parts.items()]
+        used = f"{metrics.utilisation:.1%} of the possible adhesion used, " if isfinite(metrics.utilisation) else ""
+        lines = (
+            f"Stop of {scenario.name}, seed {scenario.seed}: {self.outcome.value}, {self.reason}",
+            f"  {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s from {start:.1f} km/h, "
+            f"mean deceleration {metrics.mean_deceleration:.3f} m/s2",
+            f"  {used}longest lock {max(metrics.longest_lock):.2f} s",
+            f"  {', '.join(kinds)}, actuation {scenario.actuation.kind}; {', '.join(self.fmus) or 'no FMU'}",
+            f"  {self.trace.sizes['time']} samples of {len(self.trace.data_vars)} signals; scenario "
+            f"{scenario.digest()[:8]}",
+        )
+        return "\n".join(lines)
+
+    def record(self, directory: Path = Path()) -> "StopRecord":
+        """Return what the file of the stop says, without reading one; the samples stay here."""
+        return StopRecord(
+            directory=directory,
+            outcome=self.outcome,
+            reason=self.reason,
+            scenario=self.scenario.resolved(),
+            digest=self.scenario.digest(),
+            metrics=self.metrics,
+            versions=self.versions,
+            fmus=self.fmus,
+            classes=self.classes,
+        )
 
     def write(self, directory: Path | str) -> None:
         """Write stop.json and trace.nc into a folder; see `write_stop`."""

@@ -70,6 +70,47 @@ def test_a_broken_controller_is_told_so(broken, words):
         check_controller(broken)
 
 
+def fails_on(condition):
+    """Return a law that fails where a condition of the observation holds."""
+
+    def decide(self, seen):
+        if condition(seen):
+            raise ValueError("cannot go on")
+        return self.demand
+
+    return type("Picky", (Good,), {"decide": decide})
+
+
+@pytest.mark.parametrize(
+    ("condition", "named"),
+    [
+        (lambda seen: np.isnan(seen.slip).any(), r"fails on slip = \[nan"),
+        (lambda seen: np.isnan(seen.speed), "fails on speed = nan;"),
+        (lambda seen: np.isnan(seen.wheelset_speed).any(), r"fails on wheelset_speed = \[nan"),
+        (lambda seen: seen.adhesion is None, "fails on adhesion = None;"),
+        (lambda seen: seen.pad_friction is None, "fails on pad_friction = None;"),
+        (lambda seen: seen.speed == 0.0, "fails on speed = 0.0;"),
+        (lambda seen: np.isnan(seen.speed) or np.isnan(seen.slip).any(), r"fails on speed = nan, slip = \[nan"),
+    ],
+    ids=["slip", "speed", "wheelset speed", "adhesion", "pad friction", "standstill", "two of them"],
+)
+def test_the_inputs_that_a_law_fails_on_are_named(condition, named):
+    with pytest.raises(ContractBroken, match=named):
+        check_controller(fails_on(condition))
+
+
+def test_a_law_that_returns_nan_for_nan_is_told_the_input():
+    own = type("Unread", (Good,), {"decide": lambda self, seen: seen.slip * self.demand})
+    with pytest.raises(ContractBroken, match=r"nan.*It fails on slip = \[nan"):
+        check_controller(own)
+
+
+def test_a_law_that_fails_whatever_it_is_shown_blames_no_input():
+    with pytest.raises(ContractBroken) as broken:
+        check_controller(fails_on(lambda seen: True))
+    assert "fails on" not in str(broken.value)
+
+
 class Reckoned:
     provides = ("adhesion", "adhesion_sd")
 

@@ -1,0 +1,118 @@
+"""Results print in five lines, show themselves in notebooks, and load matplotlib when they are drawn."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+from synthetic import LIBRARY
+from synthetic_runner import run_stop
+
+from railgrip.campaign.sweep import Result, Sweep
+from railgrip.report.estimates import Estimates, as_estimates
+from railgrip.scenario.load import load
+
+COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
+
+
+def stop(*overrides):
+    return run_stop(load(LIBRARY / "trapezoid.toml", [*COARSE, *overrides]))
+
+
+def sweep(axes=None):
+    axes = axes or {"start.speed": (10.0, 20.0, 30.0), "controller.kind": ("full_brake", "adhesion_based")}
+    results = []
+    for speed in axes["start.speed"]:
+        for kind in axes["controller.kind"]:
+            one = stop(f"start.speed={speed} m/s", f"controller.kind={kind}")
+            results.append(Result(one.outcome.value, one.reason, one.metrics))
+    return Sweep(axes, tuple(results))
+
+
+def estimates():
+    values = np.linspace(1.0, 0.5, 12).reshape(6, 2)
+    return as_estimates(
+        xarray.Dataset(
+            {
+                "mean": (("time", "state"), values),
+                "sd": (("time", "state"), 0.1 * values),
+                "nis": ("time", values[:, 0]),
+                "readings": ("time", np.ones(6)),
+            },
+            coords={"time": 0.1 * np.arange(6), "state": ["v", "mu_b"]},
+            attrs={"ended": "", "name": "run 1", "nis_ratio": 0.9, "period": 0.1},
+        )
+    )
+
+
+def test_a_stop_prints_in_five_lines():
+    text = str(stop())
+    assert text.splitlines()[0] == "Stop of trapezoid, seed 2021: standstill, the train stands"
+    assert len(text.splitlines()) == 5
+    assert "from 80.0 km/h, mean deceleration 0.950 m/s2" in text
+    assert len(repr(stop("description=slide")).splitlines()) == 5
+
+
+def test_a_sweep_prints_its_shortest_and_longest_stop():
+    lines = repr(sweep()).splitlines()
+    assert len(lines) == 5
+    assert lines[0] == "Sweep of 6 stops over start.speed (3), controller.kind (2)"
+    assert lines[2] == "  shortest 52.63 m with start.speed = 10.0, controller.kind = adhesion_based"
+    assert lines[4] == "  longest 900.00 m with start.speed = 30.0, controller.kind = full_brake"
+
+
+def test_a_sweep_without_a_standstill_prints_too():
+    nothing = Sweep({"seed": (1,)}, (Result("refused", "no train", None),))
+    assert repr(nothing).splitlines()[2:] == ["  shortest none", "  median none", "  longest none"]
+
+
+def test_estimates_print_in_five_lines_and_stay_a_dataset():
+    own = estimates()
+    lines = repr(own).splitlines()
+    assert len(lines) == 5
+    assert lines[1] == "  2 states, at the end v 0.5455 ± 0.055, mu_b 0.5 ± 0.05"
+    assert isinstance(own, xarray.Dataset)
+    assert own["mean"].sel(state="v").values[0] == 1.0
+    assert "Estimates" in repr(own[["nis"]]), "a part of it as xarray shows it"
+    assert isinstance(own.isel(time=slice(2)), Estimates)
+
+
+@pytest.mark.parametrize("own", [stop, sweep, estimates], ids=lambda make: make.__name__)
+def test_each_has_html_and_a_figure(own):
+    value = own()
+    assert value._repr_html_().startswith("<pre>")
+    drawing = value.plot()
+    assert drawing.axes
+    for panel in drawing.axes:
+        assert panel.has_data()
+
+
+def test_the_figure_of_a_sweep_has_the_distances():
+    own = sweep()
+    (panel,) = own.plot().axes
+    lines = {line.get_label(): line.get_ydata() for line in panel.get_lines()}
+    np.testing.assert_allclose(lines["controller.kind full_brake"], [100.0, 400.0, 900.0], rtol=1e-3)
+    assert [tick.get_text() for tick in panel.get_xticklabels()] == ["10", "20", "30"]
+
+
+def test_the_figure_of_a_stop_has_a_column_for_each_group_and_its_speed():
+    own = stop()
+    panel = own.plot().axes[0]
+    assert panel.get_lines()[0].get_ydata()[0] == pytest.approx(80.0)
+
+
+def test_nothing_is_drawn_unless_it_is_asked_for():
+    program = (
+        "import sys; sys.path.insert(0, 'tests/report'); sys.path.insert(0, 'tests')\n"
+        "import test_in_short as own\n"
+        "for value in (own.stop(), own.sweep(), own.estimates()):\n"
+        "    repr(value), value._repr_html_()\n"
+        "assert not any(name.startswith('matplotlib') for name in sys.modules), 'matplotlib was loaded'\n"
+        "own.stop().plot()\n"
+        "assert 'matplotlib' in sys.modules\n"
+    )
+    root = Path(__file__).parents[2]
+    done = subprocess.run([sys.executable, "-c", program], cwd=root, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
