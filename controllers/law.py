@@ -185,6 +185,10 @@ Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]
 """Kind of actuation and how the law knows the slip → where each parameter is searched, on a logarithmic scale."""
 
 
+FULL_PRESSURE = frozenset({"pressure_max", "wheel_radius"})
+"""What a law uses of a brake that knows only all of it and none; the radius, for slip, is that of every law."""
+
+
 class GroupLaw(Law):
     """A control law of this project for single groups: all that is said of it, in one module of the folder `laws`.
 
@@ -194,6 +198,7 @@ class GroupLaw(Law):
         sets_of: Kind of the law whose sets it takes; "" for its own.
         ranges: Where `railgrip maintain tune-control` searches.
         entries: In the type test, by the name there.
+        brake_data: What it uses of the data of a `Brake`; of a train from outside nobody has to say more.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """
 
@@ -202,6 +207,7 @@ class GroupLaw(Law):
     sets_of: ClassVar[str] = ""
     ranges: ClassVar[Ranges] = {}
     entries: ClassVar[Mapping[str, Entry]] = {}
+    brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
     valve_band: ClassVar[float | None] = None
 
     def __init__(self, groups: Sequence[Brake], tuning: Tuning = NO_PARAMETERS) -> None:

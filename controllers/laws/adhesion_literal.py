@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Tuning
 from railgrip.controllers.sampled import Draft, Expression, choose, either
 
 
@@ -42,6 +42,7 @@ class LiteralAdhesionBased(GroupLaw):
     """
 
     description = "Adhesion-based wheel-slide protection as printed"
+    brake_data = FULL_PRESSURE
     needs = ("adhesion", "pad_friction")
     tuning = SwitchingTuning
     sets_of = "adhesion_based"

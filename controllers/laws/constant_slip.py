@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Draft, Expression, choose, within
 
 
@@ -44,6 +44,7 @@ class ConstantSlip(GroupLaw):
     """
 
     description = "Wheel-slide protection to a set slip"
+    brake_data = FULL_PRESSURE
     tuning = ConstantSlipTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)}

@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Draft, Expression, choose, within
 from railgrip.vehicle.brake import Brake
@@ -73,6 +73,7 @@ class ExtremumSeeking(GroupLaw):
     """
 
     description = "Wheel-slide protection by extremum seeking"
+    brake_data = FULL_PRESSURE
     needs = ("adhesion",)
     tuning = ExtremumSeekingTuning
     ranges: ClassVar[Ranges] = {

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
-from railgrip.controllers.law import Demand, Entry, GroupLaw
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw
 from railgrip.controllers.sampled import Draft, Expression
 
 
@@ -11,6 +11,7 @@ class FullBrake(GroupLaw):
     """Full pressure from the first instant, whatever the wheels do."""
 
     description = "Full brake pressure, no wheel-slide protection"
+    brake_data = FULL_PRESSURE
     entries: ClassVar[Mapping[str, Entry]] = {
         "full_brake": Entry(description="no wheel-slide protection", role="baseline", slip="read")
     }

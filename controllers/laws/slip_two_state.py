@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Draft, Expression, choose
 
 _SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
@@ -47,6 +47,7 @@ class SlipTwoState(GroupLaw):
     """
 
     description = "Slip-based two-level wheel-slide protection"
+    brake_data = FULL_PRESSURE
     tuning = SlipLevels
     ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
     entries: ClassVar[Mapping[str, Entry]] = {

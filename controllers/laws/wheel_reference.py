@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Draft, Expression, choose, either, every
 
 
@@ -67,6 +67,7 @@ class WheelReference(GroupLaw):
     """
 
     description = "Wheel-slide protection from wheel speeds alone"
+    brake_data = FULL_PRESSURE
     tuning = WheelReferenceTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "read"): {

@@ -208,6 +208,11 @@ _ALIKE = 0.08
 """Wheels differ from nominal by as much, and no two of the mistakes differ by so little."""
 
 
+def mistaken_factor(ratio: float) -> float | None:
+    """Return the factor of the mistake that `mistake` names, or None."""
+    return next((factor for factor in _MISTAKES.values() if abs(ratio / factor - 1) < _ALIKE), None)
+
+
 def mistake(ratio: float) -> str:
     """Return which mistake of unit or sign gives values that are `ratio` times as large as they should be, or ''."""
     return next((words for words, factor in _MISTAKES.items() if abs(ratio / factor - 1) < _ALIKE), "")

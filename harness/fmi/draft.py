@@ -1,8 +1,9 @@
 """A draft of [vehicle.map] for a plant from outside, by names, units, causality and sizes of arrays."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from difflib import SequenceMatcher
 
 import numpy as np
@@ -14,18 +15,18 @@ from railgrip.fmi.description import Causality, Description, Variable
 from railgrip.fmi.mapping import Signal
 
 _ALSO = {
-    "pressure_command": "demand brake_demand cylinder_demand pressure_demand",
-    "mu0": "rail_grip grip friction rail_friction",
+    "pressure_command": "demand brake_demand cylinder_demand pressure_demand pressure_setpoint brake_command p_set",
+    "mu0": "rail_grip grip friction rail_friction mu mu_rail friction_coefficient",
     "track_force": "drag resistance gradient_force",
-    "start_speed": "v0 v_start speed_start initial_speed",
-    "distance": "odometer position travelled",
-    "speed": "velocity v train_speed",
-    "acceleration": "retardation deceleration a",
-    "wheelset_speed": "axle_speed wheel_speed omega n",
+    "start_speed": "v0 v_0 v_start speed_start initial_speed initial_velocity",
+    "distance": "odometer position travelled travel way x s",
+    "speed": "velocity v train_speed v_train vehicle_speed",
+    "acceleration": "retardation deceleration a a_train",
+    "wheelset_speed": "axle_speed wheel_speed omega w n axle_omega wheel_omega rotational_speed",
     "slip": "creep slide",
     "adhesion": "used_grip used_adhesion",
     "wheelset_load": "axle_load wheel_load",
-    "cylinder_pressure": "cylinder brake_pressure pressure",
+    "cylinder_pressure": "cylinder brake_pressure pressure p_cyl p_cylinder brake_cylinder",
     "brake_torque": "brake_moment moment",
     "locked": "blocked",
 }
@@ -33,45 +34,130 @@ _ALSO = {
 _OPPOSITE = ("retardation", "deceleration", "drag", "resistance")
 """Names that count the other way round than ours."""
 _LEAST = 0.6
+_PLACES = (
+    ("front", "lead", "leading", "first", "head"), ("middle", "mid", "centre", "center"),
+    ("rear", "trail", "trailing", "last", "tail", "back"),
+)  # fmt: skip
+"""Words for places along a train, from the leading one."""
+_RANK = {word: rank for rank, words in enumerate(_PLACES) for word in words}
 
 
-def drafted(description: Description, signals: Mapping[str, tuple[Signal, Causality]]) -> dict[str, str]:
-    """Return our name → variable or pattern of an FMU, best names first, each used once; what fits nothing is left out.
+@dataclass(frozen=True, slots=True)
+class Array:
+    """Variables of an FMU that are one quantity.
+
+    Attributes:
+        variables: In the order of groups or wheelsets; one for a scalar.
+        entry: How a mapping names them: a pattern with {i}, a name, or a list.
+        name: What they have in common.
+        is_scalar: Whether it is a variable without an index.
+    """
+
+    variables: tuple[Variable, ...]
+    entry: str | tuple[str, ...]
+    name: str
+    is_scalar: bool = False
+
+
+def drafted(
+    description: Description, signals: Mapping[str, tuple[Signal, Causality]]
+) -> dict[str, str | tuple[str, ...]]:
+    """Return our name → variable, pattern or list of an FMU; best names first, each used once, and none without any.
 
     Args:
         description: Of the FMU.
         signals: Our signals and what the FMU calls such variables.
     """
-    arrays = _arrays(description)
-    names, theirs = list(signals), list(arrays)
-    score = np.array([[_score(*signals[name], pattern, arrays[pattern]) for pattern in theirs] for name in names])
+    arrays = list(arrays_of(description))
+    names = list(signals)
+    score = np.array([[_score(*signals[name], array) for array in arrays] for name in names])
     pairs = zip(*linear_sum_assignment(score, maximize=True), strict=True) if score.size else ()
-    return {names[i]: _signed(theirs[j]) for i, j in pairs if score[i, j] >= _LEAST}
+    table: dict[str, str | tuple[str, ...]] = {}
+    used: set[str] = set()
+    for i, j in sorted(pairs, key=lambda pair: -score[pair]):
+        own = {variable.name for variable in arrays[j].variables}
+        if score[i, j] >= _LEAST and not own & used:
+            used |= own
+            table[names[i]] = _signed(arrays[j])
+    return {name: table[name] for name in names if name in table}
 
 
-def _signed(pattern: str) -> str:
-    return f"-{pattern}" if any(word in pattern.lower() for word in _OPPOSITE) else pattern
+def sizes_of(description: Description, causality: Causality) -> tuple[int, ...]:
+    """Return the sizes of the arrays of an FMU, the most frequent first."""
+    sizes = [
+        len(a.variables) for a in arrays_of(description) if not a.is_scalar and a.variables[0].causality == causality
+    ]
+    return tuple(sorted(set(sizes), key=lambda size: -sizes.count(size)))
 
 
-def _arrays(description: Description) -> dict[str, tuple[Variable, int]]:
-    """Return pattern → first variable and number of elements, 0 for a scalar; {i} stands for the one index."""
-    arrays: dict[str, tuple[Variable, int]] = {}
+def _signed(array: Array) -> str | tuple[str, ...]:
+    sign = "-" if any(word in array.name for word in _OPPOSITE) else ""
+    return f"{sign}{array.entry}" if isinstance(array.entry, str) else tuple(f"{sign}{name}" for name in array.entry)
+
+
+def arrays_of(description: Description) -> Iterator[Array]:
+    """Yield scalars and arrays: `name[1]`, `name_1`, `name1`, `axle1.name`, from 0 as well, and `front.name`."""
+    numbered: dict[str, dict[int, Variable]] = {}
+    placed: dict[str, list[tuple[str, Variable]]] = {}
     for variable in description.variables.values():
-        pattern, indices = re.subn(r"\[(\d+)\]", "[{i}]", variable.name)
-        first, count = arrays.get(pattern, (variable, 0))
-        arrays[pattern] = (first, count + 1 if indices == 1 else 0)
-    return arrays
+        name = variable.name
+        yield Array((variable,), name, _bare(name), is_scalar=True)
+        for digits in re.finditer(r"\d+", name):
+            if len(digits[0]) <= 3:
+                pattern = f"{name[: digits.start()]}{{i}}{name[digits.end() :]}"
+                numbered.setdefault(pattern, {})[int(digits[0])] = variable
+        first, dot, rest = name.partition(".")
+        if dot:
+            placed.setdefault(f"{{place}}.{rest}", []).append((first, variable))
+        for word in re.finditer("|".join(sorted(_RANK, key=len, reverse=True)), name.lower()):
+            key = f"{name[: word.start()]}{{place}}{name[word.end() :]}"
+            if key != f"{{place}}.{rest}":
+                placed.setdefault(key, []).append((name[word.start() : word.end()], variable))
+    for pattern, elements in numbered.items():
+        yield from _numbered(pattern, elements)
+    for key, elements in placed.items():
+        if len(elements) > 1:
+            ranks = [_RANK.get(word.lower()) for word, _ in elements]
+            order = [v for _, v in elements]
+            known = [rank for rank in ranks if rank is not None]
+            if len(set(known)) == len(elements):
+                order = [elements[i][1] for i in np.argsort(known)]
+            yield Array(tuple(order), tuple(v.name for v in order), _bare(key.replace("{place}", "")))
 
 
-def _score(signal: Signal, causality: Causality, pattern: str, array: tuple[Variable, int]) -> float:
+def _numbered(pattern: str, elements: Mapping[int, Variable]) -> Iterator[Array]:
+    indices = sorted(elements)
+    variables = tuple(elements[index] for index in indices)
+    if indices == list(range(1, len(indices) + 1)) and (len(indices) > 1 or "[{i}]" in pattern):
+        yield Array(variables, pattern, _bare(pattern.replace("{i}", "")))
+    elif len(indices) > 1 and indices == list(range(len(indices))):
+        yield Array(variables, tuple(variable.name for variable in variables), _bare(pattern.replace("{i}", "")))
+
+
+def _bare(name: str) -> str:
+    """Return a name in lower case without brackets and with single underscores."""
+    snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
+    return re.sub(r"_+", "_", re.sub(r"[^a-z0-9.]", "_", snake)).strip("_.")
+
+
+def _score(signal: Signal, causality: Causality, array: Array) -> float:
     """Return how alike the names are, 0 to 1; 0 when size, causality or dimension differ."""
-    first, count = array
+    first, count = array.variables[0], len(array.variables)
     fits = first.settable and first.causality != "input" if causality == "parameter" else first.causality == causality
-    if not fits or count != signal.size or first.kind == "String":
+    is_uniform = all(variable.causality == first.causality for variable in array.variables)
+    is_size = count == signal.size and not array.is_scalar
+    if signal.size < 2:
+        is_size = array.is_scalar or (count == 1 == signal.size)
+    if not (fits and is_size and is_uniform) or first.kind == "String":
         return 0.0
     with suppress(FmuError):
         theirs = first.unit or (unit(first.unit_name) if first.unit_name else None)
         if theirs is not None and theirs.exponents != unit(signal.unit).exponents:
             return 0.0
-    bare = pattern.replace("[{i}]", "").lower()
-    return max(SequenceMatcher(None, bare, name).ratio() for name in (signal.name, *_ALSO.get(signal.name, "").split()))
+    words = (signal.name, *_ALSO.get(signal.name, "").split())
+    parts = {array.name: 1.0, array.name.rpartition(".")[2]: 0.95}
+    return max(weight * _alike(part, words) for part, weight in parts.items())
+
+
+def _alike(name: str, words: Sequence[str]) -> float:
+    return max(SequenceMatcher(None, name, word).ratio() for word in words)

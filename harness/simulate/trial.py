@@ -39,11 +39,13 @@ class Finding:
         signal: Ours.
         good: Whether it is as it must be.
         sentence: Numbers, and what was expected.
+        ratio: What it shows over what was expected; NaN where that is no ratio.
     """
 
     signal: str
     good: bool
     sentence: str
+    ratio: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -203,6 +205,7 @@ def _ratio(signal: str, value: float, expected: float, tolerance: float, words: 
         signal=signal,
         good=good,
         sentence=f"shows {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",
+        ratio=ratio,
     )
 
 

@@ -13,11 +13,14 @@ from math import isclose
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
+from railgrip.controllers.law import GroupLaw
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.parts import ControllerFmu
+from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track.table import TrackForce, force_along, track_force_of
@@ -28,7 +31,7 @@ from railgrip.simulate.files import description_of, lowered, parameters_of, plan
 from railgrip.simulate.instruments import readings_of
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.trace.contact import Contact
-from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
     COUNTS,
@@ -156,7 +159,16 @@ class VehicleData:
         nominal = with_each(nominal, formation) | with_each(entries, formation)
         if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
             nominal |= masses_by_name(np.full(formation.wheelsets, entries["m"] / formation.wheelsets))
-        return Vehicle(formation, self._with_valves(nominal))
+        return Vehicle(formation, self._with_valves(nominal), wanted=self._wanted)
+
+    @property
+    def _wanted(self) -> frozenset[str]:
+        """Data of the brakes that controller and estimator ask for."""
+        scenario, table = self.scenario, self.scenario.controller
+        is_plain = scenario.estimator.kind == "none" and isinstance(table, LawTable) and not table.redistribute
+        if not is_plain or table.kind not in registry.modules(registry.LAWS):
+            return frozenset(BRAKE)
+        return registry.part(registry.LAWS, table.kind, GroupLaw).brake_data
 
     @cached_property
     def true(self) -> Vehicle:

@@ -46,7 +46,10 @@ def pressure_of(force: Values, *, piston_area: Values, spring_force: Values, rig
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Brake:
-    """The brake units and wheelsets of one group, as nominal or as they are: each datum with its unit and meaning."""
+    """The brake units and wheelsets of one group, as nominal or as they are: each datum with its unit and meaning.
+
+    A datum that nobody says and nobody asks for is NaN.
+    """
 
     load: Annotated[float, "N", "static wheel-rail force of the group"]
     inertia: Annotated[float, "kg.m2", "rotational inertia of its wheelsets and discs"]
@@ -66,9 +69,9 @@ class Brake:
                 back at full pressure.
         """
         for name in BRAKE:
-            if not getattr(self, name) > 0 and name != "spring_force":
+            if getattr(self, name) <= 0 and name != "spring_force":
                 raise ValueError(f"Brake: {name} must be positive, got {getattr(self, name)}.")
-        if not self.spring_force >= 0:
+        if self.spring_force < 0:
             raise ValueError(f"Brake: spring_force must not be negative, got {self.spring_force}.")
         if self.spring_force >= self.pressure_max * self.piston_area:
             raise ValueError(

@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import count, takewhile
+from math import nan
 from types import MappingProxyType
 
 import numpy as np
@@ -37,10 +38,13 @@ OF_BRAKES = MappingProxyType(
         "spring_force": "F_spring",
     }
 )
-"""Datum of a `Brake` → parameter of the plant. `rigging` is the product of the two in `_RIGGING`."""
+"""Datum of a `Brake` → parameter of the plant. `rigging` is the product of the two in `_OF_RIGGING`."""
 
-_RIGGING = ("i_rigging", "eta_rigging")
-_OF_GROUPS = {parameter: BRAKE[datum][0] for datum, parameter in OF_BRAKES.items()} | dict.fromkeys(_RIGGING, "1")
+_OF_RIGGING = {
+    "i_rigging": ("1", "lever ratio of both pads"),
+    "eta_rigging": ("1", "efficiency of the rigging"),
+}
+_OF_GROUPS = {parameter: BRAKE[datum][0] for datum, parameter in OF_BRAKES.items()} | dict.fromkeys(_OF_RIGGING, "1")
 _MASS = "m_wheelset"
 
 
@@ -52,22 +56,25 @@ class Vehicle:
         wheelsets: Which there are and where, without loads and brakes.
         parameters: Numeric ones of the plant.
         isolated: Zero-based groups whose brake is isolated.
+        wanted: Data of its brakes that somebody asks for; others may be missing from the formation.
     """
 
     wheelsets: Formation
     parameters: Mapping[str, float]
     isolated: tuple[int, ...] = ()
+    wanted: frozenset[str] = frozenset(BRAKE)
 
     @cached_property
     def formation(self) -> Formation:
         """The same with loads and brakes.
 
         Raises:
-            ScenarioError: A parameter is missing or makes no brake.
+            ScenarioError: Parameters are missing, all of them in one sentence, or make no brake.
         """
+        self._require_data()
         try:
             load = self.wheelsets.summed(self.load).tolist()
-            brakes = tuple(Brake(load=load[group], **data) for group, data in enumerate(self._brake_data))
+            brakes = tuple(Brake(load=load[group], **data) for group, data in enumerate(self._brake_data()))
         except ValueError as problem:
             raise ScenarioError(f"[controller.parameters]: {problem}") from problem
         return replace(self.wheelsets, wheelset_load=tuple(self.load.tolist()), brakes=brakes)
@@ -88,7 +95,7 @@ class Vehicle:
         load = np.full(self.wheelsets.groups, np.inf) if self.mass is None else self.wheelsets.summed(self.load)
         return tuple(
             Brake(load=float(load[group]), **data) if works(group, data) else None
-            for group, data in enumerate(self._brake_data)
+            for group, data in enumerate(self._brake_data(missing=None))
         )
 
     @cached_property
@@ -125,26 +132,51 @@ class Vehicle:
         means = {name: sum(times) / len(times) for name, times in each.items() if times}
         return means | {name: self.parameters[name] for name in VALVES if name in self.parameters}
 
-    @property
-    def _brake_data(self) -> list[dict[str, float]]:
-        """Data of `Brake` for each group, without its load."""
+    def _require_data(self) -> None:
+        """Refuse a vehicle of which data are missing that somebody asks for.
+
+        Raises:
+            ScenarioError: All that is missing, each with its key, unit and meaning.
+        """
+        lacking: list[str] = []
+        if "m" not in self.parameters and not self._has(_MASS, self.wheelsets.wheelsets):
+            lacking.append("wheelset_load (static force of each wheelset on the rail [N])")
+        parameters = {OF_BRAKES[datum]: BRAKE[datum] for datum in OF_BRAKES if datum in self.wanted}
+        if "rigging" in self.wanted:
+            parameters |= _OF_RIGGING
+        brakes = [
+            f"{name} ({meaning}{'' if unit == '1' else f' [{unit}]'})"
+            for name, (unit, meaning) in parameters.items()
+            if not self._has(name, self.wheelsets.groups)
+        ]
+        if brakes:
+            lacking.append(f"brakes = {{ {', '.join(brakes)} }}")
+        if lacking:
+            raise ScenarioError(
+                f"[vehicle.formation] lacks {' and '.join(lacking)}, which controller or estimator need and the plant "
+                "does not say: write them there, a value for all or a list"
+            )
+
+    def _has(self, name: str, count: int) -> bool:
+        return name in self.parameters or all(f"{name}[{i + 1}]" in self.parameters for i in range(count))
+
+    def _brake_data(self, missing: float | None = nan) -> list[dict[str, float]]:
+        """Data of `Brake` for each group, without its load; `missing` stands for what nobody says, None refuses it."""
         groups = self.wheelsets.groups
-        data = {datum: self._elements(parameter, groups) for datum, parameter in OF_BRAKES.items()}
-        ratio, efficiency = (self._elements(parameter, groups) for parameter in _RIGGING)
+        data = {datum: self._elements(parameter, groups, missing) for datum, parameter in OF_BRAKES.items()}
+        ratio, efficiency = (self._elements(parameter, groups, missing) for parameter in _OF_RIGGING)
         data["rigging"] = ratio * efficiency
         return [{datum: float(values[group]) for datum, values in data.items()} for group in range(groups)]
 
-    def _elements(self, name: str, count: int) -> NDArray[np.float64]:
-        """Return the elements of an array of parameters, or one value for all."""
+    def _elements(self, name: str, count: int, missing: float | None = None) -> NDArray[np.float64]:
+        """Return the elements of an array of parameters, or one value for all; see `_brake_data`."""
         if name in self.parameters:
             return np.full(count, self.parameters[name])
         elements = [f"{name}[{i + 1}]" for i in range(count)]
-        missing = next((element for element in elements if element not in self.parameters), None)
-        if missing is not None:
-            raise ScenarioError(
-                f"[controller.parameters] lacks '{missing}', and the plant does not offer it: give its value there."
-            )
-        return np.array([self.parameters[element] for element in elements])
+        lacking = next((element for element in elements if element not in self.parameters), None)
+        if lacking is not None and missing is None:
+            raise ScenarioError(f"[vehicle.formation] lacks '{lacking}', and the plant does not offer it")
+        return np.array([self.parameters.get(element, missing) for element in elements], dtype=np.float64)
 
 
 def array_of(parameters: Mapping[str, float], name: str) -> tuple[float, ...]:

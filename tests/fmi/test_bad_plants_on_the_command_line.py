@@ -159,9 +159,13 @@ def test_a_draft_of_the_map_is_printed_with_what_a_short_run_shows(foundry: Path
     assert draft["pressure_command"] == "demand[{i}]"
     assert (draft["speed"], draft["distance"], draft["start_speed"]) == ("velocity", "odometer", "v0")
     # This one counts as we do, whatever its name says, and its wheels are larger: the run tells both.
-    assert draft["acceleration"] == "-retardation"
-    assert "# WRONG: acceleration shows" in out
-    assert "# WRONG: wheelset_speed[1] rolls with 0.46 m" in out
+    assert draft["acceleration"] == "retardation"
+    assert "# corrected: acceleration had the other sign; in the first run acceleration shows" in out
+    assert "WRONG" not in out
+    assert tomllib.loads(out)["vehicle"]["formation"] == {
+        "wheelsets_per_group": [2, 1, 1, 2],
+        "brakes": {"r_wheel": [0.46] * 4},
+    }
     assert "# fits: distance" in out
 
 

@@ -1,0 +1,354 @@
+"""[vehicle.map] and [vehicle.formation] for an FMU from outside: drafted by names, corrected by a short run."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from railgrip.base.units import mistake, mistaken_factor
+from railgrip.fmi import Description, Signal, bind, open_plant
+from railgrip.fmi.description import Causality
+from railgrip.fmi.draft import drafted, sizes_of
+from railgrip.simulate.files import parameters_of
+from railgrip.simulate.loop.plausible import slowing_of
+from railgrip.simulate.plant import only_model_exchange, plant_signals
+from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, Finding, Trial, findings, tried
+from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
+from railgrip.vehicle.formation import Formation, carried_mass
+from railgrip.vehicle.parameters import COUNTS, counts_of
+from railgrip.vehicle.signals import Layout, layout_of
+
+_SMALLEST, _LARGEST = 0.25, 0.7
+"""Radii of wheels on rails [m]: of a car carrier and of a steam locomotive's carrying wheels, with a margin."""
+_UNITS = {
+    ("m/s", 3.6): "km/h", ("Pa", 1e-5): "bar", ("Pa", 1e-3): "kPa", ("m", 1e-3): "km", ("m", 1e3): "mm",
+    ("1", 100.0): "percent",
+}  # fmt: skip
+"""Our unit and what a mistake multiplies by → unit to state where the FMU says none."""
+_PRESSURES = (1e5, 1e3, 1e6, -1.0)
+"""Commands in bar, kPa or MPa, or with the other sign."""
+_ROUNDS = 6
+_LOCKED = 0.3
+"""Share of the rolling speed below which a wheel on a good rail slides: no train's full brake does that."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One signal of [vehicle.map].
+
+    Attributes:
+        signal: Ours.
+        variables: Name, pattern or names in the FMU.
+        scale: Ours over theirs, the conversion of units left out.
+        unit: Stated where the FMU says none; "" where it does, or where none is needed.
+    """
+
+    signal: Signal
+    variables: str | tuple[str, ...]
+    scale: float
+    unit: str
+
+    def scaled(self, factor: float) -> "Entry":
+        """Return the entry with values of ours `factor` times as large, by another unit where that says it."""
+        unit = _UNITS.get((self.signal.unit, _rounded(1.0 / factor))) if self.unit == self.signal.unit else None
+        return replace(self, unit=unit) if unit else replace(self, scale=_rounded(self.scale * factor))
+
+    @property
+    def plain(self) -> Any:
+        """The entry as a table has it."""
+        if isinstance(self.variables, tuple):
+            return [replace(self, variables=name).plain for name in self.variables]
+        if not self.unit and abs(self.scale) == 1.0:
+            return f"-{self.variables}" if self.scale < 0 else self.variables
+        sign, scale = ("-", -self.scale) if self.scale < 0 else ("", self.scale)
+        details: dict[str, Any] = {"variable": f"{sign}{self.variables}"}
+        return details | ({"unit": self.unit} if self.unit else {}) | ({"scale": scale} if scale != 1.0 else {})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Draft:
+    """What is known of an FMU.
+
+    Attributes:
+        table: By the names of our signals.
+        missing: Signals that no plant can do without and nothing was found for.
+        formation: Its groups and wheelsets.
+        radius: Of the wheels of each group, by speed over wheel speed [m]; empty where no run told, or the FMU says it.
+        corrections: What the run showed to be wrong and the table has otherwise, in sentences.
+        findings: What the run with the table showed.
+    """
+
+    table: Mapping[str, Entry]
+    missing: Sequence[Signal]
+    formation: Formation
+    radius: Sequence[float] = ()
+    corrections: Sequence[str] = ()
+    findings: Sequence[Finding] = ()
+
+    def lines(self) -> Iterator[str]:
+        """Yield TOML to paste, with what the run showed as comments."""
+        yield "[vehicle.map]"
+        for name, entry in self.table.items():
+            yield f"{name} = {_toml(entry.plain)}"
+        for signal in self.missing:
+            yield f"# {signal.name} = ?  # needed, in {signal.unit}: nothing like it was found"
+        yield ""
+        if self.radius:
+            yield "[vehicle.formation]"
+            yield f"wheelsets_per_group = {list(self.formation.wheelsets_per_group)}"
+            yield f"brakes = {{ r_wheel = {[float(f'{radius:.4g}') for radius in self.radius]} }}"
+            yield ""
+        for sentence in self.corrections:
+            yield f"# corrected: {sentence}"
+        for finding in self.findings:
+            yield f"# {'fits' if finding.good else 'WRONG'}: {finding.signal} {finding.sentence}"
+
+
+def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], speed: float, period: float) -> Draft:
+    """Return a mapping that a short run of the FMU agrees with, as far as there is one.
+
+    Args:
+        description: Of the FMU.
+        wheelsets_per_group: Empty for what the FMU says, or its arrays let guess.
+        speed: Of the run at its start [m/s].
+        period: Communication period of it [s].
+
+    Raises:
+        FmuError: It is no co-simulation FMU.
+        PlantFailed: The run ended before its time.
+    """
+    if description.co_simulation is None:
+        raise only_model_exchange(description)
+    draft = _drafted(description, wheelsets_per_group)
+    if draft.missing:
+        return draft
+    run = partial(_run, description, draft.formation, speed=speed, period=period)
+    corrected = _corrected(draft, run, speed)
+    declares = {name.partition("[")[0] for name in description.names("parameter")} & {COUNTS, "r_wheel"}
+    return replace(corrected, radius=()) if declares else corrected
+
+
+def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
+    inputs, outputs, start = plant_signals(layout_of(formation), pneumatic=False, track_force=False)
+    signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
+    signals |= {s.name: (s, "output") for s in outputs}
+    signals[start.name] = (start, "parameter")
+    return signals
+
+
+def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> Draft:
+    """Return the draft by names, of the formation for which most is found."""
+    own = wheelsets_per_group or counts_of(parameters_of(description))
+    sizes = [(1,) * size for size in sizes_of(description, "input")]
+    choices = [own] if own else [catalogue_counts(), *sizes, (1,)]
+    drafts: list[Draft] = []
+    for counts in choices:
+        signals = _signals(Formation(counts))
+        found = drafted(description, signals)
+        table = {name: _entry(description, signals[name][0], variables) for name, variables in found.items()}
+        missing = [signal for name, (signal, _) in signals.items() if signal.needed and name not in table]
+        drafts.append(Draft(table=table, missing=missing, formation=Formation(counts)))
+    return min(drafts, key=lambda draft: len(draft.missing))
+
+
+def _entry(description: Description, signal: Signal, variables: str | tuple[str, ...]) -> Entry:
+    names = (variables,) if isinstance(variables, str) else variables
+    scale = -1.0 if names[0].startswith("-") else 1.0
+    bare = tuple(name.removeprefix("-") for name in names)
+    first = description.variables[bare[0].replace("{i}", "1")]
+    unit = "" if first.unit or first.unit_name or signal.unit == "1" else signal.unit
+    return Entry(signal, bare[0] if isinstance(variables, str) else bare, scale, unit)
+
+
+# ---- the short run ----------------------------------------------------------------------------------------------
+
+Run = Callable[[Mapping[str, Entry]], tuple[Trial, Trial]]
+
+
+def _run(
+    description: Description, formation: Formation, table: Mapping[str, Entry], *, speed: float, period: float
+) -> tuple[Trial, Trial]:
+    """Return the trials of an FMU on a good rail and on a poor one."""
+    layout = layout_of(formation)
+    inputs, outputs, start = plant_signals(layout, pneumatic=False, track_force=False)
+    binding = bind(
+        description,
+        inputs=inputs,
+        outputs=outputs,
+        parameters=(start,),
+        table={name: entry.plain for name, entry in table.items()},
+        where="the draft of [vehicle.map]",
+    )
+
+    def trial(friction: float) -> Trial:
+        with open_plant(
+            description, binding, period=period, parameters=binding.translate({"start_speed": speed}), trusted=False,
+            notify=lambda sentence: None,
+        ) as fmu:  # fmt: skip
+            full = tuple(group.pressure_max for group in catalogue_brakes(formation.groups))
+            return tried(layout, fmu, period=period, release=(0.0,) * formation.groups, brake=full, friction=friction)
+
+    return trial(GOOD_RAIL), trial(POOR_RAIL)
+
+
+def _rescaled(trials: tuple[Trial, Trial], factors: Mapping[str, float]) -> tuple[Trial, Trial]:
+    """Return trials whose outputs are `factors` times as large."""
+
+    def one(trial: Trial) -> Trial:
+        rows = trial.rows.copy()
+        for name, factor in factors.items():
+            rows[:, trial.layout.output[name]] *= factor
+        return replace(trial, rows=rows)
+
+    return one(trials[0]), one(trials[1])
+
+
+def _radius(trial: Trial) -> list[float]:
+    """Return speed over wheel speed of each group at the end of coasting [m]."""
+    outputs, last = trial.layout.output, trial.coasting - 1
+    wheels = trial.rows[last, outputs["wheelset_speed"]]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return (float(trial.rows[last, outputs["speed"].start]) / wheels).tolist()
+
+
+def _judged(trials: tuple[Trial, Trial], formation: Formation, speed: float) -> list[Finding]:
+    """Return what trials show; wheels of any radius that wheels have are right."""
+    groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
+    radius = [
+        own if _SMALLEST <= own <= _LARGEST else group.wheel_radius for own, group in zip(measured, groups, strict=True)
+    ]
+    slowing = slowing_of(carried_mass(sum(group.load for group in groups)), is_known=False)
+    found = list(
+        findings(
+            *trials, speed=speed, radius=tuple(radius), pressure=tuple(g.pressure_max for g in groups), slowing=slowing
+        )
+    )
+    layout = trials[0].layout
+    last = trials[0].rows[-1]
+    rolling = last[layout.output["speed"].start] / np.array(radius)
+    if np.all(last[layout.output["wheelset_speed"]] < _LOCKED * rolling):
+        sentence = f"locks all wheels on a rail with friction of {GOOD_RAIL:g}; full brakes of a train do not"
+        found.append(Finding(signal="pressure_command", good=False, sentence=sentence))
+    return found
+
+
+# ---- corrections ------------------------------------------------------------------------------------------------
+
+Factors = Mapping[str, float]
+"""Signal → what its values of ours are multiplied by."""
+
+
+def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
+    """Return the draft with the corrections under which the run contradicts it least."""
+    table, corrections = dict(draft.table), list[str]()
+    trials = run(table)
+    found = _judged(trials, draft.formation, speed)
+    for _ in range(_ROUNDS):
+        wrong = [finding for finding in found if not finding.good]
+        best: tuple[int, Factors, tuple[Trial, Trial], list[Finding]] | None = None
+        for factors in _proposals(wrong, trials[0]):
+            changed = _applied(trials, table, factors, run)
+            after = _judged(changed, draft.formation, speed)
+            count = _doubt(after)
+            if count < (_doubt(found) if best is None else best[0]):
+                best = count, factors, changed, after
+            wants_run = not factors.keys() <= trials[0].layout.output.keys()
+            settled = not any(f.signal.partition("[")[0] in factors for f in after if not f.good)
+            if count == 0 or (wants_run and count < _doubt(found) and settled):
+                break
+        if best is None:
+            break
+        _, factors, trials, found = best
+        corrections += [_sentence(name, factor, found=wrong) for name, factor in factors.items()]
+        table |= {name: table[name].scaled(factor) for name, factor in factors.items()}
+    for name in {finding.signal.partition("[")[0] for finding in found if not finding.good} & table.keys():
+        if not table[name].signal.needed:
+            del table[name]
+            corrections.append(f"{name} is left out, for what was found does not fit")
+            found = [finding for finding in found if finding.signal.partition("[")[0] != name]
+    radius = [one for one in _radius(trials[0]) if _SMALLEST <= one <= _LARGEST]
+    return replace(
+        draft,
+        table=table,
+        radius=radius if len(radius) == draft.formation.groups else (),
+        corrections=corrections,
+        findings=found,
+    )
+
+
+def _doubt(found: Sequence[Finding]) -> int:
+    """Return how much is wrong; a train that does not brake hides other mistakes."""
+    return sum(3 if finding.signal == "pressure_command" else 1 for finding in found if not finding.good)
+
+
+def _applied(
+    trials: tuple[Trial, Trial], table: Mapping[str, Entry], factors: Factors, run: Run
+) -> tuple[Trial, Trial]:
+    """Return the trials with a correction; only one of what is sent wants another run."""
+    layout: Layout = trials[0].layout
+    if all(name in layout.output for name in factors):
+        return _rescaled(trials, factors)
+    return run(dict(table) | {name: table[name].scaled(factor) for name, factor in factors.items()})
+
+
+def _proposals(wrong: Sequence[Finding], trial: Trial) -> Iterator[Factors]:
+    """Yield corrections that may explain what is wrong, those that want no further run first."""
+    by_signal = {finding.signal.partition("[")[0]: finding for finding in wrong}
+    outputs = [name for name in by_signal if name in trial.layout.output]
+    single: dict[str, float] = {}
+    for name in outputs:
+        factor = mistaken_factor(by_signal[name].ratio)
+        if factor is not None:
+            single[name] = 1.0 / factor
+    if "wheelset_speed" in by_signal:
+        single |= _wheel_correction(_radius(trial))
+    # Speeds in km/h at both ends are one mistake; distance, acceleration and wheels would be three.
+    if len({"distance", "wheelset_speed", "acceleration"} & by_signal.keys()) > 1:
+        yield {"start_speed": 1 / 3.6, "speed": 1 / 3.6}
+    yield from ({name: factor} for name, factor in single.items())
+    if len(single) > 1:
+        yield single
+    start = mistaken_factor(by_signal["speed"].ratio) if "speed" in by_signal else None
+    if start is not None:
+        yield {"start_speed": start}
+    if "mu0" in by_signal:
+        yield {"mu0": 0.01}
+    if "pressure_command" in by_signal:
+        yield from ({"pressure_command": factor, "cylinder_pressure": factor} for factor in _PRESSURES[:3])
+        yield from ({"pressure_command": factor} for factor in _PRESSURES)
+        yield {"mu0": 0.01}
+        yield from ({"pressure_command": factor, "mu0": share} for factor, share in product(_PRESSURES, (0.01,)))
+
+
+def _wheel_correction(measured: Sequence[float]) -> Factors:
+    """Return what makes radii of wheels of speeds over wheel speeds, if a usual mistake does."""
+    radius = float(np.median(measured))
+    for factor in (-1.0, 3.6, 1 / 3.6, 1 / (2 * np.pi), 30 / np.pi):
+        if _SMALLEST <= radius * factor <= _LARGEST:
+            return {"wheelset_speed": 1.0 / factor}
+    return {}
+
+
+def _sentence(name: str, factor: float, *, found: Sequence[Finding]) -> str:
+    """Return what was corrected and what showed it."""
+    shown = next((one for one in found if one.signal.partition("[")[0] == name), found[0])
+    likely = mistake(1.0 / factor) or f"{1.0 / factor:.4g} times what is meant"
+    return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.12g}")
+
+
+def _toml(entry: Any) -> str:
+    """Return an entry of a mapping as TOML."""
+    if isinstance(entry, str):
+        return '"' + entry.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    if isinstance(entry, list):
+        return f"[{', '.join(map(_toml, entry))}]"
+    if isinstance(entry, dict):
+        return f"{{ {', '.join(f'{key} = {_toml(value)}' for key, value in entry.items())} }}"
+    return repr(entry)

@@ -1,0 +1,227 @@
+"""A mapping for an FMU from outside is found by names of many kinds, and corrected where a short run contradicts it."""
+
+import tomllib
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+from faulty_fmu import faulty_fmu
+from tiny_fmu import tiny, xml
+
+from railgrip.base.errors import FmuError
+from railgrip.base.units import conversion, unit
+from railgrip.fmi import Description, Signal, bind, describe
+from railgrip.fmi.description import Variable
+from railgrip.fmi.draft import arrays_of, drafted
+from railgrip.simulate.mapped import Draft, Entry, _corrected, mapped
+from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, tried
+from railgrip.simulate.vehicle import catalogue_brakes
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import layout_of
+
+
+def described(**causalities) -> Description:
+    """Return a description of Real variables, causality → names."""
+    variables = {}
+    for causality, names in causalities.items():
+        for name in names:
+            variables[name] = Variable(
+                name=name, reference=len(variables), kind="Real", causality=causality, settable=causality != "output",
+                unit=None, unit_name="", relative=False, start="0", minimum=None, maximum=None, description="",
+            )  # fmt: skip
+    return Description(
+        file=Path("Train.fmu"), digest="", model="", guid="", generator="", variables=MappingProxyType(variables),
+        states=(), derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
+        model_exchange=None, blemishes="",
+    )  # fmt: skip
+
+
+WHEELS = Signal(name="wheelset_speed", unit="rad/s", size=3, needed=True)
+
+
+@pytest.mark.parametrize(
+    ("names", "entry"),
+    [
+        (["omega[1]", "omega[2]", "omega[3]"], "omega[{i}]"),
+        (["omega_1", "omega_2", "omega_3"], "omega_{i}"),
+        (["omega1", "omega2", "omega3"], "omega{i}"),
+        (["axle1.omega", "axle2.omega", "axle3.omega"], "axle{i}.omega"),
+        (["bogie2.omega[1]", "bogie2.omega[2]", "bogie2.omega[3]"], "bogie2.omega[{i}]"),
+        (["omega[0]", "omega[1]", "omega[2]"], ("omega[0]", "omega[1]", "omega[2]")),
+        (["omega[1,1]", "omega[2,1]", "omega[3,1]"], "omega[{i},1]"),
+        (["front.omega", "middle.omega", "rear.omega"], ("front.omega", "middle.omega", "rear.omega")),
+        (["rear.omega", "front.omega", "mid.omega"], ("front.omega", "mid.omega", "rear.omega")),
+        (["front.omega", "axle2.omega", "rear.omega"], ("front.omega", "axle2.omega", "rear.omega")),
+        (["omega_rear", "omega_middle", "omega_front"], ("omega_front", "omega_middle", "omega_rear")),
+        (["wheelOmega1", "wheelOmega2", "wheelOmega3"], "wheelOmega{i}"),
+    ],
+    ids=lambda value: value[0] if isinstance(value, list) else "",
+)
+def test_arrays_are_found_under_names_of_many_kinds(names, entry):
+    description = described(output=[*names, "speed", "distance"])
+    signals = {"wheelset_speed": (WHEELS, "output")}
+    table = drafted(description, signals)
+    assert table == {"wheelset_speed": entry}
+    written = list(entry) if isinstance(entry, tuple) else entry
+    stated = {"variable": written, "unit": "rad/s"} if isinstance(written, str) else [
+        {"variable": name, "unit": "rad/s"} for name in written
+    ]  # fmt: skip
+    bound = bind(description, inputs=(), outputs=[WHEELS], table={"wheelset_speed": stated})
+    assert sorted(bound.outputs.channels[0].variables) == sorted(names)
+
+
+def test_a_gap_in_the_numbers_is_no_array():
+    names = {array.name for array in arrays_of(described(output=["omega_1", "omega_3"])) if not array.is_scalar}
+    assert not names
+
+
+def test_a_variable_is_used_once():
+    signals = {
+        "wheelset_speed": (WHEELS, "output"),
+        "speed": (Signal(name="speed", unit="m/s", size=0, needed=True), "output"),
+        "slip": (Signal(name="slip", unit="1", size=3, needed=False), "output"),
+    }
+    table = drafted(described(output=["v", "omega_1", "omega_2", "omega_3"]), signals)
+    assert table == {"wheelset_speed": "omega_{i}", "speed": "v"}
+
+
+# ---- corrections ------------------------------------------------------------------------------------------------
+
+FORMATION = Formation((1, 1))
+LAYOUT = layout_of(FORMATION)
+FULL = tuple(brake.pressure_max for brake in catalogue_brakes(2))
+RADIUS, START, PERIOD = 0.46, 20.0, 0.01
+UNITS = {
+    "pressure_command": "Pa", "mu0": "1", "start_speed": "m/s", "distance": "m", "speed": "m/s",
+    "acceleration": "m/s2", "wheelset_speed": "rad/s", "cylinder_pressure": "Pa",
+}  # fmt: skip
+
+
+class Train:
+    """A mass whose wheels roll until its brakes ask for more than the rail takes; then they lock."""
+
+    def __init__(self, factors, table):
+        """Take its own units, theirs over ours by signal, and how a table reads them."""
+        self.gain = {}
+        for name, entry in table.items():
+            stated, _ = conversion(unit(entry.unit), unit(UNITS[name])) if entry.unit else (1.0, 0.0)
+            self.gain[name] = factors.get(name, 1.0) * stated * entry.scale
+        self.v = START / self.gain["start_speed"]
+
+    def start(self, inputs):
+        self.x, self.p = 0.0, np.zeros(2)
+        return self._shown(0.0, False)
+
+    def step(self, inputs):
+        command = inputs[LAYOUT.input["command"]] / self.gain["pressure_command"]
+        friction = inputs[LAYOUT.input["mu0"]][0] / self.gain["mu0"]
+        self.p += (command - self.p) * 0.1
+        wanted = max(self.p[0], 0.0) / FULL[0] * 1.1
+        a = min(wanted, 9.81 * max(friction, 0.0)) if self.v > 0 else 0.0
+        self.x += PERIOD * (self.v - 0.5 * PERIOD * a)
+        self.v -= PERIOD * a
+        return self._shown(-a, wanted > 9.81 * friction + 1.0)
+
+    def _shown(self, a, locked):
+        row = np.full(LAYOUT.outputs, np.nan)
+        wheels = 0.0 if locked else self.v / RADIUS
+        values = {
+            "distance": self.x, "speed": self.v, "acceleration": a, "wheelset_speed": wheels,
+            "cylinder_pressure": self.p,
+        }  # fmt: skip
+        for name, value in values.items():
+            row[LAYOUT.output[name]] = value * self.gain[name]
+        return row
+
+
+def corrected(factors) -> Draft:
+    table = {
+        name: Entry(Signal(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
+        for name, own in UNITS.items()
+    }
+
+    def run(now):
+        return tuple(
+            tried(LAYOUT, Train(factors, now), period=PERIOD, release=(0.0, 0.0), brake=FULL, friction=friction)
+            for friction in (GOOD_RAIL, POOR_RAIL)
+        )
+
+    return _corrected(Draft(table=table, missing=(), formation=FORMATION), run, START)
+
+
+KMH, BAR, KPA, RPM = 3.6, 1e-5, 1e-3, 30 / np.pi
+
+
+@pytest.mark.parametrize(
+    "factors",
+    [
+        {},
+        {"acceleration": -1.0},
+        {"speed": KMH},
+        {"start_speed": KMH},
+        {"start_speed": KMH, "speed": KMH},
+        {"distance": 1e-3},
+        {"wheelset_speed": RPM},
+        {"wheelset_speed": -1.0},
+        {"wheelset_speed": 1 / (2 * np.pi)},
+        {"cylinder_pressure": BAR},
+        {"pressure_command": BAR, "cylinder_pressure": BAR},
+        {"pressure_command": KPA, "cylinder_pressure": KPA},
+        {"mu0": 100.0},
+        {"acceleration": -1.0, "wheelset_speed": RPM},
+        {"start_speed": KMH, "speed": KMH, "acceleration": -1.0},
+        {"start_speed": KMH, "speed": KMH, "pressure_command": BAR, "cylinder_pressure": BAR},
+        {"mu0": 100.0, "acceleration": -1.0},
+    ],
+    ids=lambda factors: ", ".join(factors) or "nothing",
+)
+def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(factors):
+    """With the corrected table the train is read as it is: each gain, theirs to ours, is 1."""
+    draft = corrected(factors)
+    assert [finding for finding in draft.findings if not finding.good] == []
+    gains = Train(factors, draft.table).gain
+    assert gains == pytest.approx(dict.fromkeys(UNITS, 1.0), rel=1e-6)
+    assert {sentence.split()[0] for sentence in draft.corrections} == factors.keys()
+    assert draft.radius == pytest.approx([RADIUS] * 2, rel=1e-6)
+
+
+def test_a_unit_is_stated_where_the_fmu_has_none_and_scaled_where_it_has():
+    signal = Signal(name="speed", unit="m/s", size=0, needed=True)
+    assert Entry(signal, "v", 1.0, "m/s").scaled(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
+    assert Entry(signal, "v", 1.0, "").scaled(1 / 3.6).plain == {"variable": "v", "scale": pytest.approx(1 / 3.6)}
+    assert Entry(signal, "v", 1.0, "").scaled(-1.0).plain == "-v"
+    assert Entry(signal, ("a", "b"), -1.0, "").plain == ["-a", "-b"]
+
+
+def test_the_printed_tables_are_toml_that_binds(foundry: Path):
+    names = {"acceleration": "retardation", "speed": "velocity"}
+    theirs = ("front.n", "axle2.n", "axle3.n", "rear.n")
+    names |= {f"wheelset_speed[{i}]": name for i, name in enumerate(theirs, start=1)}
+    description = describe(faulty_fmu(foundry, names=names, defined=("SIGN=-1", "GRIP=0.0981")))
+    draft = mapped(description, wheelsets_per_group=(), speed=20.0, period=1e-3)
+    text = "\n".join(draft.lines())
+    table = tomllib.loads(text)["vehicle"]["map"]
+    assert table["wheelset_speed"] == list(theirs)
+    assert table["acceleration"] == "-retardation"
+    assert table["mu0"] == {"variable": "mu0[{i}]", "scale": 0.01}
+    assert "# corrected: mu0 had percent for a ratio" in text
+    assert "WRONG" not in text
+
+
+def test_what_is_not_found_is_told_with_its_unit(foundry: Path):
+    description = describe(faulty_fmu(foundry, names={"speed": "quantity_12"}))
+    lines = list(mapped(description, wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
+    assert "# speed = ?  # needed, in m/s: nothing like it was found" in lines
+
+
+def test_a_model_exchange_fmu_is_refused_as_one(foundry: Path):
+    file = tiny(foundry, description=xml(ways=("ModelExchange",)))
+    with pytest.raises(FmuError, match="this FMU offers only Model Exchange; export it as Co-Simulation"):
+        mapped(describe(file), wheelsets_per_group=(), speed=20.0, period=1e-3)
+
+
+@pytest.mark.parametrize("version", ["1.0", "3.0"])
+def test_another_version_of_fmi_is_refused_as_one(foundry: Path, version: str):
+    with pytest.raises(FmuError, match=f"railgrip runs FMI 2.0, this is FMI {version}; export it again as FMI 2.0"):
+        describe(tiny(foundry, description=xml(version=version)))
