@@ -13,7 +13,7 @@ from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 _SAME_MASS = 0.01  # between a car's mass and what stands on its axles: rounding of data sheets
 _DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: most that a brake may count on from 30 to 250 km/h
 _CLOSE = 0.10  # to a published stop
-_SENSED = 1e4  # Pa; below it the foot of a smeared front hastens it by 9 % of sound or more, see Pneumatics.Accelerator
+_SENSED = 1e4  # Pa; below it cells hasten the front by 6 % or more, see Pneumatics.Accelerator
 _ROTATING = (0.01, 0.30)  # share of the mass; 5 % to 10 % for coaches, up to 25 % for locomotives (EN 14531-1)
 USUAL_SPEED = 120 / 3.6  # m/s, of a stop where the file names none
 

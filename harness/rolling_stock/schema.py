@@ -120,6 +120,9 @@ class BrakePipe(Sourced):
 
     kind: Literal["brake_pipe"]
     diameter: Size = Field(description="inner one, of the pipe")
+    branch_volume: Annotated[float, Unit("m3", at_least=0, at_most=1)] = Field(
+        description="of branch pipe and dirt collector of each car, before the distributor"
+    )
     fill_time: Annotated[float, Unit("s", above=0, at_most=60)] = Field(
         description="of a distributor, from the first pressure to 95 % of the highest"
     )

@@ -6,7 +6,7 @@ Source: EN 14531-1, stopping distance by steps of time from instantaneous forces
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import accumulate
-from math import expm1
+from math import expm1, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +22,7 @@ Matrix = NDArray[np.float64]
 
 _STEP = 1e-2  # s
 _FILLED = 0.95  # of the highest pressure at the end of the filling time
-_PROPAGATION = 290.0  # m/s, of a front in the brake pipe: isothermal speed of sound; UIC 540 wants 250 at least
+_SOUND = 290.0  # m/s, isothermal, of a small wave in a brake pipe without branches; UIC 540 wants 250 of a front
 _AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Data.Drag
 _LONGEST = 600.0  # s
 
@@ -184,6 +184,12 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
     return np.abs(np.apply_along_axis(tension, 0, solution.y)).max(axis=1)
 
 
+def _front_speed(train: Train, command: BrakePipe) -> float:
+    """Return the speed of a small wave in the brake pipe, which branches slow down [m/s]."""
+    pipe = pi / 4 * command.diameter**2 * sum(car.length for car in train.cars)
+    return _SOUND / sqrt(1 + command.branch_volume * len(train.cars) / pipe)
+
+
 def _pad_force(brakes: dict[str, Vector], pressure: Vector) -> Vector:
     """Return the normal force of both pads of a unit [N]."""
     at_piston = np.maximum(pressure * brakes["piston_area"] - brakes["spring_force"], 0.0)
@@ -215,9 +221,9 @@ class _BuildUp:
                 self._delay, self.developed_at = np.zeros(positions.size), 0.0
             case Electropneumatic(delay=delay, time_constant=time_constant):
                 self._delay, self.developed_at = np.full(positions.size, delay), delay + 3 * time_constant
-            case BrakePipe(fill_time=fill_time):
-                self._delay = positions / _PROPAGATION
-                self.developed_at = float(self._delay.max()) + fill_time / _FILLED
+            case BrakePipe() as pipe:
+                self._delay = positions / _front_speed(train, pipe)
+                self.developed_at = float(self._delay.max()) + pipe.fill_time / _FILLED
 
     def share(self, time: float, speed: float) -> Vector:
         """Return the share of the highest pressure at each axle in the next step, shape (axles,)."""

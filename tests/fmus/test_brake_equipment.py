@@ -21,6 +21,7 @@ def simulated(name: str, *outputs: str) -> np.ndarray:
 AIR = [
     "PipeFront",
     "PipeFriction",
+    "PipeWave",
     "DistributorTimes",
     "TwoStages",
     "AcceleratedPipe",
@@ -37,7 +38,7 @@ def test_the_built_in_compiler_finds_the_answer(name: str) -> None:
 
 
 def test_an_emergency_brake_reaches_the_last_of_ten_coaches() -> None:
-    """271 m of pipe to the middle of the last one at 250 to 300 m/s.
+    """271 m of pipe to the middle of the last one; the first pressure of a cylinder comes at 240 to 270 m/s.
 
     UIC 540 gives each distributor 3 to 5 s from there on, in position P.
     """
@@ -45,6 +46,6 @@ def test_an_emergency_brake_reaches_the_last_of_ten_coaches() -> None:
     trace = simulated("Examples.BrakePipeOfTenCoaches", *pressures)
     since = trace["time"] - 1.0
     begins, fills = (np.array([since[np.argmax(trace[p] > level)] for p in pressures]) for level in (1e3, 0.95 * 3.8e5))
-    assert 271 / 300 < begins[-1] < 271 / 250
+    assert 271 / 270 < begins[-1] < 271 / 240
     assert np.all(np.diff(begins) > 0)
     assert np.all((fills - begins > 3.0) & (fills - begins < 5.0))

@@ -21,7 +21,8 @@ def tables():
 def piped(tables):
     """The same behind a brake pipe, with tables of a distributor in position R and an accelerator that no car has."""
     tables["command"] = {
-        "kind": "brake_pipe", "diameter": "32 mm", "fill_time": "4 s", "reservoir": "0.1 m3", "estimated": True,
+        "kind": "brake_pipe", "diameter": "32 mm", "branch_volume": 0, "fill_time": "4 s", "reservoir": "0.1 m3",
+        "estimated": True,
     }  # fmt: skip
     tables["distributors"] = {
         "R": {

@@ -80,7 +80,7 @@ def test_distributors_and_accelerators_are_shown_and_said(railgrip, mine):
     text = mine.read_text(encoding="utf-8")
     text = text.replace('kind = "electropneumatic"', 'kind = "brake_pipe"').replace(
         'delay = "0.4 s"                    # from the demand to the first pressure\ntime_constant = "0.5 s"',
-        'diameter = "32 mm"\nfill_time = "4 s"\nreservoir = "100 l" ',
+        'diameter = "32 mm"\nbranch_volume = 0\nfill_time = "4 s"\nreservoir = "100 l" ',
     )
     begin, end = text.index("# [distributors.R]"), text.index("[[cars]]")
     tables = "\n".join(line.removeprefix("# ") for line in text[begin:end].splitlines())

@@ -44,11 +44,11 @@ it closes and is ready again are estimated.
 <h4>Limitations</h4>
 <p>
 It vents in emergency brakes only. It cannot be faster than the front that opens it: behind the front the pressure
-falls faster, the front itself runs no faster than sound. A BrakePipe smears its front over some cells, and where
-T_sense <code>rate_open</code> is small the foot of it opens the next accelerator too early. With one in each of ten
-cars of 26.4 m, a front of 288 m/s without them runs at 472, 358 and 316 m/s in 1, 4 and 16 cells a car where that
-product is 0.025 bar, at 365 m/s and 315 m/s in 1 and 4 cells where it is 0.1 bar, and at 319 m/s and 295 m/s where it
-is 0.21 bar.
+falls faster, the front itself runs no faster than sound. Accelerators keep a front steep, so that it needs smaller
+cells than one without them. With one in each of ten coaches with branches of 3 l, whose small waves run at 272 m/s,
+the front runs at 263 m/s in five cells a car and at 258 m/s in 33 where T_sense <code>rate_open</code> is 0.21 bar, at
+285 m/s and 270 m/s where it is 0.1 bar, and at 323 m/s and 283 m/s where it is 0.025 bar: there the foot of the
+smeared front opens the next accelerator too early.
 </p>
 </html>"));
 end Accelerator;

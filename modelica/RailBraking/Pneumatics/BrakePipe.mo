@@ -1,11 +1,11 @@
 within RailBraking.Pneumatics;
-model BrakePipe "Brake pipe through a train, one cell to a car"
+model BrakePipe "Brake pipe through a train, in cells"
   extends Icons.Pneumatic;
   parameter Integer n(min=1) = 2 "Number of cells";
-  parameter Types.Length length[n](each start=26.4) "Length of pipe in each cell";
+  parameter Types.Length length[n](each start=26.4/5) "Length of pipe in each cell";
   parameter Types.Length D = 0.032 "Inner diameter";
   parameter Types.Ratio friction = 0.03 "Darcy friction factor, with couplings and bends";
-  parameter Types.Volume V_branch[n] = fill(0, n) "Of branch pipes and dirt collectors of each cell";
+  parameter Types.Volume V_branch[n] = fill(0, n) "Volume of branch pipe and dirt collector at each cell";
   parameter Types.Pressure p_start = 5e5 "Pressure at the start";
   Interfaces.AirPort front "Leading end"
     annotation(Placement(transformation(extent={{-120, -10}, {-100, 10}})));
@@ -17,26 +17,66 @@ model BrakePipe "Brake pipe through a train, one cell to a car"
     annotation(Placement(transformation(extent={{-10, 100}, {10, 120}})));
 protected
   constant Types.VolumeFlow q_small = 1e-6 "Flow below which friction is linear";
+  constant Types.Velocity c = sqrt(p_free/rho_free) "Isothermal speed of sound";
   final parameter Types.Area A = 3.141592653589793/4*D^2 "Cross section";
   final parameter Types.Length x[n] = cat(1, {length[1]/2}, {(length[i - 1] + length[i])/2 for i in 2:n})
-    "From the middle of each cell to the one ahead, or to the end";
+    "From the middle of each cell to the one ahead, or to the leading end";
   Types.Pressure p[n](each start=p_start, each fixed=true) "Pressure in each cell";
-  Types.Pressure ahead[n] "Pressure ahead of each cell";
-  Types.VolumeFlow q[n](each start=0, each fixed=true) "Free air from ahead into each cell";
-  Types.VolumeFlow on[n] "Free air from each cell to the rear";
+  Types.VolumeFlow q[n](each start=0, each fixed=true) "Free air that flows to the rear in each cell";
+  Real slope_p[n + 1](each final unit="Pa/m") "Slope of the pressure at each face, leading end first";
+  Real slope_q[n + 1](each final unit="m2/s") "Slope of the flow at each face";
+  Types.Pressure P_before[n] "Absolute pressure at the leading face of each cell, from inside";
+  Types.Pressure P_behind[n] "Absolute pressure at the trailing face of each cell, from inside";
+  Types.VolumeFlow q_before[n] "Flow at the leading face of each cell, from inside";
+  Types.VolumeFlow q_behind[n] "Flow at the trailing face of each cell, from inside";
+  Types.Velocity u_before[n] "Speed of the air at the leading face of each cell, from inside";
+  Types.Velocity u_behind[n] "Speed of the air at the trailing face of each cell, from inside";
+  Types.Velocity u[n + 1] "Speed of the air at each face";
+  Types.VolumeFlow air[n + 1] "Free air through each face";
+  Real momentum[n + 1](each final unit="m4/s2") "Momentum through each face, with the pressure on it, over rho_free";
+  Types.Pressure P_rear "Absolute pressure on the trailing end";
+  Types.PressureRate p_rate[n] "Rate of the pressure in each cell";
+  Types.VolumeFlow taken[n] "Free air that branches take, with the speed it has in the pipe";
 equation
-  front.p = ahead[1];
-  front.q = q[1];
+  front.p = p[1] - x[1]*slope_p[1];
+  front.q = air[1];
   rear.p = p[n];
-  rear.q = -on[n];
+  rear.q = -air[n + 1];
   for i in 2:n loop
-    ahead[i] = p[i - 1];
-    on[i - 1] = q[i];
+    slope_p[i] = (p[i] - p[i - 1])/x[i];
+    slope_q[i] = (q[i] - q[i - 1])/x[i];
   end for;
+  slope_p[n + 1] = slope_p[n];
+  slope_q[n + 1] = (air[n + 1] - q[n])/(length[n]/2);
+  slope_q[1] = slope_q[2];
   for i in 1:n loop
-    rho_free*x[i]/A*der(q[i]) = ahead[i] - p[i]
-      - friction*x[i]*rho_free*p_free/(2*D*A^2)*q[i]*sqrt(q[i]^2 + q_small^2)/((ahead[i] + p[i])/2 + p_free);
-    (A*length[i] + V_branch[i])/p_free*der(p[i]) = q[i] - on[i] + branch[i].q;
+    P_before[i] = p[i] + p_free - length[i]*(2*slope_p[i] + slope_p[i + 1])/6;
+    P_behind[i] = p[i] + p_free + length[i]*(slope_p[i] + 2*slope_p[i + 1])/6;
+    q_before[i] = q[i] - length[i]*(2*slope_q[i] + slope_q[i + 1])/6;
+    q_behind[i] = q[i] + length[i]*(slope_q[i] + 2*slope_q[i + 1])/6;
+    u_before[i] = p_free*q_before[i]/(A*P_before[i]);
+    u_behind[i] = p_free*q_behind[i]/(A*P_behind[i]);
+  end for;
+  u[1] = u_before[1] + c*log((front.p + p_free)/P_before[1]);
+  air[1] = A*u[1]*(front.p + p_free)/p_free;
+  momentum[1] = air[1]*u[1] + A/rho_free*(front.p + p_free);
+  for i in 2:n loop
+    u[i] = (u_behind[i - 1] + u_before[i])/2;
+    air[i] = ((c + u[i])*q_behind[i - 1] + (c - u[i])*q_before[i]
+      - (c^2 - u[i]^2)*A/p_free*(P_before[i] - P_behind[i - 1]))/(2*c);
+    momentum[i] = ((c + u[i])*(u_behind[i - 1]*q_behind[i - 1] + A/rho_free*P_behind[i - 1])
+      + (c - u[i])*(u_before[i]*q_before[i] + A/rho_free*P_before[i])
+      - (c^2 - u[i]^2)*(q_before[i] - q_behind[i - 1]))/(2*c);
+  end for;
+  P_rear = P_behind[n] + c*rho_free/A*(q_behind[n] - air[n + 1]);
+  u[n + 1] = p_free*air[n + 1]/(A*P_rear);
+  momentum[n + 1] = air[n + 1]*u[n + 1] + A/rho_free*P_rear;
+  for i in 1:n loop
+    p_rate[i] = p_free/(A*length[i] + V_branch[i])*(air[i] - air[i + 1] + branch[i].q);
+    der(p[i]) = p_rate[i];
+    taken[i] = noEvent(max(V_branch[i]/p_free*p_rate[i] - branch[i].q, 0));
+    length[i]*der(q[i]) = momentum[i] - momentum[i + 1]
+      - p_free*(friction*length[i]/(2*D)*sqrt(q[i]^2 + q_small^2) + taken[i])*q[i]/(A*(p[i] + p_free));
     branch[i].p = p[i];
     pressure[i] = p[i];
   end for;
@@ -49,24 +89,37 @@ equation
         Line(points={{30, 20}, {30, -20}}, color={0, 0, 127})}),
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
-<p>Mass and momentum of isothermal air, with the free air q that crosses the border of a cell and the absolute
-pressure P:</p>
+<p>
+Mass and momentum of isothermal air, with the free air q that flows to the rear, the absolute pressure P and the speed
+u = p_free q/(A P):
+</p>
 <blockquote><pre>
-A dx/p_free dp/dt = q(in) - q(out) + q(branch)
-rho_free dx/A dq/dt = p(ahead) - p - friction dx/(2 D) rho_free p_free q |q|/(A^2 P)
+A/p_free dP/dt + dq/dx = q(branch)
+dq/dt + d(u q + A P/rho_free)/dx = -friction/(2 D) u |q|
 </pre></blockquote>
 <p>
-Waves run at sqrt(p_free/rho_free) = 290 m/s: the isothermal speed of sound, and between the 250 m/s that UIC 540
-wants of an emergency
-brake and the 300 m/s that good distributors reach. Branches slow it by sqrt(1 + V_branch/(A length)). Steel pipes
-of brakes have
-25 to 32 mm (EN 15355: at most 25 l in a vehicle of at most 31 m).
+Small waves run at sqrt(p_free/rho_free) = 290 m/s, the isothermal speed of sound. A branch of the volume V_branch every
+L metres slows them to 290 m/s/sqrt(1 + V_branch/(A L)). Air that a branch takes leaves with the speed that it has in
+the pipe. Steel pipes of brakes have 25 to 32 mm (EN 15355: at most 25 l in a vehicle of at most 31 m).
+</p>
+<h4>Implementation</h4>
+<p>
+Finite volumes. Pressure and flow at the faces of a cell are parabolas through three cells (upwind-biased, third order),
+the fluxes between two cells those of Harten, Lax and van Leer with the speeds u - c and u + c. No limiter is needed: a
+brake makes rarefactions, which spread. At the leading end the pressure is that of the port, and the wave that
+comes out of the pipe keeps u - c ln P; at the trailing end the flow is that of the port.
+</p>
+<p>
+The front of an emergency brake, a fall by some 0.1 bar, through a locomotive and ten coaches with branches of 3 l runs
+at 249 m/s in three and more cells a car; without branches, where it stays sharper, at 270, 268 and 266 m/s in 3, 9 and
+17 cells a car. The tests compare five cells a car with an independent
+solver on finer grids.
 </p>
 <h4>Limitations</h4>
 <p>
-The velocity head is neglected (air leaves at up to 100 m/s beside the valve), the friction factor is constant and
-estimated. Nothing accelerates the brake but an <a
-href=\"modelica://RailBraking.Pneumatics.Accelerator\">Accelerator</a> at a branch. A front is smeared over some cells.
+The friction factor is constant and estimated. Nothing accelerates the brake but an <a
+href=\"modelica://RailBraking.Pneumatics.Accelerator\">Accelerator</a> at a branch. A branch is a volume at a point,
+with no resistance between it and the pipe. Air must stay slower than sound.
 </p>
 </html>"));
 end BrakePipe;

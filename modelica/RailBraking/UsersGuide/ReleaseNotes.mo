@@ -18,6 +18,10 @@ electropneumatic command, electrodynamic brake with blending, magnetic track bra
 isolation and parking of one unit.</li>
 <li><code>curve</code> of axles, bogies, cars, trains and the wagon: the shape of the creep curve at each wheelset,
 which may be bound to inputs; <code>Data.CreepCurve</code>.</li>
+<li><code>Pneumatics.BrakePipe</code> carries momentum with the air and converges with its cells. Through a locomotive
+and ten coaches whose branches hold 3 l the front of an emergency brake runs at 249 m/s, just below the 250 m/s of UIC
+540, without branches at 266 m/s; branch volume and friction factor are estimates, so the model does not show that such
+a train keeps the limit.</li>
 <li>Axles, bogies and cars give records, <code>group</code>, <code>wheelset</code> and <code>totals</code>, in place of
 an output for each quantity: <code>bogie.group.slip</code> for <code>bogie.slip</code>,
 <code>bogie.totals.capacity</code> for <code>bogie.capacity</code>. Outputs of FMUs keep their names.</li>

@@ -22,9 +22,8 @@ equation
     experiment(StopTime=5, Tolerance=1e-6, Interval=0.01),
     Documentation(info="<html>
 <p>
-UIC 540 wants 250 m/s of an emergency brake; the sound in isothermal air runs at 290 m/s. The front is the fall by
-0.1 bar, half a cell
-before the end of 600 m.
+UIC 540 wants 250 m/s of an emergency brake; the sound in isothermal air runs at 290 m/s, and this pipe has no branches.
+The front is the fall by 0.1 bar, half a cell before the end of 600 m.
 </p>
 </html>"));
 end PipeFront;

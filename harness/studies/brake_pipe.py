@@ -1,0 +1,178 @@
+"""The front of an emergency brake through ten coaches: its speed over grids, branches and accelerators."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from typer import Option
+
+from railgrip.base.files import scratch
+from railgrip.campaign.work import Work
+from railgrip.fmi import Description
+from railgrip.fmi.cosimulation import CoSimulation
+from railgrip.fmi.description import describe
+from railgrip.fmi.mapping import Signal, bind
+from railgrip.fmus.build import build_class
+from railgrip.report.baseline import Finding
+from railgrip.report.marked import write_tables
+from railgrip.report.page import Page
+from railgrip.report.table import Table
+from railgrip.rolling_stock.files import load_train
+from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
+from railgrip.rolling_stock.stopping import by_hand
+from railgrip.scenario.file import located
+from railgrip.simulate.run import run_stop
+from railgrip.studies.study import Study
+from railgrip.studies.trains.stops import dry_scenario, filling_of
+
+PAGE = Path("docs/trains.md")
+"""From the folder of the project, where the command runs."""
+FRONTS = "<!-- fronts: written by `railgrip study brake_pipe --write` -->"
+STOPS = "<!-- stops: written by `railgrip study brake_pipe --write` -->"
+END = "<!-- end -->"
+
+GRIDS = (1, 3, CELLS_OF_A_CAR, 9, 17)
+"""Cells of the pipe in a car; the last is what grid errors are taken against."""
+LITRES = (0.0, 1.5, 3.0, 4.5)
+"""Volume of the branch of each car [l]."""
+CONDUCTANCES = {"none": 0.0, "in each car": 2e-7}
+"""Of accelerators [m3/(s.Pa)]."""
+LIMIT = 250.0
+"""Slowest front that UIC 540 permits [m/s]."""
+
+_LENGTHS = np.array([19.5, *[26.4] * 10])
+_PRESSURE = 3.8e5
+_PERIOD, _STEPS = 2e-3, 1500  # s; the valve opens after 1 s
+_FIRST = 0.05  # of the highest pressure, at which a cylinder has begun to fill
+
+EQUIPMENT = {
+    "as in its file": "",
+    "distributors in position R": """
+[distributors.R]
+low_share = 0.5
+speed_up = "70 km/h"
+speed_down = "50 km/h"
+stage_time = "0.3 s"
+estimated = true
+""",
+    "accelerators": """
+[accelerators.quick]
+conductance = "2e-7 m3/(s.Pa)"
+opening_rate = "0.7 bar/s"
+closing_pressure = "2.5 bar"
+sensing_time = "0.3 s"
+estimated = true
+""",
+}
+"""Of each car of `loco_coaches`: the tables that docs/trains.md explains."""
+
+_MODEL = """model Pipe
+  extends RailBraking.Examples.BrakePipeOfTenCoaches(cells=CELLS);
+  RailBraking.Interfaces.RealOutput pressure[n](each final unit="Pa") = distributor.pressure;
+end Pipe;
+"""
+
+Case = tuple[float, str]
+"""Volume of branches [l], accelerators."""
+
+
+def fronts(cells: int) -> dict[Case, float]:
+    """Return the speed of the front from the first vehicle to the last [m/s], with so many cells a vehicle."""
+    with scratch("study") as folder:
+        source = folder / "Pipe.mo"
+        source.write_text(_MODEL.replace("CELLS", str(cells)), encoding="utf-8")
+        description = describe(build_class("Pipe", source, compiler="native").path)
+    return {
+        (litres, name): _front(description, 1e-3 * litres, conductance)
+        for litres in LITRES
+        for name, conductance in CONDUCTANCES.items()
+    }
+
+
+def _front(description: Description, volume: float, conductance: float) -> float:
+    pressures = Signal(name="pressure", unit="Pa", size=_LENGTHS.size, needed=True)
+    binding = bind(description, inputs=[], outputs=[pressures])
+    parameters = {"V_branch": volume, "C_accelerator": conductance}
+    with CoSimulation(description, binding, period=_PERIOD, parameters=parameters) as pipe:
+        first = pipe.start(np.zeros(0)).copy()
+        pressure = np.array([first, *(pipe.step(np.zeros(0)).copy() for _ in range(_STEPS))])
+    time = _PERIOD * np.arange(_STEPS + 1)
+    begin = [np.interp(_FIRST * _PRESSURE, of_vehicle, time) for of_vehicle in pressure.T]
+    middle = np.cumsum(_LENGTHS) - _LENGTHS / 2
+    return float((middle[-1] - middle[0]) / (begin[-1] - begin[0]))
+
+
+def table_of(speeds: Mapping[int, Mapping[Case, float]]) -> Table:
+    """Return the front over grids, and the grid error of the trains in files."""
+    finest = max(speeds)
+    rows = [
+        {"branch": f"{litres:g} l", "accelerators": name}
+        | {f"{cells} {'cells' if cells > 1 else 'cell'}": f"{speeds[cells][litres, name]:.1f} m/s" for cells in speeds}
+        | {"grid error": speeds[CELLS_OF_A_CAR][litres, name] / speeds[finest][litres, name] - 1}
+        for litres, name in speeds[finest]
+    ]
+    return Table(rows, {"grid error": "{:+.1%}"}, ("branch", "accelerators"), title="Front through ten coaches")
+
+
+def stop_row(equipment: str) -> dict[str, object]:
+    """Return the dry stop of `loco_coaches` with some equipment in each car."""
+    text = located("loco_coaches", "trains").read_text(encoding="utf-8")
+    table = EQUIPMENT[equipment]
+    if table:
+        kind, name = table.split("]")[0].strip().lstrip("[").split(".")
+        text = text.replace("[[cars]]", f'[[cars]]\n{kind.removesuffix("s")} = "{name}"') + table
+    with scratch("study") as folder:
+        file = folder / "loco_coaches.toml"
+        file.write_text(text, encoding="utf-8")
+        train = load_train(file)
+        speed = train.reference[0].speed
+        trace = run_stop(dry_scenario(file, speed)).trace
+    filling = filling_of(train, trace)
+    return {
+        "`loco_coaches` from 160 km/h": equipment,
+        "simulated": float(trace["distance"].values[-1]),
+        "by hand": by_hand(train, speed).distance,
+        "last car begins": float(filling.begin.max()),
+        "filling to 95 %": float(filling.filling.max()),
+        "largest coupler force": 1e-3 * float(np.abs(trace["coupler_force"].values).max()),
+    }
+
+
+@dataclass(frozen=True)
+class BrakePipe(Study):
+    """Measure the front in the brake pipe of ten coaches, over cells, branch volumes and accelerators."""
+
+    write: Annotated[bool, Option("--write", help="Write the table into docs/trains.md.")] = False
+    quick: bool = False
+
+    def page(self, work: Work) -> Page:
+        """Return the speed of the front in each case; the small form has two grids."""
+        grids = (1, CELLS_OF_A_CAR) if self.quick else GRIDS
+        table = table_of(dict(zip(grids, work.map(fronts, grids), strict=True)))
+        rows = [] if self.quick else work.map(stop_row, EQUIPMENT)
+        stops = Table(rows, _FORMS, ("`loco_coaches` from 160 km/h",), title="Emergency stops on a dry rail")
+        if self.write:
+            write_tables(PAGE, {FRONTS: table, STOPS: stops}, END)
+        return Page(
+            template="studies/brake_pipe.md.jinja",
+            values={"fronts": table, "stops": stops, "limit": LIMIT, "cells": CELLS_OF_A_CAR, "finest": max(grids)},
+            tables={"fronts.csv": table},
+            screen=(table, stops),
+        )
+
+    def headlines(self, work: Work) -> list[Finding]:
+        """Return the front with branches of 3 l, without and with accelerators."""
+        (speeds,) = work.map(fronts, [CELLS_OF_A_CAR])
+        # Between two outputs of 2 ms: half a metre a second.
+        return [Finding(f"accelerators {name}: front", speeds[3.0, name], "m/s", 0.1) for name in CONDUCTANCES]
+
+
+STUDY = BrakePipe
+
+_FORMS = {
+    **dict.fromkeys(("simulated", "by hand"), "{:.1f} m"),
+    **dict.fromkeys(("last car begins", "filling to 95 %"), "{:.2f} s"),
+    "largest coupler force": "{:.1f} kN",
+}
