@@ -3,27 +3,31 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from typer import Option
 
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge
-from railgrip.estimation.run import estimate, units_of
+from railgrip.estimation.run import by_name, estimate, units_of
 from railgrip.estimation.spec import (
     LIBRARY,
     Specification,
+    equations_for,
     estimate_of,
     load_specification,
     prediction_for,
     settings_for,
 )
+from railgrip.estimators.observability import along
 from railgrip.report import style
 from railgrip.report.baseline import Finding, extreme, mean
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
@@ -31,7 +35,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.sensors.white import White
 from railgrip.studies.study import Study
-from railgrip.trace.samples import evenly, period_of, reading_of, truth_of, with_signals
+from railgrip.trace.samples import evenly, period_of, reading_of, samples, truth_of, with_signals
 
 Mask = NDArray[np.bool_]
 
@@ -92,6 +96,22 @@ PERIODS = (5e-3, 10e-3, 20e-3)
 SPEED_NOISES = (0.5e-4, 1e-4, 3.2e-4)
 """Of the roller's encoder [m/s]; the last is what the R of equation (20) says, the square root of 1e-7."""
 
+
+R_OF_SPEED = 1e-7
+"""Variance of the roller's speed that equation (20) states [m²/s²]."""
+
+ENCODERS = ("no error", "white noise of R", "steps of variance R")
+"""Of the roller: what the period alone does, an error as R says it, and a grid of speeds whose rounding has R."""
+
+DRAWS = 10
+"""Of noise, or of where the steps of the grid lie."""
+
+FIT_PERIODS = (5e-3, 10e-3, 12e-3, 16e-3, 20e-3, 30e-3)
+"""Periods at which equation (20) as printed is tried with each encoder [s]."""
+
+PAGE = Path("docs/papers.md")
+"""From the folder of the project, where the command runs."""
+BEGIN, END = "<!-- rig: written by `railgrip study roller_rig --write` -->", "<!-- end of rig -->"
 
 Row = dict[str, Any]
 """One filter on one run, as the files have it; errors against the truth, after the start has settled.
@@ -155,24 +175,85 @@ def with_encoder(scenario: Scenario) -> list[Row]:
     return rows
 
 
+def fit_of(case: tuple[str, float]) -> Row:
+    """Return errors of equation (20) as printed on a test of the rig at a period, with each encoder of the roller.
+
+    Of an encoder: median of the errors outside protection events over `DRAWS`, and how many of these keep the promise.
+    `known` is the deviation to which `RECOVERY` seconds of readings with the noises of R tell adhesion at their begin,
+    the model being exact: the Cramér-Rao bound of a filter that corrects an error in that time, median over windows.
+    """
+    name, period = case
+    specification = _filters()["rig-paper"]
+    recording = recording_of_rig(_resampled(name, period, 1e-9))
+    speed, settings = recording["reading_speed"], settings_for(specification, period)
+    prediction, equations = prediction_for(specification), equations_for(specification)
+    row: Row = {"scenario": name, "period": period}
+    for encoder in ENCODERS:
+        found: list[dict[str, float]] = []
+        for draw in range(1 if encoder == ENCODERS[0] else DRAWS):
+            read = with_signals(recording, {"speed": (encoded(speed.values, encoder, draw), "m/s")})
+            estimates = estimate(read, prediction, settings, units=units_of(specification.model.class_))
+            found.append(excursions(read, estimates, SETTLED))
+        row[encoder] = float(np.median([one["alpha_outside"] for one in found]))
+        row[f"{encoder}, kept"] = f"{sum(bool(one['kept']) for one in found)} of {len(found)}"
+    states = np.stack([truth_of(recording, state) for state in equations.states], axis=1)
+    inputs = samples(recording, equations.inputs)
+    window = round(RECOVERY / period)
+    noise = by_name("readings", settings.readings, equations.outputs)
+    _, _, deviation = along(
+        equations, states, inputs, period, noise, np.ones(len(equations.states)), window, 10 * window
+    )
+    row["known"] = float(np.median(deviation[:, equations.states.index("alpha")]))
+    return row
+
+
+def encoded(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.float64]:
+    """Return speeds as one of `ENCODERS` reads them [m/s]."""
+    random = np.random.default_rng([20, draw])
+    if encoder == "white noise of R":
+        return speed + np.sqrt(R_OF_SPEED) * random.standard_normal(speed.shape)
+    if encoder == "steps of variance R":
+        step, place = np.sqrt(12 * R_OF_SPEED), random.random()
+        return step * (np.round(speed / step + place) - place)
+    return speed
+
+
+def fit_table(rows: Sequence[Row]) -> Table:
+    """Return the errors of adhesion outside protection events at each period with each encoder."""
+    return Table(
+        [
+            {"test": row["scenario"], "period": f"{1e3 * row['period']:g} ms"}
+            | {name: f"{row[name]:.4f}, kept {row[f'{name}, kept']}" for name in ENCODERS}
+            | {"0.1 s of readings tell": row["known"]}
+            for row in rows
+        ],
+        {"0.1 s of readings tell": "±{:.1e}"},
+        left=("test",),
+        title="Equation (20) as printed: adhesion error outside protection events",
+    )
+
+
 def _filters() -> dict[str, Specification]:
     return {one.name: one for one in (load_specification(LIBRARY / f"{name}.toml") for name in FILTERS)}
 
 
 def _other_encoders() -> list[Scenario]:
     """Return the sliding test at other sampling periods and with other encoders of the roller."""
-    scenarios: list[Scenario] = []
-    for period in PERIODS:
-        for noise in SPEED_NOISES:
-            periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
-            changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
-            scenarios.append(load(Path("rig_slide"), [*changes, f'sensors.noise.speed="{noise} m/s"']))
-    return scenarios
+    return [_resampled("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
+
+
+def _resampled(name: str, period: float, noise: float) -> Scenario:
+    """Return a test at another sampling period [s], with another encoder of the roller [m/s]."""
+    periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
+    changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
+    return load(Path(name), [*changes, f'sensors.noise.speed="{noise} m/s"'])
 
 
 @dataclass(frozen=True)
 class RollerRig(Study):
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
+
+    write: Annotated[bool, Option("--write", help="Write what fits equation (20) into docs/papers.md.")] = False
 
     def page(self, work: Work) -> Page:
         """Return both tests with both filters, and the sliding test with other periods and encoders."""
@@ -180,6 +261,9 @@ class RollerRig(Study):
         tests = work.map(tested, scenarios)
         sensitivity = [row for rows in work.map(with_encoder, _other_encoders()) for row in rows]
         rows = _rows(scenarios, tests)
+        fits = fit_table(work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS]))
+        if self.write:
+            write_tables(PAGE, {BEGIN: fits}, END)
         figures: dict[str, Figure] = {}
         for file, scenario, (recording, estimates) in zip(SCENARIOS, scenarios, tests, strict=True):
             for name, one in estimates.items():
@@ -191,11 +275,12 @@ class RollerRig(Study):
             template="studies/roller_rig.md.jinja",
             values={
                 "scores": scores,
+                "fits": fits,
                 "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
             },
             figures=figures,
             tables={"scores.csv": Table(rows), "sensitivity.csv": Table(sensitivity)},
-            screen=(scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")),),
+            screen=(scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")), fits),
         )
 
     def headlines(self, work: Work) -> list[Finding]:

@@ -1,6 +1,8 @@
 """The lateral study: its runs, its page with a figure of each test, and headline numbers."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Annotated, Any, Final
 
 import numpy as np
@@ -11,6 +13,7 @@ from railgrip.campaign.work import Work
 from railgrip.estimation.run import Kind
 from railgrip.report import style
 from railgrip.report.baseline import Finding
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.studies.lateral.judge import (
     DETECTOR,
@@ -21,6 +24,7 @@ from railgrip.studies.lateral.judge import (
     beliefs_about,
     measure,
 )
+from railgrip.studies.lateral.literal import SHORT, Information, information, refused, told
 from railgrip.studies.lateral.run import NAMES, Case, simulate
 from railgrip.studies.lateral.tables import (
     PLANT_TITLES,
@@ -42,6 +46,12 @@ SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
 
 SEEDS: Final = 10
+
+PAGE: Final = Path("docs/papers.md")
+"""From the folder of the project, where the command runs."""
+TOLD: Final = "<!-- lateral, told: written by `railgrip study lateral --write` -->"
+REFUSED: Final = "<!-- lateral, refused: written by `railgrip study lateral --write` -->"
+END: Final = "<!-- end -->"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -87,11 +97,24 @@ def measured(case: Case) -> dict[str, Any]:
     return measure(simulate(case), observe=case.plant == "paper")
 
 
+def literal_runs(plan: Plan, work: Work) -> list[Information]:
+    """Return what the transition at the middle speed tells the literal filter, for each seed."""
+    test, speed = plan.tests[-1], plan.middle_speed
+    cases = [Case(test=test, speed=speed, plant="paper", seed=seed) for seed in range(1, plan.seeds + 1)]
+    return work.map(information, cases)
+
+
+def write_literal(page: Path, runs: Sequence[Information]) -> None:
+    """Write both tables about the literal filter between their marks."""
+    write_tables(page, {TOLD: told(runs), REFUSED: refused(runs)}, END)
+
+
 def page_of(plan: Plan, work: Work) -> Page:
     """Run a plan; return tables over its seeds, and a figure of each test."""
     # Compiled here once, so that no worker has to.
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measured, plan.cases)
+    runs = literal_runs(plan, work)
     results = [Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True)]
     rows, speed = error_rows(results), plan.middle_speed
     drawn = replace(plan, speeds=(speed,), seeds=1).cases
@@ -111,6 +134,10 @@ def page_of(plan: Plan, work: Work) -> Page:
             "announced": f"{DETECTOR.confidence:.0%}",
             "errors": error_tables(rows),
             "innovations": innovation_table(results),
+            "told": told(runs),
+            "refused": refused(runs),
+            "short": SHORT,
+            "mirrored": max(one.mirrored for one in runs),
             "observability": observability_table(results),
             "levels": levels(results),
             "detections": detections(results),
@@ -137,6 +164,7 @@ class Lateral(Study):
     """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
 
     quick: bool = False
+    write: Annotated[bool, Option("--write", help="Write what the literal filter is told into docs/papers.md.")] = False
     prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
 
     @property
@@ -146,7 +174,10 @@ class Lateral(Study):
 
     def page(self, work: Work) -> Page:
         """Return the page of all runs."""
-        return page_of(replace(QUICK if self.quick else FULL, prediction=self.prediction), work)
+        plan = replace(QUICK if self.quick else FULL, prediction=self.prediction)
+        if self.write:
+            write_literal(PAGE, literal_runs(plan, work))
+        return page_of(plan, work)
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return errors of filters in one transition through all conditions, with softer contacts and other sensors."""

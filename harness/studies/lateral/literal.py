@@ -1,0 +1,131 @@
+"""Why the literal filter loses creep and force: what its readings can tell, and what its noises let it believe."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.estimation.run import prediction_of
+from railgrip.estimators.belief import Array
+from railgrip.estimators.observability import along
+from railgrip.report.table import Table
+from railgrip.studies.lateral.judge import WINDOW
+from railgrip.studies.lateral.run import CLASSES, EVERY, LITERAL_NOISE, Case, Trace, simulate
+from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
+
+SHORT: Final = 0.02
+"""Between two passages of the creep through zero, where the linearisation holds [s]."""
+
+_STATES: Final = ("lateral_velocity", "yaw_rate", "creep", "friction", "creep_force")
+_HIDDEN: Final = slice(2, 5)
+"""Creep, friction and force, which no sensor reads."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Information:
+    """What a run tells about creep, friction and force, in the order of the states of the literal filter.
+
+    Attributes:
+        size: Root mean square of each in the run, shape (3,).
+        condition: Number of the condition of each short window, shape (k,).
+        short: Deviation from each short window of readings alone, shape (k, 3).
+        rank: Directions of the five states that each short window tells better than their size, shape (k,).
+        long: The same as `short` from windows of `WINDOW`, shape (j, 3).
+        jump: Change of friction and force when the condition changes, the largest of the run, shape (2,).
+        allowed: Deviation of what the process noise lets both change in `WINDOW`, most of all conditions, shape (2,).
+        mirrored: Largest difference of a reading with creep and force of the other sign, over the noise of the reading.
+    """
+
+    size: Array
+    condition: NDArray[np.intp]
+    short: Array
+    rank: NDArray[np.intp]
+    long: Array
+    jump: Array
+    allowed: Array
+    mirrored: float
+
+
+def information(case: Case) -> Information:
+    """Run a case and linearise the equations of the literal filter along its truth."""
+    return information_of(simulate(case, names=()))
+
+
+def information_of(trace: Trace) -> Information:
+    """Linearise the equations of the literal filter along the truth of a run."""
+    model = prediction_of(CLASSES["literal"], kind="compiled")
+    x = np.column_stack([trace.truth[name] for name in _STATES])
+    shape = np.array([(CONDITIONS[number].A, CONDITIONS[number].B) for number in trace.condition])
+    columns = {
+        "lateral_position": trace.truth["lateral_position"],
+        "yaw_angle": trace.truth["yaw_angle"],
+        "track": trace.track,
+        "track_rate": np.gradient(trace.track, trace.period),
+        "speed": np.full(len(x), trace.case.speed),
+        "mu0": trace.mu0,
+        "A_falling": shape[:, 0],
+        "B_falling": shape[:, 1],
+    }
+    u = np.column_stack([columns[name] for name in model.inputs])
+    size = np.sqrt(np.mean(x**2, axis=0))
+    # The readings of a recorded instant represent the EVERY readings up to the next.
+    noise = np.square(PAPER_SENSORS) / EVERY
+    windows = {time: round(time / trace.period) for time in (SHORT, WINDOW)}
+    begins, _, short = along(model, x, u, trace.period, noise, size, windows[SHORT], windows[SHORT])
+    _, _, long = along(model, x, u, trace.period, noise, size, windows[WINDOW], windows[WINDOW])
+    change = 1 + np.flatnonzero(np.diff(trace.condition))
+    jump = np.abs(x[change] - x[change - 1])[:, 3:].max(axis=0, initial=0.0)
+    spread = np.sqrt(np.max([LITERAL_NOISE[one.name] for one in CONDITIONS], axis=0) * WINDOW / PERIOD)
+    mirror = np.array([1.0, 1.0, -1.0, 1.0, -1.0])
+    seen, other = (np.array([model.output(a, b) for a, b in zip(x * sign, u, strict=True)]) for sign in (1.0, mirror))
+    return Information(
+        size=size[_HIDDEN],
+        condition=trace.condition[begins],
+        short=short[:, _HIDDEN],
+        rank=np.sum(short < size, axis=1),
+        long=long[:, _HIDDEN],
+        jump=jump,
+        allowed=spread[3:],
+        mirrored=float(np.max(np.abs(seen - other) / PAPER_SENSORS)),
+    )
+
+
+def told(runs: Sequence[Information]) -> Table:
+    """Return, by condition, to which share of its size each hidden state is told by a short window of readings."""
+    rows: list[dict[str, Any]] = []
+    for number, condition in enumerate(CONDITIONS):
+        parts = [(one.short / one.size, one.rank, one.condition == number) for one in runs]
+        shares = np.concatenate([share[own] for share, _, own in parts])
+        if not len(shares):
+            continue
+        ranks = np.concatenate([rank[own] for _, rank, own in parts])
+        middle, most = np.median(shares, axis=0), np.quantile(shares, 0.9, axis=0)
+        rows.append(
+            {"condition": condition.name, "windows": len(shares), "all five told": float(np.mean(ranks == 5))}
+            | {
+                f"σ({name})": f"{100 * a:.2g} % ({100 * b:.2g} %)"
+                for name, a, b in zip(("creep", "friction", "force"), middle, most, strict=True)
+            }
+        )
+    return Table(rows, {"all five told": "{:.0%}"}, ("condition",))
+
+
+def refused(runs: Sequence[Information]) -> Table:
+    """Return what a change of the surface moves beside what the process noise of the paper lets move."""
+    jump = np.median([one.jump for one in runs], axis=0)
+    allowed, long = runs[0].allowed, np.median(np.concatenate([one.long for one in runs]), axis=0)
+    return Table(
+        [
+            {
+                "state": name,
+                "largest change with the surface": f"{jump[i]:.3g}{unit}",
+                f"1σ of its process noise in {WINDOW:g} s": f"{allowed[i]:.1e}{unit}",
+                "ratio": f"{jump[i] / allowed[i]:.1e}",
+                f"told by {WINDOW:g} s of readings": f"±{long[1 + i]:.1e}{unit}",
+            }
+            for i, (name, unit) in enumerate((("friction", ""), ("force", " N")))
+        ],
+        left=("state",),
+    )

@@ -1,0 +1,31 @@
+"""What readings tell the literal filter, against the filter's own equations."""
+
+import numpy as np
+import pytest
+
+from railgrip.studies.lateral.literal import information_of, refused, told
+from railgrip.studies.lateral.run import Case, simulate
+from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
+
+
+@pytest.fixture(scope="module")
+def found():
+    return information_of(simulate(Case(test=TESTS[-1].shortened(2.5), speed=25.0, plant="paper", seed=1), names=()))
+
+
+def test_readings_do_not_tell_the_sign_of_creep_and_force(found):
+    assert found.mirrored < 1e-9
+
+
+def test_longer_windows_tell_more_than_short_ones(found):
+    """25 short windows in a long one: an exact model cannot know less from more readings."""
+    assert np.all(np.median(found.long, axis=0) < np.median(found.short, axis=0))
+
+
+def test_a_change_of_the_surface_is_beyond_the_process_noise(found):
+    """Friction falls by 0.1 at least where the surface changes; the walk of Table Q adds 1e-12 a step at most."""
+    assert found.jump[0] > 0.05
+    assert found.allowed == pytest.approx(np.sqrt(1e-12 * 0.5 / PERIOD))
+    assert np.all(found.jump > 100 * found.allowed)
+    assert [row["state"] for row in refused([found]).texts] == ["friction", "force"]
+    assert [row["condition"] for row in told([found]).texts] == [condition.name for condition in CONDITIONS]
