@@ -46,6 +46,7 @@ _PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring
 _NOISE_PREFIX = {
     "TrainPrediction": "train",
     "TrainPredictionDisturbed": "disturbed",
+    "TrainPredictionLoaded": "loaded",
     "TrainPredictionReduced": "reduced",
 }
 

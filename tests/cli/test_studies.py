@@ -77,7 +77,18 @@ def test_studies_are_listed_with_what_they_are(capsys):
 
 
 @pytest.mark.parametrize(
-    "name", ["axle_box", "field_test", "k_factors", "lateral", "pad_monitor", "roller_rig", "trains"]
+    "name",
+    [
+        "axle_box",
+        "brake_pipe",
+        "field_test",
+        "filter_consistency",
+        "k_factors",
+        "lateral",
+        "pad_monitor",
+        "roller_rig",
+        "trains",
+    ],
 )
 def test_every_study_shows_its_options_and_has_the_name_of_its_module(name, capsys):
     with pytest.raises(SystemExit) as end:

@@ -58,10 +58,16 @@ RELEASED = slice(100, 250)
 LAGS = 10
 """Of the whiteness test [steps]: the ideal tuning follows adhesion within 5 of them."""
 
-MODELS = {"TrainPrediction": "train", "TrainPredictionReduced": "reduced", "TrainPredictionDisturbed": "disturbed"}
+MODELS = {
+    "TrainPrediction": "train",
+    "TrainPredictionReduced": "reduced",
+    "TrainPredictionDisturbed": "disturbed",
+    "TrainPredictionLoaded": "loaded",
+}
 TUNINGS = (
     *product(("TrainPrediction", "TrainPredictionReduced"), ("ideal", "service")),
     ("TrainPredictionDisturbed", "service"),
+    ("TrainPredictionLoaded", "service"),
 )
 BRAKING = ("held", "one group released")
 CONFIDENCE = 1.0 - 0.05 / (len(TUNINGS) * len(BRAKING) * (len(INSTANTS) + 2))

@@ -7,10 +7,15 @@ model PredictedTrain "The prediction models of a train beside each other, braked
     annotation(Placement(transformation(extent={{20, -20}, {60, 20}})));
   Predictions.TrainPredictionDisturbed disturbed(alpha_start={0.12, 0.08, 0.08, 0.12}, d(start=-0.05))
     "With suspension, on a rising gradient that it may come to know"
-    annotation(Placement(transformation(extent={{-20, -80}, {20, -40}})));
+    annotation(Placement(transformation(extent={{20, -80}, {60, -40}})));
+  Predictions.TrainPredictionLoaded loaded(alpha_start={0.12, 0.08, 0.08, 0.12}, payload(start=0.1))
+    "With suspension, of a load that it may come to know"
+    annotation(Placement(transformation(extent={{-60, -80}, {-20, -40}})));
 equation
   disturbed.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   disturbed.track_force = 0;
+  loaded.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
+  loaded.track_force = 0;
   full.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   reduced.cylinder_pressure = {3e5, 2e5, 2e5, 3e5};
   full.track_force = 0;

@@ -37,6 +37,7 @@ protected
   Types.Acceleration train_acceleration "Acceleration of the train";
   Types.Force pad_force[n_groups] "Normal force of both pads of one unit";
   Types.Ratio f_resistance[n_groups] "Bearing and rolling resistance at the rim over load";
+  Types.Force static[n_groups] = g*m_group "Static load of each group on the rail";
   Types.Force load[n_groups] "Load of each group on the rail";
   Types.Force F[n_groups] "Braking force of the track on each group";
   Types.Torque torque[n_groups] "Brake torque on each group";
@@ -47,7 +48,7 @@ protected
   Types.Torque tipping[n_bogies] "Torque that tips each frame nose-down, springs excluded";
 equation
   for i in 1:n_groups loop
-    load[i] = groupLoad(g*m_group[i], spring, group_of_wheelset, i);
+    load[i] = groupLoad(static[i], spring, group_of_wheelset, i);
     F[i] = alpha[i]*load[i];
     torque[i] = n_units[i]*mu_b[i]*r_friction[i]*pad_force[i];
     J[i]*der(w[i]) = radius[i]*(F[i] - f_resistance[i]*load[i]) - torque[i];
