@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from railgrip.base.registry import shelf
 from railgrip.report.marked import with_tables
+from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.polach import named_set
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
 from railgrip.studies.papers.study import END, PAGE, begin, tables_of
@@ -37,6 +39,17 @@ def test_a_stale_number_is_found(tables):
 
 def test_the_named_curve_is_the_identified_one(identified):
     assert named_set("identified") == identified.candidate.polach
+
+
+def test_the_campaign_has_the_identified_levels_and_law(identified):
+    campaign = load_campaign(shelf("campaigns")["identified"])
+    levels = {stop.scenario.name: stop.scenario.adhesion.level for stop in campaign.stops}
+    assert levels == {f"identified_{name}": level for name, level in identified.levels.items()}
+    assert {stop.scenario.adhesion.polach.name for stop in campaign.stops} == {"identified"}
+    laws = [s.scenario.controller for s in campaign.stops if s.scenario.controller.kind == "adhesion_literal"]
+    assert len(laws) == len(SCENARIOS)
+    wanted = {"filter_time": identified.candidate.filter_time, "slip_small": identified.candidate.slip_small}
+    assert all({name: value.entry for name, value in law.parameters.items()} == wanted for law in laws)
 
 
 def test_all_six_distances_are_within_one_per_cent(identified):
