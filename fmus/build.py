@@ -226,13 +226,13 @@ def _translation_of(order: _Order) -> _Translation | None:
 
     recipe = order.recipe.model_dump(by_alias=True)
     source, interface = confined.call("translate", order.recipe.class_name, order.library, recipe=recipe)
-    return Source(**source), interface
+    return Source(**source | {"units": tuple(source["units"])}), interface
 
 
 def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return what `translate` does for a recipe, all as JSON has it, for `confined`."""
     source, interface = translate(Recipe.model_validate(recipe), library)
-    return asdict(source), interface
+    return asdict(source) | {"units": list(source.units)}, interface
 
 
 def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:

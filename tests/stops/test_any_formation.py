@@ -11,9 +11,10 @@ from PIL import Image
 
 from railgrip.__main__ import main
 from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import shelf
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
-from railgrip.scenario.load import installed, load, read_toml, scenario_of
+from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
@@ -251,7 +252,7 @@ def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: s
     """
     scenario = FREIGHT if name == "freight train" else "trapezoid"
     service = name != "freight train"
-    written = read_toml(installed(Path(scenario), "library"))
+    written = read_toml(shelf("scenarios").get(str(scenario)) or Path(scenario))
     model = {"model": "TrainPrediction"} if name == "two-part train" else {}
 
     def with_estimator(kind: str, **more: str) -> Scenario:

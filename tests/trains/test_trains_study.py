@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from railgrip.base.registry import shelf
 from railgrip.rolling_stock.files import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.file import installed
 from railgrip.studies.trains import sanders, stops
 from railgrip.studies.trains.stops import DryStop, Filling, ProtectedStop, multiplied, protected_stop
 from railgrip.studies.trains.study import page_of
@@ -46,7 +46,7 @@ def test_the_demand_is_the_deceleration_of_the_trial():
     """By hand, with the pressures of the scenario in place of the highest ones."""
     trial = sanders.trial_of()
     pressures = sanders.scenario_tables(trial)["demand"]["phases"][0]["pressure"]
-    tables = tomllib.loads(installed(Path(trial.train), "trains").read_text(encoding="utf-8"))
+    tables = tomllib.loads(shelf("trains")[str(trial.train)].read_text(encoding="utf-8"))
     train = load_train(Path(trial.train))
     for group, pressure in enumerate(pressures):
         tables["brakes"][train.bogie_of(group).data.brake]["pressure_max"] = pressure
@@ -66,7 +66,7 @@ def stop_of(train, **changes):
 def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
     train = load_train(Path("emu387"))
     filling = Filling(begin=np.array([0.1, 0.4]), filling=np.array([4.0, 4.1]), propagation=280.0)
-    text = installed(Path("emu387"), "trains").read_text(encoding="utf-8")
+    text = shelf("trains")["emu387"].read_text(encoding="utf-8")
     series = [stop_of(train_of(tomllib.loads(multiplied(text, cars)), "cars")) for cars in (1, 2)]
     rows = [
         sanders.Comparison(sanders="one fixed", distance=801.0, measured=800.0, at_least=False, fitted=True),
@@ -96,7 +96,7 @@ def test_the_stop_with_estimator_and_valves_ends(monkeypatch, tmp_path):
     for name in ("dry.toml", "protected.toml"):
         text = (stops.LIBRARY / name).read_text(encoding="utf-8")
         (tmp_path / name).write_text(text.replace('"emu387"', f'"{tmp_path}/half.toml"'), encoding="utf-8")
-    whole = installed(Path("emu387"), "trains").read_text(encoding="utf-8")
+    whole = shelf("trains")["emu387"].read_text(encoding="utf-8")
     (tmp_path / "half.toml").write_text(multiplied(whole, 2), encoding="utf-8")
     monkeypatch.setattr(stops, "LIBRARY", tmp_path)
     monkeypatch.setattr(stops, "_ROUNDS", 1)  # more are for the time
