@@ -160,8 +160,8 @@ def run(
     from railgrip.campaign.one_stop import with_sources
     from railgrip.simulate.run import run_stop
 
-    asked, own = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
-    return with_sources(run_stop(asked, own=_parts(import_from, **own)))
+    changed, own = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
+    return with_sources(run_stop(changed, own=_parts(import_from, **own)))
 
 
 def open(
@@ -175,8 +175,8 @@ def open(
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.simulate.by_hand import Bench
 
-    asked, own = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
-    return Bench(asked, _parts(import_from, **own))
+    changed, own = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
+    return Bench(changed, _parts(import_from, **own))
 
 
 def sweep(

@@ -16,7 +16,7 @@ from railgrip.cli.app import Campaigns, Fresh, ImportFrom, Overrides, Workers
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.comparison import compare as compared
-from railgrip.report.console import complain, progress, say, show_table
+from railgrip.report.console import complain, progress, say, show_all, show_table
 from railgrip.report.distances import rows_of, tables_of
 from railgrip.report.index import write_report
 from railgrip.report.results import by_compiler, read_results
@@ -104,11 +104,7 @@ def compare(
     if as_json:
         say(json.dumps(finite(comparison.to_plain()), indent=1, ensure_ascii=False))
         return
-    for part in page.screen:
-        if isinstance(part, str):
-            say(part)
-        else:
-            show_table(part)
+    show_all(page.screen)
     say(str(path))
 
 

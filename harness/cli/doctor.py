@@ -7,7 +7,7 @@ import platform
 import re
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
@@ -44,7 +44,7 @@ def doctor() -> None:
 
     Exit code 1 means that there are problems; each comes with its remedy.
     """
-    findings = [finding for check in CHECKS for finding in _findings_of(check)]
+    findings = [finding for name, check in CHECKS.items() for finding in _findings_of(name, check)]
     rows = [{"": "PROBLEM" if one.remedy else "ok", "check": one.what, "found": one.found} for one in findings]
     show_table(Table(rows, left=("", "check", "found")))
     problems = [one for one in findings if one.remedy]
@@ -55,21 +55,15 @@ def doctor() -> None:
     say("No problems.")
 
 
-def _findings_of(check: Callable[[], Iterator[Finding]]) -> list[Finding]:
+def _findings_of(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:
     """Return what a check finds; whatever it cannot go on with is a problem, too."""
     try:
         return list(check())
     except RailgripError as problem:
-        return [Finding(_name_of(check), "fails", str(problem))]
+        return [Finding(name, "fails", str(problem))]
     except Exception as problem:  # a compiled package that does not load may raise anything
         words = f"{type(problem).__name__}: {problem}"
-        return [
-            Finding(_name_of(check), words, "install railgrip anew: python -m pip install --force-reinstall railgrip")
-        ]
-
-
-def _name_of(check: Callable[[], Iterator[Finding]]) -> str:
-    return check.__name__.strip("_").replace("_", " ")
+        return [Finding(name, words, "install railgrip anew: python -m pip install --force-reinstall railgrip")]
 
 
 def _versions() -> Iterator[Finding]:
@@ -96,7 +90,7 @@ def _files_of_the_package() -> Iterator[Finding]:
         yield Finding("files of the package", f"{len(own)}, all there" if own else "used from a folder of sources")
 
 
-def _C_compiler() -> Iterator[Finding]:  # noqa: N802 (the name of the language)
+def _compiler() -> Iterator[Finding]:
     from railgrip.fmus.native.toolchain import binary, compiler
 
     cc = compiler()
@@ -104,12 +98,12 @@ def _C_compiler() -> Iterator[Finding]:  # noqa: N802 (the name of the language)
     yield Finding("C compiler", f"{' '.join(cc.command)} ({cc.version}), compiles a library of {size} bytes")
 
 
-def _OpenModelica() -> Iterator[Finding]:  # noqa: N802 (a name)
+def _openmodelica() -> Iterator[Finding]:
     omc = shutil.which("omc")
     yield Finding("OpenModelica", omc or "not found; the built-in compiler makes the FMUs")
 
 
-def _FMUs() -> Iterator[Finding]:  # noqa: N802 (a name)
+def _fmus() -> Iterator[Finding]:
     from railgrip.fmi.description import PLATFORM
 
     yield Finding("FMUs", f"FMPy {version('fmpy')} loads those with binaries for {PLATFORM}")
@@ -155,13 +149,13 @@ def _parts_of_other_packages() -> Iterator[Finding]:
         yield Finding("parts of other packages", f"none; entry points are railgrip.{', '.join(get_args(Role))}")
 
 
-CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
-    _versions,
-    _files_of_the_package,
-    _C_compiler,
-    _OpenModelica,
-    _FMUs,
-    _cache,
-    _folders,
-    _parts_of_other_packages,
-)
+CHECKS: Mapping[str, Callable[[], Iterator[Finding]]] = {
+    "versions": _versions,
+    "files of the package": _files_of_the_package,
+    "C compiler": _compiler,
+    "OpenModelica": _openmodelica,
+    "FMUs": _fmus,
+    "cache": _cache,
+    "folders": _folders,
+    "parts of other packages": _parts_of_other_packages,
+}

@@ -10,7 +10,7 @@ import typer
 from typer.core import TyperGroup
 
 from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers
-from railgrip.report.console import say, show_table
+from railgrip.report.console import say, show_all
 from railgrip.studies import names, summary
 from railgrip.studies.study import conduct, study_named
 
@@ -52,11 +52,7 @@ def _conduct(
     name = options.pop("study")
     own = study_named(name)(**options)
     page, path = conduct(own, out or Path("build") / name, workers=workers, scheduler=scheduler, fresh=fresh)
-    for part in page.screen:
-        if isinstance(part, str):
-            say(part)
-        else:
-            show_table(part)
+    show_all(page.screen)
     say(str(path))
     if page.exit_code:
         raise typer.Exit(page.exit_code)

@@ -59,9 +59,9 @@ class Side:
         return cls(name=name, record=record, trace=trace)
 
     @property
-    def asked(self) -> dict[str, Any]:
-        """Everything that was asked, by key: of the scenario, and versions, FMUs and classes that answered."""
-        return asked_of(self.record) | {"scenario digest": self.record.digest}
+    def question(self) -> dict[str, Any]:
+        """What decides the stop, by key: of the scenario, versions, FMUs and classes."""
+        return question_of(self.record) | {"scenario digest": self.record.digest}
 
     @property
     def headline(self) -> str:
@@ -204,8 +204,8 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     return keys
 
 
-def asked_of(record: StopRecord) -> dict[str, Any]:
-    """Return everything that a stop was asked, by key: of the scenario, versions, FMUs and classes."""
+def question_of(record: StopRecord) -> dict[str, Any]:
+    """Return what decides a stop, by key: of the scenario, versions, FMUs and classes."""
     return flat(record.scenario) | flat({"versions": record.versions, "fmus": record.fmus, "classes": record.classes})
 
 
@@ -253,7 +253,7 @@ def _of_stops(sides: Sequence[Side]) -> Comparison:
     return Comparison(
         names=[side.name for side in sides],
         headlines=[side.headline for side in sides],
-        question=_question([side.asked for side in sides]),
+        question=_question([side.question for side in sides]),
         answer=_answer(sides, flat_figures, "Figures of each group and wheelset"),
         overview=_answer(sides, _means, "What differs in the answer"),
         along=along,
@@ -315,14 +315,18 @@ def _sections(letter: str, lost: Loss) -> Table:
     return Table([row(section) for section in lost.sections], forms, (), f"Distance that {letter} loses against A")
 
 
-def _question(asked: Sequence[Mapping[str, Any]]) -> Table:
+def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
     """Return the keys whose values differ, those of the scenario first."""
-    letters = ascii_uppercase[: len(asked)]
-    keys = dict.fromkeys(key for one in asked for key in one)
+    letters = ascii_uppercase[: len(questions)]
+    keys = dict.fromkeys(key for one in questions for key in one)
     rows = [
-        {"key": key, **{letter: _value(one.get(key)) for letter, one in zip(letters, asked, strict=True)}, "unit": unit}
+        {
+            "key": key,
+            **{letter: _value(one.get(key)) for letter, one in zip(letters, questions, strict=True)},
+            "unit": unit,
+        }
         for key in keys
-        if any(one.get(key) != asked[0].get(key) for one in asked)
+        if any(one.get(key) != questions[0].get(key) for one in questions)
         for unit in [_unit_of(key)]
     ]
     return Table(rows, left=("key", *letters, "unit"), title="What differs in the question")
@@ -488,7 +492,7 @@ def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
     letters = ascii_uppercase[: len(pairs[0])]
     rows: dict[str, dict[str, Any]] = {}
     for records in pairs:
-        for row in _question([asked_of(record) for record in records]).rows:
+        for row in _question([question_of(record) for record in records]).rows:
             known = rows.setdefault(row["key"], dict(row) | {"stops": 0})
             known["stops"] += 1
             for letter in letters:

@@ -6,7 +6,7 @@ rich is used for tables and bars only: it would read markup and emoji in what us
 import logging
 import sys
 import time
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final, Protocol
@@ -93,6 +93,15 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
     for row in table.texts:
         screen.add_row(*row.values())
     _out.print(screen)
+
+
+def show_all(parts: "Iterable[Table | str]") -> None:
+    """Print tables and sentences one after the other."""
+    for part in parts:
+        if isinstance(part, str):
+            say(part)
+        else:
+            show_table(part)
 
 
 class Progress(Protocol):

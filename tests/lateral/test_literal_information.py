@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.studies.lateral.literal import information_of, refused, told
+from railgrip.studies.lateral.literal import information_of, observed, refused
 from railgrip.studies.lateral.run import Case, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 
@@ -28,4 +28,4 @@ def test_a_change_of_the_surface_is_beyond_the_process_noise(found):
     assert found.allowed == pytest.approx(np.sqrt(1e-12 * 0.5 / PERIOD))
     assert np.all(found.jump > 100 * found.allowed)
     assert [row["state"] for row in refused([found]).texts] == ["friction", "force"]
-    assert [row["condition"] for row in told([found]).texts] == [condition.name for condition in CONDITIONS]
+    assert [row["condition"] for row in observed([found]).texts] == [condition.name for condition in CONDITIONS]

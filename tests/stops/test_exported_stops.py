@@ -92,7 +92,7 @@ def test_service_sensors_leave_with_their_noise(tmp_path):
 def test_noise_is_white_and_of_its_deviation(tmp_path):
     """Of 20 000 draws: mean within 5/√n of a deviation, the deviation within 5/√(2 n), neighbours uncorrelated."""
     scenario = scenario_with("sensors={kind='white', noise={acceleration='0.05 m/s2'}}")
-    with slave(pack(part_fmu(scenario, "sensors"), tmp_path / "sensors.fmu")) as sensors:
+    with Slave(pack(part_fmu(scenario, "sensors"), tmp_path / "sensors.fmu")) as sensors:
         readings = np.array([sensors.read(k, speed=20.0, acceleration=-1.0) for k in range(20_000)])
     noise = (readings + 1.0) / 0.05
     assert abs(noise.mean()) < 5 / 20_000**0.5
@@ -100,7 +100,7 @@ def test_noise_is_white_and_of_its_deviation(tmp_path):
     assert abs(np.mean(noise[1:] * noise[:-1])) < 5 / 20_000**0.5
 
 
-class slave:  # noqa: N801 - reads as a verb in `with`
+class Slave:
     """A co-simulation FMU of ours, open."""
 
     def __init__(self, path):
@@ -138,7 +138,7 @@ def test_what_is_on_board_can_be_taken_back(tmp_path):
     path = pack(part_fmu(scenario_with(), "onboard"), tmp_path / "onboard.fmu")
     readings = {"reading_speed": 20.0, "reading_acceleration": -0.5}
     readings |= {f"reading_wheelset_speed[{g}]": 51.0 for g in range(1, 5)}
-    with slave(path) as one, slave(path) as other:
+    with Slave(path) as one, Slave(path) as other:
         for fmu in (one, other):
             fmu.set(**readings)
         one.fmu.doStep(0.0, 0.02)
@@ -158,7 +158,7 @@ def test_what_is_on_board_can_be_taken_back(tmp_path):
 def test_it_waits_for_its_first_reading(tmp_path):
     """An importer may step it before anything has come: a train that stood would be believed for seconds."""
     path = pack(part_fmu(scenario_with(), "onboard"), tmp_path / "onboard.fmu")
-    with slave(path) as onboard:
+    with Slave(path) as onboard:
         onboard.fmu.doStep(0.0, 0.05)
         onboard.set(**{"reading_speed": 20.0} | {f"reading_wheelset_speed[{g}]": 20.0 / 0.38 for g in range(1, 5)})
         onboard.fmu.doStep(0.05, 0.001)

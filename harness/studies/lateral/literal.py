@@ -92,8 +92,8 @@ def information_of(trace: Trace) -> Information:
     )
 
 
-def told(runs: Sequence[Information]) -> Table:
-    """Return, by condition, to which share of its size each hidden state is told by a short window of readings."""
+def observed(runs: Sequence[Information]) -> Table:
+    """Return, by condition, how far a short window of readings determines each hidden state, over its size."""
     rows: list[dict[str, Any]] = []
     for number, condition in enumerate(CONDITIONS):
         parts = [(one.short / one.size, one.rank, one.condition == number) for one in runs]
@@ -103,13 +103,13 @@ def told(runs: Sequence[Information]) -> Table:
         ranks = np.concatenate([rank[own] for _, rank, own in parts])
         middle, most = np.median(shares, axis=0), np.quantile(shares, 0.9, axis=0)
         rows.append(
-            {"condition": condition.name, "windows": len(shares), "all five told": float(np.mean(ranks == 5))}
+            {"condition": condition.name, "windows": len(shares), "all five determined": float(np.mean(ranks == 5))}
             | {
                 f"σ({name})": f"{100 * a:.2g} % ({100 * b:.2g} %)"
                 for name, a, b in zip(("creep", "friction", "force"), middle, most, strict=True)
             }
         )
-    return Table(rows, {"all five told": "{:.0%}"}, ("condition",))
+    return Table(rows, {"all five determined": "{:.0%}"}, ("condition",))
 
 
 def refused(runs: Sequence[Information]) -> Table:
@@ -123,7 +123,7 @@ def refused(runs: Sequence[Information]) -> Table:
                 "largest change with the surface": f"{jump[i]:.3g}{unit}",
                 f"1σ of its process noise in {WINDOW:g} s": f"{allowed[i]:.1e}{unit}",
                 "ratio": f"{jump[i] / allowed[i]:.1e}",
-                f"told by {WINDOW:g} s of readings": f"±{long[1 + i]:.1e}{unit}",
+                f"determined by {WINDOW:g} s of readings": f"±{long[1 + i]:.1e}{unit}",
             }
             for i, (name, unit) in enumerate((("friction", ""), ("force", " N")))
         ],

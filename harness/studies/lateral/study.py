@@ -24,7 +24,7 @@ from railgrip.studies.lateral.judge import (
     beliefs_about,
     measure,
 )
-from railgrip.studies.lateral.literal import SHORT, Information, information, refused, told
+from railgrip.studies.lateral.literal import SHORT, Information, information, observed, refused
 from railgrip.studies.lateral.run import NAMES, Case, simulate
 from railgrip.studies.lateral.tables import (
     PLANT_TITLES,
@@ -49,7 +49,7 @@ SEEDS: Final = 10
 
 PAGE: Final = Path("docs/papers.md")
 """From the folder of the project, where the command runs."""
-TOLD: Final = "<!-- lateral, told: written by `railgrip study lateral --write` -->"
+OBSERVED: Final = "<!-- lateral, observed: written by `railgrip study lateral --write` -->"
 REFUSED: Final = "<!-- lateral, refused: written by `railgrip study lateral --write` -->"
 END: Final = "<!-- end -->"
 
@@ -106,7 +106,7 @@ def literal_runs(plan: Plan, work: Work) -> list[Information]:
 
 def write_literal(page: Path, runs: Sequence[Information]) -> None:
     """Write both tables about the literal filter between their marks."""
-    write_tables(page, {TOLD: told(runs), REFUSED: refused(runs)}, END)
+    write_tables(page, {OBSERVED: observed(runs), REFUSED: refused(runs)}, END)
 
 
 def page_of(plan: Plan, work: Work) -> Page:
@@ -134,7 +134,7 @@ def page_of(plan: Plan, work: Work) -> Page:
             "announced": f"{DETECTOR.confidence:.0%}",
             "errors": error_tables(rows),
             "innovations": innovation_table(results),
-            "told": told(runs),
+            "observed": observed(runs),
             "refused": refused(runs),
             "short": SHORT,
             "mirrored": max(one.mirrored for one in runs),
@@ -164,7 +164,7 @@ class Lateral(Study):
     """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
 
     quick: bool = False
-    write: Annotated[bool, Option("--write", help="Write what the literal filter is told into docs/papers.md.")] = False
+    write: Annotated[bool, Option("--write", help="Write what readings determine into docs/papers.md.")] = False
     prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
 
     @property
