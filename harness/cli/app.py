@@ -86,9 +86,7 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command that the arguments begin with; refuse a former spelling."""
         if args[0] in self.moved:
-            # The first word is the program's name, which may be that of a script.
-            former = " ".join([*ctx.command_path.split()[1:], args[0]])
-            raise InputError(f"`railgrip {former}` is now `railgrip {self.moved[args[0]]}`.")
+            raise InputError(f"`{ctx.command_path} {args[0]}` is now `railgrip {self.moved[args[0]]}`.")
         return super().resolve_command(ctx, args)
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:

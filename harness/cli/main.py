@@ -9,4 +9,4 @@ from railgrip.report.console import answer
 
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line."""
-    answer(lambda: app(arguments))
+    answer(lambda: app(arguments, prog_name="railgrip"))
