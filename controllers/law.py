@@ -122,8 +122,10 @@ def law(name: str, description: str, groups: int, demand_with: Callable[[Draft],
     train: list[GroupObservation] = []
     for g in numbers:
         brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
-        own = {name: symbols[g - 1] for name, symbols in of_groups.items()}
-        train.append(GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **own))
+        signals = {name: symbols[g - 1] for name, symbols in of_groups.items()}
+        train.append(
+            GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **signals)
+        )
     demands = [demand(draft, group) for group in train]
     for g, demanded in zip(numbers, demands, strict=True):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)

@@ -187,7 +187,9 @@ class Sampled:
         """Places in `state` of what says what the function does, and what it is; elements of an array together."""
         visible = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.visible]
         names = [quantity.name.partition("[")[0] for _, quantity in visible]
-        return tuple(one for _, one in sorted(zip(names, visible, strict=True), key=lambda pair: names.index(pair[0])))
+        return tuple(
+            quantity for _, quantity in sorted(zip(names, visible, strict=True), key=lambda pair: names.index(pair[0]))
+        )
 
     @property
     def step(self) -> ca.Function:

@@ -35,7 +35,9 @@ def values(file: Path, name: str, actuation: str, slip: SlipSource) -> Mapping[s
     if not any(isinstance(entry, dict) for entry in sets.values()):
         return sets
     if actuation not in sets and name != SEARCHED:
-        known = ", ".join(f"{one} actuation and {source} slip" for one, of_one in sets.items() for source in of_one)
+        known = ", ".join(
+            f"{tuned_set} actuation and {source} slip" for tuned_set, of_one in sets.items() for source in of_one
+        )
         kind = file.name.partition(".")[0]
         raise ValueError(
             f"tuning '{name}': {kind} has no set for {actuation} actuation and {slip} slip; there is {known}"

@@ -118,7 +118,7 @@ def tables_by_kind(by_kind: ByKind) -> dict[str, type[BaseModel]]:
     for kind, table in by_kind.ours().items():
         kinds.setdefault(table, []).append(kind)
     if by_kind.role:
-        kinds.setdefault(by_kind.own, []).append("module:Class")
+        kinds.setdefault(by_kind.custom, []).append("module:Class")
     return {", ".join(names): table for table, names in kinds.items()}
 
 

@@ -109,7 +109,7 @@ def part_equations(model: Model, kind: int) -> PartEquations:
     # Dense, for the tables of C; transposed, because CasADi counts down columns.
     return PartEquations(
         **{
-            name: ca.Function(f"{name}_{kind}", [x, u, p], [ca.densify(one) for one in values])
+            name: ca.Function(f"{name}_{kind}", [x, u, p], [ca.densify(value) for value in values])
             for name, values in each.items()
         }
     )

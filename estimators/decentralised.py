@@ -112,16 +112,16 @@ class DecentralisedFilter(StepInC):
         first = self.design.start(mean, np.asarray(variances).reshape(-1))
         self.mean[:], self.covariance[:] = first.mean, first.covariance
         self._spread[:], self._directions[:], self._common[:] = 0.0, 0.0, 0.0
-        for part, own in enumerate(self._members):
-            size = own.stop - own.start
-            self._spread[part, :size, :size] = first.covariance[own, own]
+        for part, members in enumerate(self._members):
+            size = members.stop - members.start
+            self._spread[part, :size, :size] = first.covariance[members, members]
 
     def joint(self) -> Matrix:
         """Return the covariance of all states, shape (n, n)."""
         covariance = (self._directions * self._common) @ self._directions.T
-        for part, own in enumerate(self._members):
-            size = own.stop - own.start
-            covariance[own, own] += self._spread[part, :size, :size]
+        for part, members in enumerate(self._members):
+            size = members.stop - members.start
+            covariance[members, members] += self._spread[part, :size, :size]
         return covariance
 
     def advance(self) -> None:
@@ -170,7 +170,7 @@ def _sources(
     kinds = [part_equations(model, kind) for kind, model in enumerate(models)]
     v, u, p = ca.SX.sym("v"), ca.SX.sym("u", 2), ca.SX.sym("p", len(body.parameters))
     acceleration = body.output(0.0, v, u, p)
-    slopes = [ca.densify(ca.jacobian(acceleration, one)) for one in (v, u[0])]
+    slopes = [ca.densify(ca.jacobian(acceleration, symbol)) for symbol in (v, u[0])]
     moving = ca.Function("body", [v, u, p], [acceleration, *slopes])
     functions = [moving, *(getattr(kind, name) for kind in kinds for name in ("slope", "linear", "force"))]
     workspace, text = in_c(functions)

@@ -41,7 +41,7 @@ def readings_and_rates(prediction: CasadiPrediction, order: int, x: Vector, u: V
         rates.append(ca.jtimes(rates[-1], of.x, of.derivative))
     stack = ca.vertcat(*rates)
     both = ca.Function("rates", [of.x, of.u, of.p], [stack, ca.densify(ca.jacobian(stack, of.x))])
-    z, jacobian = (np.asarray(one, dtype=np.float64) for one in both(x, u, prediction.parameters))
+    z, jacobian = (np.asarray(output, dtype=np.float64) for output in both(x, u, prediction.parameters))
     return z[:, 0], jacobian
 
 

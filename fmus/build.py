@@ -16,7 +16,7 @@ from railgrip.base.files import scratch
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import confined, toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import is_own, library_of, require_class_name, sources_digest
+from railgrip.fmus.native.library import is_trusted, library_of, require_class_name, sources_digest
 from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 
 if TYPE_CHECKING:
@@ -105,16 +105,16 @@ def build_class(
         RailgripError: A compiler is missing or fails.
     """
     require_class_name(class_name)
-    whole = library_of(library.absolute())
-    if not (whole / "package.mo" if whole.is_dir() else whole).is_file():
+    libraries = library_of(library.absolute())
+    if not (libraries / "package.mo" if libraries.is_dir() else libraries).is_file():
         raise InputError(
             f"{class_name}: there is no Modelica library {library}; give its package.mo, its folder or a .mo file."
         )
     return _up_to_date(
         _Order(
             name=class_name.rpartition(".")[2],
-            recipe=Recipe.own(class_name, interface),
-            library=whole,
+            recipe=Recipe.of_class(class_name, interface),
+            library=libraries,
             compiler=choose(compiler),
             directory=None,
         )
@@ -220,7 +220,7 @@ def _current(order: _Order, inputs: str) -> Artifact | None:
 def _translation_of(order: _Order) -> _Translation | None:
     if order.compiler != "native":
         return None
-    if is_own(order.library):
+    if is_trusted(order.library):
         return translate(order.recipe, order.library)
     from railgrip.fmus.native.package import Source
 

@@ -37,7 +37,7 @@ class Recipe(BaseModel):
     curve: bool = False
 
     @classmethod
-    def own(cls, class_name: str, interface: Literal["me", "cs"]) -> "Recipe":
+    def of_class(cls, class_name: str, interface: Literal["me", "cs"]) -> "Recipe":
         """Return how a class of the user's own is made: a plant (cs) or a prediction (me), as ours are."""
         solver, tolerance = ("rodas3", 1e-5) if interface == "cs" else ("rodas4", 1e-6)
         table = {"class": class_name, "interfaces": (interface,), "solver": solver, "tolerance": tolerance}

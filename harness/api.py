@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
     from railgrip.simulate.by_hand import Bench
-    from railgrip.simulate.parts import OwnParts
+    from railgrip.simulate.parts import CustomParts
 
 
 __all__ = [
@@ -160,8 +160,8 @@ def run(
     from railgrip.campaign.one_stop import with_sources
     from railgrip.simulate.run import run_stop
 
-    changed, own = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
-    return with_sources(run_stop(changed, own=_parts(import_from, **own)))
+    changed, objects = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
+    return with_sources(run_stop(changed, objects=_parts(import_from, **objects)))
 
 
 def open(
@@ -175,8 +175,8 @@ def open(
     """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.simulate.by_hand import Bench
 
-    changed, own = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
-    return Bench(changed, _parts(import_from, **own))
+    changed, objects = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
+    return Bench(changed, _parts(import_from, **objects))
 
 
 def sweep(
@@ -206,14 +206,14 @@ def sweep(
     """
     from railgrip.campaign.sweep import swept
 
-    whole, parts = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
+    base, parts = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
     handed_over = [name for name, part in parts.items() if part is not None]
 
-    def variant(values: Mapping[str, Any]) -> "tuple[Scenario, OwnParts]":
+    def variant(values: Mapping[str, Any]) -> "tuple[Scenario, CustomParts]":
         rest, parameters = _split(values, handed_over)
-        return whole.changed(rest), _parts(import_from, parameters, **{n: _copied(n, p) for n, p in parts.items()})
+        return base.changed(rest), _parts(import_from, parameters, **{n: _copied(n, p) for n, p in parts.items()})
 
-    return swept(whole.name, variant, {key: _choices(key, axis) for key, axis in _axes(axes)}, workers)
+    return swept(base.name, variant, {key: _choices(key, axis) for key, axis in _axes(axes)}, workers)
 
 
 def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str | Path") -> "Comparison":
@@ -254,8 +254,8 @@ def estimate(
 
     specification = load_specification(_path(model, "model"), _changes(changes))
     if isinstance(recording, str | Path):
-        own = recording_of_estimation(specification, data=Path(recording))
-        return as_estimates(estimate_of(specification, own))
+        recording_file = recording_of_estimation(specification, data=Path(recording))
+        return as_estimates(estimate_of(specification, recording_file))
     if not _is_over_time(recording):
         raise EstimationError(
             f"recording is {short(recording)}; wanted is a trace over time, such as stop.trace, or the path of a file"
@@ -265,26 +265,26 @@ def estimate(
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
     """Return a scenario with the parts that are written, as names or keys, and those that are objects or classes."""
-    base = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
-    whole = base if isinstance(base, Scenario) else Scenario.load(base.resolved())
+    given_scenario = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
+    resolved = given_scenario if isinstance(given_scenario, Scenario) else Scenario.load(given_scenario.resolved())
     if isinstance(plant, _WRITTEN):
-        whole, plant = whole.with_plant(plant), None
+        resolved, plant = resolved.with_plant(plant), None
     written = {name: part for name, part in parts.items() if isinstance(part, str | Mapping)}
     if written:
-        whole = whole.changed(
+        resolved = resolved.changed(
             {name: {"kind": part} if isinstance(part, str) else part for name, part in written.items()}
         )
-    return whole, {name: None if name in written else part for name, part in parts.items()} | {"plant": plant}
+    return resolved, {name: None if name in written else part for name, part in parts.items()} | {"plant": plant}
 
 
 _TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sensors", "plant": "vehicle"}
 """Table of a scenario in whose place an object stands, by its argument."""
 
 _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valve"), ("vehicle", "formation")})
-"""Keys of these tables that hold beside an object, too; see `OwnParts.standing_for`."""
+"""Keys of these tables that hold beside an object, too; see `CustomParts.standing_for`."""
 
 
-def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "OwnParts":
+def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "CustomParts":
     """Return what a caller hands over, classes as new objects.
 
     Args:
@@ -296,7 +296,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
         ScenarioError: A class does not take its parameters, an object has some, or a folder is none.
     """
     from railgrip.simulate.importing import instance_of
-    from railgrip.simulate.parts import OwnParts
+    from railgrip.simulate.parts import CustomParts
 
     objects: dict[str, Any] = {}
     for name, part in parts.items():
@@ -310,7 +310,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
                 f"already made; hand over the class {type(part).__name__} itself"
             )
         objects[name] = part
-    return OwnParts(**objects, folders=_folders(folders))
+    return CustomParts(**objects, folders=_folders(folders))
 
 
 def _folders(folders: Any) -> tuple[Path, ...]:

@@ -102,17 +102,17 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
         ContractBroken: It does something else.
     """
 
-    def rows(own: Estimator, formation: Formation) -> Iterator[Row]:
-        estimator = CustomEstimator(own, formation)
+    def rows(part: Estimator, formation: Formation) -> Iterator[Row]:
+        estimator = CustomEstimator(part, formation)
         for observation in observations(formation, estimated=False):
             if not np.isfinite(observation.speed):
                 continue
             before = copy.deepcopy(observation)
             values = estimator.step(observation)
-            _require_unchanged(own, before, observation)
+            _require_unchanged(part, before, observation)
             for name, value in values.items():
                 if name.endswith("_sd") and np.any(value < 0.0):
-                    raise ContractBroken(f"{type(own).__name__}.step gives a negative {name}: {value.tolist()}")
+                    raise ContractBroken(f"{type(part).__name__}.step gives a negative {name}: {value.tolist()}")
             yield tuple(np.concatenate([values[name] for name in estimator.provides]).tolist())
 
     _require_repeatable(factory, "step", rows)
@@ -128,9 +128,9 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
         ContractBroken: It does something else.
     """
 
-    def rows(own: Sensors, formation: Formation) -> Iterator[Row]:
+    def rows(part: Sensors, formation: Formation) -> Iterator[Row]:
         layout = layout_of(formation)
-        sensors = CustomSensors(own, layout, formation, _PERIOD, np.random.default_rng(1))
+        sensors = CustomSensors(part, layout, formation, _PERIOD, np.random.default_rng(1))
         readings: list[Row] = []
         for sample, observation in enumerate(_braking(formation, estimated=False)):
             truth = np.zeros(layout.outputs)
@@ -139,7 +139,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
             truth[layout.output["cylinder_pressure"]] = observation.pressure
             readings.append(tuple(sensors.read(sample, truth).tolist()))
         if np.isnan(np.array(readings)).all():
-            raise ContractBroken(f"{type(own).__name__}.read gives no reading at all")
+            raise ContractBroken(f"{type(part).__name__}.read gives no reading at all")
         yield from readings
 
     _require_repeatable(factory, "read", rows)
@@ -160,9 +160,9 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
         ContractBroken: It does something else.
     """
 
-    def rows(own: Plant, vehicle: Formation) -> Iterator[Row]:
+    def rows(part: Plant, vehicle: Formation) -> Iterator[Row]:
         layout, pressure = layout_of(vehicle), tuple(vehicle.pressure_max.tolist())
-        plant = CustomPlant(own, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
+        plant = CustomPlant(part, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
         good, poor = (
             tried(layout, plant, period=_PERIOD, release=(0.0,) * vehicle.groups, brake=pressure, friction=friction)
             for friction in (GOOD_RAIL, POOR_RAIL)
@@ -171,7 +171,7 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
         radius = tuple(vehicle.wheel_radius.tolist())
         for finding in findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing):
             if not finding.good:
-                raise ContractBroken(f"{type(own).__name__}: {finding.signal} {finding.sentence}")
+                raise ContractBroken(f"{type(part).__name__}: {finding.signal} {finding.sentence}")
         yield from (tuple(row) for row in np.nan_to_num(np.vstack([good.rows, poor.rows])).tolist())
 
     _require_repeatable(factory, "step", rows, None if formation is None else [formation])
@@ -274,10 +274,10 @@ def _require_pressures(law: object, formation: Formation, demands: Sequence[floa
             )
 
 
-def _require_unchanged(own: object, before: Observation, after: Observation) -> None:
-    for name, one, other in zip(Observation._fields, before, after, strict=True):
-        if one is not None and not np.array_equal(np.asarray(one), np.asarray(other), equal_nan=True):
-            raise ContractBroken(f"{type(own).__name__} changes {name} of what it is shown")
+def _require_unchanged(part: object, before: Observation, after: Observation) -> None:
+    for name, value, other in zip(Observation._fields, before, after, strict=True):
+        if value is not None and not np.array_equal(np.asarray(value), np.asarray(other), equal_nan=True):
+            raise ContractBroken(f"{type(part).__name__} changes {name} of what it is shown")
 
 
 def _require_repeatable(
@@ -292,12 +292,13 @@ def _require_repeatable(
         ContractBroken: It does one of these, or the factory raises an exception.
     """
     for vehicle in formations() if vehicles is None else vehicles:
-        own = foreign(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
+        part = foreign(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
         try:
-            first, second = list(rows(own, vehicle)), list(rows(own, vehicle))
+            first, second = list(rows(part, vehicle)), list(rows(part, vehicle))
         except (ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed) as problem:
             raise ContractBroken(str(problem)) from problem
         if not np.array_equal(first, second, equal_nan=True):
             raise ContractBroken(
-                f"{type(own).__name__}.{method} gives something else after a second start; start() must reset its state"
+                f"{type(part).__name__}.{method} gives something else after a second start; "
+                "start() must reset the state"
             )

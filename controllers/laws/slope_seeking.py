@@ -157,17 +157,18 @@ class SlopeSeeking(GroupLaw):
                 train.extend(_wheels(draft, each, t, started) for each in group.train)
                 targets.extend(_targets(draft, train, t))
             target = targets[group.index - 1]
-            own, brake, radius, speed = train[group.index - 1], group.brake, group.brake["wheel_radius"], group.speed
+            signals, brake, speed = train[group.index - 1], group.brake, group.speed
+            radius = brake["wheel_radius"]
             inertia = brake["inertia"]
-            rolling = either(ca.logic_not(own.sliding), speed < t["speed_min"])
+            rolling = either(ca.logic_not(signals.sliding), speed < t["speed_min"])
 
             # The torque that leads to the set point.
             unit_torque = brake["load"] * radius  # torque per adhesion
-            inertial = -inertia * (1.0 - own.slip) * group.acceleration / radius
+            inertial = -inertia * (1.0 - signals.slip) * group.acceleration / radius
             balance = group.adhesion * unit_torque + inertial
             limit = (t["adhesion_max"] - t["adhesion_guard"]) * unit_torque + inertial
             torque_per_rate = inertia * speed / radius  # of slip
-            error = target[0] - own.slip
+            error = target[0] - signals.slip
             last = draft.state(group.label("error"), "s", "integral of slip below its set point, since it last was not")
             integral = choose(every(ca.logic_not(rolling), error > 0.0), last + error * t["period"], 0.0)
             draft.keep(last, integral)
@@ -175,19 +176,19 @@ class SlopeSeeking(GroupLaw):
             extra = ca.fmin(torque_per_rate * (target[1] + t["gain"] * error), t["share_added"] * balance)
             goal = balance + extra + torque_per_rate * t["gain"] / _PATIENCE * integral
             torque = choose(rolling, limit, ca.fmin(goal, limit))
-            venting = every(own.slip > t["slip_vent"], speed >= t["speed_min"])
+            venting = every(signals.slip > t["slip_vent"], speed >= t["speed_min"])
             controlled = choose(venting, 0.0, pressure_for(torque, group.pad_friction, brake))
             # A wheel whose speed is not known is given the adhesion of the others.
-            others = [each for each in train if each is not own]
+            others = [each for each in train if each is not signals]
             compared = either(0.0, *(each.valid for each in others))
-            following = every(ca.logic_not(own.valid), compared, speed >= t["speed_min"])
+            following = every(ca.logic_not(signals.valid), compared, speed >= t["speed_min"])
             mode = choose(rolling, _ROLLING, choose(venting, _VENTING, _SEEKING))
             draft.show(group.label("mode"), "1", _MODES, choose(following, _FOLLOWING, mode))
             draft.show(group.label("slip_target"), "1", "slip that is sought, dither included", target[0])
             before = draft.state(
                 group.label("pad_friction"), "1", "pad friction when the wheel speed was last credible"
             )
-            pad_friction = choose(either(own.credible, before <= 0.0), group.pad_friction, before)
+            pad_friction = choose(either(signals.credible, before <= 0.0), group.pad_friction, before)
             draft.keep(before, pad_friction)
             if not others:
                 return controlled

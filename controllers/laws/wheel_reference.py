@@ -134,7 +134,7 @@ class WheelReference(GroupLaw):
             climbed = target + tuning["rise"] * period
             let_in = choose(either(venting, holding), group.pressure / full, choose(climbed < 1.0, climbed, 1.0))
             draft.keep(target, choose(protecting, let_in, 1.0))
-            own = choose(venting, 0.0, full * let_in)
+            pressure = choose(venting, 0.0, full * let_in)
 
             if group.index == len(group.train):
                 sliding_now = either(*slides)
@@ -142,7 +142,7 @@ class WheelReference(GroupLaw):
                 counts = choose(idle < 2.0, sliding + period, 0.0)  # slides come and go within seconds
                 over = sliding >= tuning["test_after"] + tuning["test_time"]
                 draft.keep(sliding, choose(every(protecting, started), choose(over, 0.0, counts), 0.0))
-            return choose(protecting, own, full)
+            return choose(protecting, pressure, full)
 
         return demand
 

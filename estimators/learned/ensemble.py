@@ -98,7 +98,7 @@ def fit(
     opinions = np.full((members, len(friction)), np.nan)
     for k, draw in enumerate(generator.spawn(members)):
         resample = draw.choice(runs, runs.size)
-        rows = np.concatenate([np.flatnonzero(run == one) for one in resample])
+        rows = np.concatenate([np.flatnonzero(run == sample) for sample in resample])
         network = train(x[rows], target[rows], hidden=hidden, bias="inside", generator=draw, decay=decay, steps=steps)
         networks.append(network)
         out = ~np.isin(run, resample)

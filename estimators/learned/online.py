@@ -75,11 +75,11 @@ class _Memory:
             inputs: Variables of `sample`.
             outputs: Variable → its value.
         """
-        states = [ca.vertcat(*(values[one] for one in self.before)) for values in (self.before, self.after)]
+        states = [ca.vertcat(*(values[name_] for name_ in self.before)) for values in (self.before, self.after)]
         return Online(
             name=name,
             rate=rate,
-            states=tuple(variable(name=one, unit="", start=0.0, description="") for one in self.before),
+            states=tuple(variable(name=name_, unit="", start=0.0, description="") for name_ in self.before),
             inputs=inputs,
             outputs=tuple(outputs),
             step=ca.Function("step", [states[0], sample], [states[1], ca.vertcat(*outputs.values())]),
@@ -218,7 +218,7 @@ def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
         for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)
     ]
     first_stage = [_network(network, x) for network in ensemble.networks]
-    each = [_friction(ensemble, one) for one in first_stage]
+    each = [_friction(ensemble, state) for state in first_stage]
     mean, centre = _friction(ensemble, _mean(first_stage)), _mean(each)
     half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)
     return {_FRICTION: mean, _LOWER: ca.fmax(mean - half, 0), _UPPER: ca.fmin(mean + half, 1)}
@@ -241,10 +241,10 @@ def _band(
     """Return both outputs of a band filter that advances when `tick` is true."""
     a, b, c, d = matrices
     names = [f"band_{name}_{i}" for i in (1, 2)]
-    old = [memory.state(one) for one in names]
-    for row, one in enumerate(names):
+    old = [memory.state(state_name) for state_name in names]
+    for row, state_name in enumerate(names):
         new = a[row, 0] * old[0] + a[row, 1] * old[1] + b[row, 0] * value
-        memory.after[one] = ca.if_else(tick, new, old[row])
+        memory.after[state_name] = ca.if_else(tick, new, old[row])
     low, high = (c[row, 0] * old[0] + c[row, 1] * old[1] + d[row, 0] * value for row in range(2))
     return low, high
 

@@ -66,10 +66,10 @@ class Spectral:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the features, in order."""
-        one = ("yaw level leading", "yaw level trailing", "lateral over yaw leading", "lateral over yaw trailing",
+        kinds = ("yaw level leading", "yaw level trailing", "lateral over yaw leading", "lateral over yaw trailing",
                "in phase leading", "quadrature leading", "in phase trailing", "quadrature trailing",
                "yaw in phase", "yaw quadrature")  # fmt: skip
-        return (*(f"{name}, {centre:g} Hz" for centre in self.centres for name in one), "log speed")
+        return (*(f"{name}, {centre:g} Hz" for centre in self.centres for name in kinds), "log speed")
 
     def means(self, lateral: Array, yaw: Array, speed: Array) -> Array:
         """Return running means of products, shape (n, bands, 2 bogies, 10).
@@ -84,11 +84,11 @@ class Spectral:
             swing, turn = self._band_and_integral(centre, lateral), self._band_and_integral(centre, yaw)
             for bogie in range(2):
                 lead, trail = 2 * bogie, 2 * bogie + 1
-                own = products(
+                means = products(
                     (swing[0][:, lead], swing[1][:, lead]), (swing[0][:, trail], swing[1][:, trail]),
                     (turn[0][:, lead], turn[1][:, lead]), (turn[0][:, trail], turn[1][:, trail]),
                 )  # fmt: skip
-                result[:, k, bogie] = np.stack(own, axis=-1)
+                result[:, k, bogie] = np.stack(means, axis=-1)
         # A mean over metres, not seconds: its weights change with the speed, which no filter of SciPy's can. Divided
         # by the sum of the weights so far, the start counts for no more than it is worth.
         mean, total = np.zeros(result.shape[1:]), 0.0

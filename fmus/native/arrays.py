@@ -41,7 +41,7 @@ def is_number(value: SX | float) -> bool:
     return (value if isinstance(value, SX) else SX(value)).is_constant()
 
 
-def whole(value: SX) -> int:
+def integer(value: SX) -> int:
     """Return a constant expression as int."""
     return int(float(value))
 
@@ -55,8 +55,8 @@ def choose(condition: SX, yes: SX, no: SX) -> SX:
 
 def _power(base: SX, exponent: SX) -> SX:
     # Small whole exponents as products: exact, fast, and differentiable at zero.
-    if is_number(exponent) and float(exponent) == whole(exponent) and 0 <= whole(exponent) <= 4:
-        return reduce(lambda a, b: a * b, [base] * whole(exponent), SX(1))
+    if is_number(exponent) and float(exponent) == integer(exponent) and 0 <= integer(exponent) <= 4:
+        return reduce(lambda a, b: a * b, [base] * integer(exponent), SX(1))
     return base**exponent
 
 
@@ -124,17 +124,17 @@ def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
 
 
 def _fill(value: SX, *sizes: Array) -> Array:
-    shape = tuple(whole(size.item()) for size in sizes)
+    shape = tuple(integer(size.item()) for size in sizes)
     return array([value] * int(np.prod(shape)), shape)
 
 
 def _identity(size: Array) -> Array:
-    n = whole(size.item())
+    n = integer(size.item())
     return array([SX(float(i == j)) for i in range(n) for j in range(n)], (n, n))
 
 
 def _linspace(first: Array, last: Array, count: Array) -> Array:
-    n = whole(count.item())
+    n = integer(count.item())
     a, b = first.item(), last.item()
     return array([a + (b - a) * (k / (n - 1)) for k in range(n)], (n,))
 
@@ -159,10 +159,10 @@ SHAPED: dict[str, Callable[..., Array]] = {
     "fill": lambda value, *sizes: _fill(value.item(), *sizes),
     "identity": _identity,
     "linspace": _linspace,
-    "cat": lambda axis, *parts: np.concatenate(parts, whole(axis.item()) - 1),
+    "cat": lambda axis, *parts: np.concatenate(parts, integer(axis.item()) - 1),
     "promoted_cat1": _matrix_cat(0),
     "promoted_cat2": _matrix_cat(1),
     "transpose": lambda a: a.T,
     "cross": _cross,
-    "size": lambda a, axis: array([SX(float(a.shape[whole(axis.item()) - 1]))]),
+    "size": lambda a, axis: array([SX(float(a.shape[integer(axis.item()) - 1]))]),
 }

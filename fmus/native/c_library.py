@@ -118,11 +118,11 @@ class Struct:
         """Yield structs and arrays that it points to, and those that structs within it point to."""
         for name, value in self._fields.items():
             within = self._types[name].kind not in ("pointer", "function")
-            for one in value if isinstance(value, list) else [value]:
-                if isinstance(one, Struct) and within:
-                    yield from one.targets()
-                elif isinstance(one, Struct) or (isinstance(one, np.ndarray) and not within):
-                    yield one
+            for entry in value if isinstance(value, list) else [value]:
+                if isinstance(entry, Struct) and within:
+                    yield from entry.targets()
+                elif isinstance(entry, Struct) or (isinstance(entry, np.ndarray) and not within):
+                    yield entry
 
     def pointers(self) -> dict[int, str]:
         """Return the words that are pointers, to functions too, and the field `Type.field` that each is."""

@@ -235,17 +235,20 @@ def _sizes(system: System, layout: Layout) -> dict[str, int]:
 
 def _value_tables(system: System, layout: Layout) -> list[str]:
     """Return the tables of start and nominal values, and of clocks."""
-    by_name = {s.name: s for own in system.variables.of_id.values() for s in own}
+    by_name = {s.name: s for scalars in system.variables.of_id.values() for s in scalars}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
     groups = {"x": layout.states, "u": layout.inputs, "p": layout.parameters, "d": layout.discretes}
     unknowns = {"g": guesses, "q": start_guesses}
     return [
         *(table("double", f"start_{name}", [s.start for s in group]) for name, group in groups.items()),
-        *(table("double", f"start_{name}", [s.start if s else 0.0 for s in own]) for name, own in unknowns.items()),
+        *(
+            table("double", f"start_{name}", [s.start if s else 0.0 for s in scalars])
+            for name, scalars in unknowns.items()
+        ),
         table("double", "nominal_x", [nominal(s) for s in layout.states]),
         *(
-            table("double", f"nominal_{name}", [nominal(s) if s else 1.0 for s in own])
-            for name, own in unknowns.items()
+            table("double", f"nominal_{name}", [nominal(s) if s else 1.0 for s in scalars])
+            for name, scalars in unknowns.items()
         ),
         table("char", "x_calculated", [int(c) for c in system.calculated]),
         table("double", "clock_phase", [phase for phase, _ in system.clocks]),

@@ -44,9 +44,9 @@ def _renamed(texts: dict[str, str]) -> Iterator[str]:
 
 def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
     """Yield what a library must say before classes of RailBraking are found for it."""
-    own = texts[short(path, path)]
+    class_text = texts[short(path, path)]
     foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
-    if foreign and "RailBraking" not in own and any("RailBraking." in text for text in texts.values()):
+    if foreign and "RailBraking" not in class_text and any("RailBraking." in text for text in texts.values()):
         yield f"{short(path, path)}: to use RailBraking it must say annotation(uses(RailBraking))"
 
 
@@ -63,10 +63,10 @@ def _syntax(name: str, text: str) -> Iterator[str]:
 def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
     """Yield where names are written that nothing declares."""
     for word in dict.fromkeys(words):
-        whole = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")
+        pattern = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")
         for name, text in texts.items():
             for number, line in enumerate(text.splitlines(), start=1):
-                if whole.search(line):
+                if pattern.search(line):
                     yield f"{name}:{number}: {line.strip()}"
 
 

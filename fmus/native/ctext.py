@@ -34,13 +34,13 @@ def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list
     has before it the length that was to be avoided.
     """
     lines: list[str] = []
-    own: list[str] = []
+    body: list[str] = []
     voids = " ".join(f"(void){parameter.split()[-1].lstrip('*')};" for parameter in parameters.split(","))
     for part in parts:
-        own.append(f"{name}{len(own)}")
-        lines += [f"static void {own[-1]}({parameters}) {{", voids, *part, "}"]
+        body.append(f"{name}{len(body)}")
+        lines += [f"static void {body[-1]}({parameters}) {{", voids, *part, "}"]
     # One entry more, because C has no empty arrays.
-    return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {', '.join([*own, '0'])} }};"]
+    return [*lines, f"static void (*const {name}_parts[])({parameters}) = {{ {', '.join([*body, '0'])} }};"]
 
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + " ") - frozenset('"\\?')

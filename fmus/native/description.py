@@ -204,7 +204,12 @@ def document(
             *rows,
             "  </ModelVariables>",
             "  <ModelStructure>",
-            *(line for name, own in structure.items() if own for line in (f"    <{name}>", *own, f"    </{name}>")),
+            *(
+                line
+                for name, lines in structure.items()
+                if lines
+                for line in (f"    <{name}>", *lines, f"    </{name}>")
+            ),
             "  </ModelStructure>",
             "</fmiModelDescription>",
             "",
@@ -258,11 +263,14 @@ def _variables(w: Writer, system: System, layout: Layout, solver: str, tolerance
     ):
         for _, s, reference in public(group, members):
             w.scalar(s, reference, variability)
-    own = {"_tolerance": ("Real", tolerance, {"unit": "1"}), "_solver": ("Integer", SOLVERS[solver], _SOLVER_BOUNDS)}
+    settings = {
+        "_tolerance": ("Real", tolerance, {"unit": "1"}),
+        "_solver": ("Integer", SOLVERS[solver], _SOLVER_BOUNDS),
+    }
     for i, name in enumerate(layout.settings):
         reference, text = first("settings") + i, SETTINGS[name]
-        if name in own:
-            type_, start, attributes = own[name]
+        if name in settings:
+            type_, start, attributes = settings[name]
             w.add(
                 name, reference, causality="parameter", variability="tunable", initial="exact", type_=type_,
                 start=start, description=text, attributes=attributes,

@@ -5,7 +5,7 @@ from pathlib import Path
 from railgrip.base import cache
 from railgrip.fmus.native import confined
 from railgrip.fmus.native.digest import compiler_digest, digest
-from railgrip.fmus.native.library import LIBRARY, is_own, require_class_name, sources_digest
+from railgrip.fmus.native.library import LIBRARY, is_trusted, require_class_name, sources_digest
 from railgrip.fmus.native.model import Model
 
 
@@ -27,7 +27,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
     key, name = digest([class_name, sources_digest(library), compiler_digest()]), f"{class_name}.json"
     file = cache.find("models", key, name)
     if file is None:
-        text = lower_here(class_name, library) if is_own(library) else confined.call("lower", class_name, library)
+        text = lower_here(class_name, library) if is_trusted(library) else confined.call("lower", class_name, library)
         file = cache.keep("models", key, name, text.encode())
     # Also the first time the file is read, so that every process computes with the same functions.
     return Model.from_bytes(file.read_bytes())

@@ -16,8 +16,8 @@ from railgrip.fmus.native.arrays import (
     array,
     as_array,
     choose,
+    integer,
     is_number,
-    whole,
 )
 from railgrip.fmus.native.dae import Binding, Dae, Node
 
@@ -179,7 +179,7 @@ class Evaluator:
                 if len(operation["subscripts"]) == 1 and value.ndim == 0 and base.ndim == 1:
                     return value.item()
                 raise self._refusal("a matrix subscript that is only known at run time", node)
-            places.append([whole(v) - 1 for v in value.flat] if value.ndim else whole(value.item()) - 1)
+            places.append([integer(v) - 1 for v in value.flat] if value.ndim else integer(value.item()) - 1)
         return tuple(places)
 
     def _index(self, operation: Node, node: Node, frame: Frame) -> Array:

@@ -198,7 +198,7 @@ def _solved_for(
     Raises:
         TranslationError: No such choice solves every equation.
     """
-    rows, columns = zip(*[(e, v) for e, own in enumerate(contains) for v in own], strict=True)
+    rows, columns = zip(*[(e, v) for e, symbols_of in enumerate(contains) for v in symbols_of], strict=True)
     weight = csr_matrix(([price[v] for v in columns], (rows, columns)), shape=(len(contains), len(symbols)))
     try:
         _, matching = min_weight_full_bipartite_matching(weight)

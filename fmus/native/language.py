@@ -122,7 +122,7 @@ class _Class:
     classes: Mapping[str, "_Class"]
 
     @property
-    def own(self) -> Node:
+    def definition(self) -> Node:
         return self.node["own"]
 
 
@@ -173,79 +173,79 @@ class _Checker:
     @cached_property
     def every(self) -> list[_Class]:
         def walk(classes: Mapping[str, _Class]) -> Iterator[_Class]:
-            for one in classes.values():
-                yield one
-                yield from walk(one.classes)
+            for class_ in classes.values():
+                yield class_
+                yield from walk(class_.classes)
 
         return list(walk(self.roots))
 
     @cached_property
     def by_name(self) -> dict[str, _Class]:
-        return {one.name: one for one in self.every}
+        return {class_.name: class_ for class_ in self.every}
 
     @cached_property
     def by_id(self) -> dict[int, _Class]:
-        return {one.own["def_id"]: one for one in self.every}
+        return {class_.definition["def_id"]: class_ for class_ in self.every}
 
     def findings(self) -> Iterator[str]:
-        for one in self.every:
-            yield from self._bases(one)
-            for name, node in one.components.items():
-                yield from self._component(one, name, node)
-            for inner in one.classes.values():
-                yield from self._local_class(one, inner)
+        for class_ in self.every:
+            yield from self._bases(class_)
+            for name, node in class_.components.items():
+                yield from self._component(class_, name, node)
+            for inner in class_.classes.values():
+                yield from self._local_class(class_, inner)
 
-    def _bases(self, one: _Class) -> Iterator[str]:
+    def _bases(self, class_: _Class) -> Iterator[str]:
         inherited: dict[str, _Element] = {}
-        for clause in one.own["extends"]:
+        for clause in class_.definition["extends"]:
             base = self.by_id.get(clause["base_def_id"])
             if base is None:
                 continue
-            if base.own["is_replaceable"] and not one.own["is_redeclare"]:
+            if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
                 yield self._located(clause, f"{base.name} is replaceable and can be no base class (7.1.4)")
-            yield from self._modifiers(one, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
+            yield from self._modifiers(class_, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
             inherited |= self.elements(base)
-        for name in one.components.keys() & inherited.keys():
-            mine, theirs = self.elements(one)[name], inherited[name]
+        for name in class_.components.keys() & inherited.keys():
+            mine, theirs = self.elements(class_)[name], inherited[name]
             if not mine.node["is_redeclare"] and _shape(mine.node) != _shape(theirs.node):
                 yield self._located(
                     mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
                 )
 
-    def _component(self, one: _Class, name: str, node: Node) -> Iterator[str]:
-        element = self.elements(one)[name]
-        yield from self._constraint(one, name, element)
+    def _component(self, class_: _Class, name: str, node: Node) -> Iterator[str]:
+        element = self.elements(class_)[name]
+        yield from self._constraint(class_, name, element)
         if node["is_redeclare"]:
-            yield from self._element_redeclaration(one, name, element)
+            yield from self._element_redeclaration(class_, name, element)
         modifiers = element.modifiers
         if element.type is None:
             if element.simple:
-                yield from self._attributes(one, modifiers, f"{name}", element.rank)
+                yield from self._attributes(class_, modifiers, f"{name}", element.rank)
             return
-        if modifiers and element.type.own["is_final"]:
+        if modifiers and element.type.definition["is_final"]:
             yield self._located(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
-        yield from self._modifiers(one, modifiers, element.type, rank=element.rank, outside=True, depth=0)
+        yield from self._modifiers(class_, modifiers, element.type, rank=element.rank, outside=True, depth=0)
         yield from self._unread(node, name, element.type, modifiers)
 
-    def _local_class(self, one: _Class, inner: _Class) -> Iterator[str]:
-        own = inner.own
+    def _local_class(self, class_: _Class, inner: _Class) -> Iterator[str]:
+        definition = inner.definition
         short = inner.name.rpartition(".")[2]
-        if own["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._declaration(own)):
+        if definition["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._declaration(definition)):
             yield self._located(
-                own,
+                definition,
                 f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
                 f"write them on components of type {short}",
             )
-        if own["is_redeclare"]:
-            original = self._inherited(one).get(short)
+        if definition["is_redeclare"]:
+            original = self._inherited(class_).get(short)
             if original is None:
-                yield self._located(own, f"{short} is redeclared, but {one.name} does not inherit it (7.3)")
+                yield self._located(definition, f"{short} is redeclared, but {class_.name} does not inherit it (7.3)")
             elif not original.replaceable:
-                yield self._located(own, f"{short} is redeclared, but is not replaceable (7.3.3)")
+                yield self._located(definition, f"{short} is redeclared, but is not replaceable (7.3.3)")
 
-    def _constraint(self, one: _Class, name: str, element: _Element) -> Iterator[str]:
+    def _constraint(self, class_: _Class, name: str, element: _Element) -> Iterator[str]:
         named = element.node["constrainedby"]
-        constraint = self.resolve(_dotted(named), one) if named else None
+        constraint = self.resolve(_dotted(named), class_) if named else None
         if constraint is None:
             return
         allowed = self.elements(constraint)
@@ -269,10 +269,10 @@ class _Checker:
                 node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
             )
 
-    def _element_redeclaration(self, one: _Class, name: str, element: _Element) -> Iterator[str]:
-        original = self._inherited(one).get(name)
+    def _element_redeclaration(self, class_: _Class, name: str, element: _Element) -> Iterator[str]:
+        original = self._inherited(class_).get(name)
         if original is None:
-            yield self._located(element.node, f"{name} is redeclared, but {one.name} does not inherit it (7.3)")
+            yield self._located(element.node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
             return
         if not original.replaceable:
             yield self._located(element.node, f"{name} is redeclared, but is not replaceable (7.3.3)")
@@ -388,19 +388,22 @@ class _Checker:
                 if counts[leaf] > 1:
                     yield self._located(modifier.node, f"'{leaf}' is modified twice (7.2.4)")
 
-    def elements(self, one: _Class) -> dict[str, _Element]:
+    def elements(self, class_: _Class) -> dict[str, _Element]:
         """Return the elements of a class by name, inherited ones first."""
-        if one.name not in self._elements:
-            self._elements[one.name] = {}  # where classes extend each other, which rumoca refuses
-            self._elements[one.name] = self._inherited(one) | {
-                **{name: self._element(one, node) for name, node in one.components.items()},
-                **{inner.name.rpartition(".")[2]: self._class_element(inner, one) for inner in one.classes.values()},
+        if class_.name not in self._elements:
+            self._elements[class_.name] = {}  # where classes extend each other, which rumoca refuses
+            self._elements[class_.name] = self._inherited(class_) | {
+                **{name: self._element(class_, node) for name, node in class_.components.items()},
+                **{
+                    inner.name.rpartition(".")[2]: self._class_element(inner, class_)
+                    for inner in class_.classes.values()
+                },
             }
-        return self._elements[one.name]
+        return self._elements[class_.name]
 
-    def _inherited(self, one: _Class) -> dict[str, _Element]:
+    def _inherited(self, class_: _Class) -> dict[str, _Element]:
         found: dict[str, _Element] = {}
-        for clause in one.own["extends"]:
+        for clause in class_.definition["extends"]:
             base = self.by_id.get(clause["base_def_id"])
             if base is None:
                 continue
@@ -412,7 +415,7 @@ class _Checker:
                 if modifier.type and element is not None:
                     elements[modifier.name] = replace(
                         element,
-                        type=self.resolve(modifier.type, one),
+                        type=self.resolve(modifier.type, class_),
                         replaceable=self._says_replaceable(modifier),
                         redeclared=True,
                     )
@@ -442,30 +445,30 @@ class _Checker:
         )
 
     def _class_element(self, inner: _Class, owner: _Class) -> _Element:
-        own = inner.own
+        definition = inner.definition
         return _Element(
             owner=owner,
-            node=own,
+            node=definition,
             is_class=True,
             type=inner,
             simple=False,
             rank=0,
-            protected=own["is_protected"],
-            replaceable=own["is_replaceable"],
+            protected=definition["is_protected"],
+            replaceable=definition["is_replaceable"],
             modifiers=()
-            if own["is_long"]
-            else tuple(m for clause in own["extends"] for m in _extends_modifiers(clause)),
-            clause={} if own["constrainedby"] else None,
+            if definition["is_long"]
+            else tuple(m for clause in definition["extends"] for m in _extends_modifiers(clause)),
+            clause={} if definition["constrainedby"] else None,
         )
 
-    def _simple(self, one: _Class | None) -> tuple[bool, int]:
+    def _simple(self, class_: _Class | None) -> tuple[bool, int]:
         """Return whether a class stands for a simple type, and its array dimensions."""
-        if one is None:
+        if class_ is None:
             return False, 0
-        if one.own["enum_literals"]:
+        if class_.definition["enum_literals"]:
             return True, 0
-        rank = len(one.own["array_subscripts"] or ())
-        for clause in one.own["extends"]:
+        rank = len(class_.definition["array_subscripts"] or ())
+        for clause in class_.definition["extends"]:
             if _dotted(clause["base_name"]) in _SIMPLE:
                 return True, rank
             simple, more = self._simple(self.by_id.get(clause["base_def_id"]))
@@ -478,8 +481,8 @@ class _Checker:
         first, *rest = name.split(".")
         place = scope.name
         while True:
-            one = self.by_name.get(place)
-            found = None if one is None else self.elements(one).get(first)
+            class_ = self.by_name.get(place)
+            found = None if class_ is None else self.elements(class_).get(first)
             if found is not None and found.is_class:
                 break
             if not place:
@@ -488,13 +491,13 @@ class _Checker:
             place = place.rpartition(".")[0]
         return found.type and self._inside(found.type, rest)
 
-    def _inside(self, one: _Class, names: Sequence[str]) -> _Class | None:
+    def _inside(self, type_: _Class, names: Sequence[str]) -> _Class | None:
         for name in names:
-            element = self.elements(one).get(name)
+            element = self.elements(type_).get(name)
             if element is None or not element.is_class or element.type is None:
                 return None
-            one = element.type
-        return one
+            type_ = element.type
+        return type_
 
     def rank(self, value: Node, scope: _Class) -> int | None:
         """Return the number of dimensions of an expression, None where that takes more than its look."""
@@ -516,14 +519,14 @@ class _Checker:
                 return None
 
     def _reference_rank(self, parts: Sequence[Node], scope: _Class) -> int | None:
-        one: _Class | None = scope
+        type_: _Class | None = scope
         rank = 0
         for part in parts:
-            element = None if one is None else self.elements(one).get(part["ident"]["text"])
+            element = None if type_ is None else self.elements(type_).get(part["ident"]["text"])
             if element is None or element.is_class or part["subs"]:
                 return None
             rank += element.rank
-            one = element.type
+            type_ = element.type
         return rank
 
     def _says_replaceable(self, modifier: _Modifier) -> bool:
@@ -534,9 +537,9 @@ class _Checker:
             re.search(r"\breplaceable\s+(?:\w+\s+)*[\w.]*\s*$", text.rpartition(",")[2].rpartition("(")[2]) is not None
         )
 
-    def _declaration(self, own: Node) -> str:
+    def _declaration(self, modifiers: Node) -> str:
         """Return a short class definition from its name on; rumoca's tree leaves out what its constraint modifies."""
-        place = own["location"]
+        place = modifiers["location"]
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
 

@@ -37,7 +37,7 @@ def present_name(name: str) -> str | None:
     return f"RailBraking.{packages[0]}.{last}" if packages else None
 
 
-def is_own(library: Path) -> bool:
+def is_trusted(library: Path) -> bool:
     """Return whether this project wrote a library: its own, or one that it generated into the user's cache."""
     return any(library.is_relative_to(folder) for folder in (MODELICA, cache.folder() / "modelica"))
 

@@ -48,7 +48,7 @@ def model_of(system: System) -> Model:
 
 def output_scalars(system: System) -> list[Scalar]:
     """Return the variables declared `output`, in declaration order."""
-    every = [s for own in system.variables.of_id.values() for s in own]
+    every = [s for scalars in system.variables.of_id.values() for s in scalars]
     return [s for s in every if s.causality == "output"]
 
 

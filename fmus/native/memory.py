@@ -61,7 +61,7 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
     places, tables, words = dict[int, str](), list[str](), list[NDArray[np.uint64]]()
     for number, region in enumerate(regions):
         if number in changing or region.pointers:
-            places[number] = f"memory + {sum(one.size for one in words)}"
+            places[number] = f"memory + {sum(word.size for word in words)}"
             words.append(region.words.copy())
             words[-1][[*region.pointers]] = 0
         else:

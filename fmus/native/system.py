@@ -395,12 +395,12 @@ def _event_equations(
 
 
 def _state_place(dae: Dae, v: Variables, operation: Node, place: dict[str, int], action: Node) -> int:
-    own = v.of_id[operation["state"]]
-    if len(own) != 1 or own[0].name not in place:
+    scalars = v.of_id[operation["state"]]
+    if len(scalars) != 1 or scalars[0].name not in place:
         raise dae.refuse(
-            f"reinit of {own[0].name}, which is not a scalar state, is not supported", action["provenance"]
+            f"reinit of {scalars[0].name}, which is not a scalar state, is not supported", action["provenance"]
         )
-    return place[own[0].name]
+    return place[scalars[0].name]
 
 
 def _assertions(dae: Dae, evaluate: Evaluator, v: Variables, conditions: Conditions) -> list[Assertion]:

@@ -105,8 +105,8 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
         if kind not in KINDS:
             raise dae.refuse(f"variable {v['name']} of role {kind} is not supported", v["declaration"])
         shape = tuple(v["value_type"]["dimensions"])
-        own = [SX.sym(name) for name in names]
-        symbols[kind, v["id"]] = array(own, shape)
+        scalars = [SX.sym(name) for name in names]
+        symbols[kind, v["id"]] = array(scalars, shape)
         if kind == "constant":  # expressions refer to both in the same way
             symbols["parameter", v["id"]] = symbols[kind, v["id"]]
         if kind == "state":
@@ -128,7 +128,7 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
                 protected=v["name"] in dae.protected,
                 fixed=bool(fixed[i]),
             )
-            for i, (name, symbol) in enumerate(zip(names, own, strict=True))
+            for i, (name, symbol) in enumerate(zip(names, scalars, strict=True))
         ]
         unbound = kind == "parameter" and attributes["binding"] is None
         if unbound and attributes["fixed"] is not None and not np.all(attributes["fixed"]):
@@ -142,7 +142,7 @@ def settle(
     """Find start values and sort parameters into free, dependent and structural ones."""
     for v in dae.variables:
         _start(v, of_id[v["id"]], evaluate)
-    every = [s for own in of_id.values() for s in own]
+    every = [s for scalars in of_id.values() for s in scalars]
     by_kind = {kind: [s for s in every if s.kind == kind] for kind in KINDS}
 
     # Numbers first: constants, then parameters that shape the equations or are final.
@@ -170,8 +170,8 @@ def settle(
         dependent=dependent,
         dependent_values=dependent_values,
         constants=constants,
-        derivatives=[s for (store, _), own in symbols.items() if store == "derivative" for s in own.flat],
-        previous=[s for (store, _), own in symbols.items() if store == "pre" for s in own.flat],
+        derivatives=[s for (store, _), symbols_ in symbols.items() if store == "derivative" for s in symbols_.flat],
+        previous=[s for (store, _), symbols_ in symbols.items() if store == "pre" for s in symbols_.flat],
     )
     _default_values(every, out)
     return out
@@ -186,13 +186,13 @@ def _is_structural(p: Scalar) -> bool:
     return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
 
 
-def _start(v: Node, own: list[Scalar], evaluate: Evaluator) -> None:
+def _start(v: Node, scalars: list[Scalar], evaluate: Evaluator) -> None:
     a = v["attributes"]
-    has_binding = a["binding"] is not None and own and own[0].kind in ("parameter", "constant", "input")
+    has_binding = a["binding"] is not None and scalars and scalars[0].kind in ("parameter", "constant", "input")
     expression, values = (a["binding"], a["binding_values"]) if has_binding else (a["start"], a["start_values"])
     shape = tuple(v["value_type"]["dimensions"])
     symbolic = None if expression is None else list(np.broadcast_to(evaluate(expression), shape).flat)
-    for i, s in enumerate(own):
+    for i, s in enumerate(scalars):
         s.expression = None if symbolic is None else SX(symbolic[i])
         if s.expression is not None and is_number(s.expression):
             s.start = float(s.expression)

@@ -90,11 +90,11 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
     return place / name
 
 
-def prune(whole: Path) -> None:
+def prune(root: Path) -> None:
     """Remove the files of a cache that were not used for longest, until it is as small as `LARGEST`."""
-    files = [(file.lstat(), file) for file in whole.glob("*/*/*/*") if not file.is_symlink()]
+    files = [(file.lstat(), file) for file in root.glob("*/*/*/*") if not file.is_symlink()]
     size = sum(status.st_size for status, _ in files)
-    for status, file in sorted(files, key=lambda one: one[0].st_mtime):
+    for status, file in sorted(files, key=lambda entry: entry[0].st_mtime):
         if size <= LARGEST or time.time() - status.st_mtime < _IN_USE:
             return
         size -= status.st_size
@@ -105,10 +105,10 @@ def prune(whole: Path) -> None:
 
 
 @once
-def _prune_once(whole: Path) -> None:
+def _prune_once(root: Path) -> None:
     """Prune once in a process: it takes a look at every file."""
     with suppress(OSError):  # another process may do the same
-        prune(whole)
+        prune(root)
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:

@@ -101,8 +101,8 @@ def names(kind: str) -> list[str]:
     package = SECTIONS[kind].package
     if kind in get_args(Shelf):
         return list(files(package))
-    own = [name for name in modules(package) if name not in _SHARED]
-    return [*own, *_WITHOUT_MODULE.get(kind, ()), *_installed(kind)]
+    shipped = [name for name in modules(package) if name not in _SHARED]
+    return [*shipped, *_WITHOUT_MODULE.get(kind, ()), *_installed(kind)]
 
 
 def meanings(kind: str) -> dict[str, str]:

@@ -51,7 +51,7 @@ def calibrate(notify: Callable[[Fitted], None]) -> list[Fitted]:
             notify(fits[-1])
     for scenario in TARGETS:
         path = LIBRARY / f"{scenario}.toml"
-        levels = {one.shape: one.level for one in fits if one.scenario == scenario}
+        levels = {fit.shape: fit.level for fit in fits if fit.scenario == scenario}
         write_text(path, with_levels(path.read_text(encoding="utf-8"), levels))
     return fits
 

@@ -54,13 +54,13 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
     stops: dict[str, Repeated] = {}
     for stop in campaign.stops:
         nudged, compiled = repeats[stop.name]
-        records = [read_stop(directory / one.name) for one in nudged]
+        records = [read_stop(directory / nudge.name) for nudge in nudged]
         distances = [_distance(record) for record in records]
         figures = [record.metrics.beside_distance() for record in records]
         stops[stop.name] = Repeated(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
-            compilers={compiler: _distance(read_stop(directory / one.name)) for compiler, one in compiled.items()},
+            compilers={compiler: _distance(read_stop(directory / stop.name)) for compiler, stop in compiled.items()},
             figures={
                 name: tuple(each[name] for each in figures)
                 for name in figures[0]

@@ -77,22 +77,22 @@ def run_campaigns(
     Raises:
         RecordError: Results cannot be written there, or others are there; nothing was run.
     """
-    for one in campaigns:
-        name = one.campaign.name
-        make_folder(one.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
-        clear_campaign(one.directory, name)
-        write_description(one.campaign, one.directory)
+    for planned in campaigns:
+        name = planned.campaign.name
+        make_folder(planned.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
+        clear_campaign(planned.directory, name)
+        write_description(planned.campaign, planned.directory)
     reports: list[dict[str, Report]] = [{} for _ in campaigns]
     waiting: list[_Order] = []
-    for number, one in enumerate(campaigns):
-        for stop in one.campaign.stops:
-            folder = one.directory / stop.name
+    for number, planned in enumerate(campaigns):
+        for stop in planned.campaign.stops:
+            folder = planned.directory / stop.name
             if not fresh and (record := kept_result(stop, folder)) is not None:
                 reports[number][stop.name] = report = _report(stop, "found", record.outcome, record.reason)
                 notify(report)
             else:
                 waiting.append(_Order(number, stop, folder))
-    open_ = [number for number, one in enumerate(campaigns) if len(reports[number]) < len(one.campaign.stops)]
+    open_ = [number for number, planned in enumerate(campaigns) if len(reports[number]) < len(planned.campaign.stops)]
     with _running(waiting, runner, workers, scheduler) as running:
         for number in range(len(campaigns)):
             if number not in open_:
@@ -103,8 +103,8 @@ def run_campaigns(
             if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
                 on_complete(order.campaign)
     return [
-        [reports_of[stop.name] for stop in one.campaign.stops]
-        for one, reports_of in zip(campaigns, reports, strict=True)
+        [reports_of[stop.name] for stop in planned.campaign.stops]
+        for planned, reports_of in zip(campaigns, reports, strict=True)
     ]
 
 
@@ -203,8 +203,8 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
     except RecordError as problem:
         remark(f"{stop.name}: is run again, for {problem}")
         return None
-    own = [tool for name, tool in makers(record.versions).items() if Path(name).stem in read_recipes().recipes]
-    return record if all(tool.startswith(OURS) == (choose("auto") == "native") for tool in own) else None
+    compilers = [tool for name, tool in makers(record.versions).items() if Path(name).stem in read_recipes().recipes]
+    return record if all(tool.startswith(OURS) == (choose("auto") == "native") for tool in compilers) else None
 
 
 def write_description(campaign: Campaign, directory: Path) -> None:

@@ -32,9 +32,9 @@ def sources_digest(study: str | None = None) -> str:
             ):
                 continue
             place = f"{name}/{path.relative_to(root).as_posix()}"
-            is_own = study is not None and place.startswith(
+            is_of_study = study is not None and place.startswith(
                 (f"railgrip/studies/{study}/", f"railgrip/studies/{study}.")
             )
-            if is_own or not place.startswith(_UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)):
+            if is_of_study or not place.startswith(_UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)):
                 digest.update(place.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

@@ -20,7 +20,7 @@ from railgrip.campaign.workers import answer, ended
 from railgrip.campaign.workers import workers as processes
 from railgrip.report.console import progress
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.parts import OwnParts
+from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.trace.metrics import Metrics, meanings
 
@@ -59,7 +59,7 @@ class Sweep:
     def distances(self) -> NDArray[np.float64]:
         """Braking distances, shape as the axes [m]; NaN without a standstill."""
         shape = tuple(len(values) for values in self.axes.values())
-        each = [math.nan if one.metrics is None else one.metrics.distance for one in self.results]
+        each = [math.nan if result.metrics is None else result.metrics.distance for result in self.results]
         return np.array(each).reshape(shape)
 
     def __repr__(self) -> str:
@@ -120,25 +120,25 @@ class Sweep:
             sample = next((plain[name] for plain in metrics if plain[name] is not None), None)
             if sample is None:
                 continue
-            one = np.asarray(sample, dtype=np.float64)
+            first = np.asarray(sample, dtype=np.float64)
             values = [
-                np.full(one.shape, np.nan)
+                np.full(first.shape, np.nan)
                 if result.metrics is None or (value := result.metrics.to_plain()[name]) is None
                 else np.asarray(value, dtype=np.float64)
                 for result in self.results
             ]
             each = "wheelset" if "wheelset" in meaning else "group" if "group" in meaning else ""
             if not each:  # of the train, in a list of one
-                one, values = one.reshape(()), [value.reshape(()) for value in values]
-            further = (each, "slip_class")[: one.ndim]
-            whole = np.stack(values).reshape(*shape, *one.shape)
-            variables[name] = ((*self.axes, *further), whole, {"units": unit, "long_name": meaning})
+                first, values = first.reshape(()), [value.reshape(()) for value in values]
+            further = (each, "slip_class")[: first.ndim]
+            stacked = np.stack(values).reshape(*shape, *first.shape)
+            variables[name] = ((*self.axes, *further), stacked, {"units": unit, "long_name": meaning})
         return xarray.Dataset(variables, coords={axis: list(values) for axis, values in self.axes.items()})
 
 
 def swept(
     name: str,
-    variant: Callable[[Mapping[str, Any]], tuple[Scenario, OwnParts]],
+    variant: Callable[[Mapping[str, Any]], tuple[Scenario, CustomParts]],
     axes: Mapping[str, Sequence[Any]],
     workers: Any,
 ) -> Sweep:
@@ -158,7 +158,7 @@ def swept(
         raise ScenarioError(f"sweep: workers is 1 or more, got {short(workers)}")
     stops = [variant(dict(zip(axes, values, strict=True))) for values in itertools.product(*axes.values())]
     results: dict[int, Result] = {}
-    is_portable = workers > 1 and all(_portable(own) for _, own in stops)
+    is_portable = workers > 1 and all(_portable(objects) for _, objects in stops)
     with progress(name, len(stops), is_count=True) as bar:
         for number, result in _in_processes(stops, workers) if is_portable else _here(stops):
             results[number] = result
@@ -166,32 +166,32 @@ def swept(
     return Sweep({axis: tuple(values) for axis, values in axes.items()}, tuple(results[n] for n in range(len(stops))))
 
 
-def _here(stops: Sequence[tuple[Scenario, OwnParts]]) -> Iterator[tuple[int, Result]]:
-    for number, (scenario, own) in enumerate(stops):
-        yield number, _result(scenario, own)
+def _here(stops: Sequence[tuple[Scenario, CustomParts]]) -> Iterator[tuple[int, Result]]:
+    for number, (scenario, objects) in enumerate(stops):
+        yield number, _result(scenario, objects)
 
 
-def _in_processes(stops: Sequence[tuple[Scenario, OwnParts]], workers: int) -> Iterator[tuple[int, Result]]:
+def _in_processes(stops: Sequence[tuple[Scenario, CustomParts]], workers: int) -> Iterator[tuple[int, Result]]:
     with processes(min(workers, len(stops)), main=False) as pool:
         running = {pool.submit(_result, *stop): number for number, stop in enumerate(stops)}
         for number, result in ended(running):
             yield number, _failed(result) if isinstance(result, RailgripError) else result
 
 
-def _portable(own: OwnParts) -> bool:
+def _portable(objects: CustomParts) -> bool:
     """Return whether another process can have these objects: their classes are in modules that it can import."""
-    parts = (own.controller, own.estimator, own.sensors, own.plant)
+    parts = (objects.controller, objects.estimator, objects.sensors, objects.plant)
     if any(type(part).__module__ == "__main__" for part in parts):
         return False
     try:
-        pickle.dumps(own)
+        pickle.dumps(objects)
     except Exception:  # whatever a user's object raises when it is pickled
         return False
     return True
 
 
-def _result(scenario: Scenario, own: OwnParts) -> Result:
-    stop = answer(lambda: run_stop(scenario, own=own))
+def _result(scenario: Scenario, objects: CustomParts) -> Result:
+    stop = answer(lambda: run_stop(scenario, objects=objects))
     return _failed(stop) if isinstance(stop, RailgripError) else Result(stop.outcome.value, stop.reason, stop.metrics)
 
 

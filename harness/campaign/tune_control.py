@@ -228,11 +228,14 @@ def set_of(law: str, *, type_test: bool) -> str:
 def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command: str = "make tune-control") -> str:
     """Return the file of a law's parameters: what was found for each kind of actuation, on what, by which command."""
     lines = [f"# Parameters of {law}, written by `{command}`; in brackets two-state control at 10 and 15 %."]
-    for (actuation, slip), one in results.items():
-        lines += ["", f"# The best of {one.sets} sets: {100 * one.reduction:+.1f} % against slip-based control, on:"]
-        for rail, distance, other in zip(one.rails, one.distances, one.reference, strict=True):
+    for (actuation, slip), result in results.items():
+        lines += [
+            "",
+            f"# The best of {result.sets} sets: {100 * result.reduction:+.1f} % against slip-based control, on:",
+        ]
+        for rail, distance, other in zip(result.rails, result.distances, result.reference, strict=True):
             lines.append(f"#   {rail}: {distance:.1f} m ({other:.1f} m)")
-        lines += [f"[{actuation}.{slip}]", *(f"{name} = {value!r}" for name, value in one.values.items())]
+        lines += [f"[{actuation}.{slip}]", *(f"{name} = {value!r}" for name, value in result.values.items())]
     return "\n".join(lines) + "\n"
 
 

@@ -132,7 +132,7 @@ class Work:
             on_complete: As there.
             is_any_outcome: Whether a stop may end otherwise than its campaign expects.
         """
-        self.expect(sum(len(one.campaign.stops) for one in runs))
+        self.expect(sum(len(run.campaign.stops) for run in runs))
         fine: set[State] = {"found", "done", "unexpected"} if is_any_outcome else {"found", "done"}
         code = 0
 
@@ -184,7 +184,10 @@ def _plain(value: Any) -> object:
         case np.ndarray():
             return [value.shape, str(value.dtype), hashlib.sha256(value.tobytes()).hexdigest()]
         case xarray.Dataset():
-            return [value.attrs, {name: [one.dims, one.values, one.attrs] for name, one in value.variables.items()}]
+            return [
+                value.attrs,
+                {name: [variable.dims, variable.values, variable.attrs] for name, variable in value.variables.items()},
+            ]
         case np.generic():
             return value.item()
         case Mapping():
@@ -194,6 +197,6 @@ def _plain(value: Any) -> object:
         case partial():
             return [value.func, value.args, value.keywords]
         case _ if is_dataclass(value) and not isinstance(value, type):
-            return [type(value).__qualname__, {one.name: getattr(value, one.name) for one in fields(value)}]
+            return [type(value).__qualname__, {field.name: getattr(value, field.name) for field in fields(value)}]
         case _:
             return f"{value.__module__}.{value.__qualname__}"

@@ -115,15 +115,15 @@ def conditioning(
     import_from: ImportFrom = None,
 ) -> None:
     """Repeat stops with the plant's parameters perturbed."""
-    whole = load_campaign(file)
-    if whole.conditioning is None:
+    loaded = load_campaign(file)
+    if loaded.conditioning is None:
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
-    selection = whole.only(lambda stop: fnmatch(stop.name, stops))
+    selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
     if not selection.stops:
-        raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {whole.stops[0].name} and others")
-    others = {} if stops == "*" else _repeated_before(whole.conditioning, relative)
+        raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
+    others = {} if stops == "*" else _repeated_before(loaded.conditioning, relative)
     repetitions = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in selection.stops}
-    directory = out / whole.name
+    directory = out / loaded.name
     problem = run_campaigns(
         [CampaignRun(campaign_of(selection, repetitions), directory)],
         workers=workers,
@@ -132,14 +132,14 @@ def conditioning(
     )
     # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
     results = conditioning_of(selection, repetitions, directory, relative)
-    write_text(whole.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
+    write_text(loaded.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
         for name, stop in results.stops.items()
     ]
     metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
     show_table(Table(rows, {**metres, "spreads": yes_no}))
-    say(str(whole.conditioning))
+    say(str(loaded.conditioning))
     if problem:
         raise typer.Exit(problem)
 

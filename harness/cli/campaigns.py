@@ -48,25 +48,25 @@ def campaign(
     campaigns = [load_campaign(file, overrides or []) for file in files]
     # Accepted distances are of the campaign as its file has it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
-    own = out if out is not None and len(files) == 1 else None
-    runs = [CampaignRun(one, own or (out or Path("build")) / one.name) for one in campaigns]
-    twice = next((one for one in runs if [a.directory for a in runs].count(one.directory) > 1), None)
+    folder = out if out is not None and len(files) == 1 else None
+    runs = [CampaignRun(loaded, folder or (out or Path("build")) / loaded.name) for loaded in campaigns]
+    twice = next((run for run in runs if [a.directory for a in runs].count(run.directory) > 1), None)
     if twice is not None:
         raise ScenarioError(f"two campaigns are named '{twice.campaign.name}' and would share {twice.directory}")
 
     def draw(number: int, drawing: Callable[[str], None]) -> None:
-        one = runs[number]
-        write_report(one.directory, panels=panels or one.campaign.panels, notify=drawing, baseline=baselines[number])
+        run = runs[number]
+        write_report(run.directory, panels=panels or run.campaign.panels, notify=drawing, baseline=baselines[number])
 
     problem = run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
-    for one, baseline in zip(runs, baselines, strict=True):
-        results = read_results(one.directory)
+    for run, baseline in zip(runs, baselines, strict=True):
+        results = read_results(run.directory)
         _show_distances(rows_of(results))
         for sentence in by_compiler(results.stops):
             say(sentence)
         for sentence in [] if baseline is None else beyond_accepted(results, baseline):
             complain(sentence)
-        say(f"{one.directory}/index.html")
+        say(f"{run.directory}/index.html")
     if problem:
         raise typer.Exit(problem)
 
@@ -120,13 +120,13 @@ def run_campaigns(
 
     `on_complete` is called with the number of a campaign that is complete, and with what tells the user of its doing.
     """
-    with work(", ".join(one.campaign.name for one in runs), workers=workers, fresh=fresh) as own:
+    with work(", ".join(run.campaign.name for run in runs), workers=workers, fresh=fresh) as session:
 
         def complete(number: int) -> None:
-            on_complete(number, lambda what: own.notify(f"drawing {what}"))
-            own.notify("")
+            on_complete(number, lambda what: session.notify(f"drawing {what}"))
+            session.notify("")
 
-        return own.stops(runs, runner(import_from=import_from), on_complete=complete)
+        return session.stops(runs, runner(import_from=import_from), on_complete=complete)
 
 
 def _show_distances(rows: Sequence[Row]) -> None:

@@ -45,11 +45,14 @@ def doctor() -> None:
     Exit code 1 means that there are problems; each comes with its remedy.
     """
     findings = [finding for name, check in CHECKS.items() for finding in _findings_of(name, check)]
-    rows = [{"": "PROBLEM" if one.remedy else "ok", "check": one.what, "found": one.found} for one in findings]
+    rows = [
+        {"": "PROBLEM" if finding.remedy else "ok", "check": finding.what, "found": finding.found}
+        for finding in findings
+    ]
     show_table(Table(rows, left=("", "check", "found")))
-    problems = [one for one in findings if one.remedy]
-    for one in problems:
-        complain(f"{one.what}: {one.found}: {one.remedy}")
+    problems = [finding for finding in findings if finding.remedy]
+    for problem in problems:
+        complain(f"{problem.what}: {problem.found}: {problem.remedy}")
     if problems:
         raise typer.Exit(1)
     say("No problems.")
@@ -69,9 +72,9 @@ def _findings_of(name: str, check: Callable[[], Iterator[Finding]]) -> list[Find
 def _versions() -> Iterator[Finding]:
     yield Finding("railgrip", f"{railgrip.__version__} in {Path(railgrip.__file__).parent}")
     yield Finding("Python", f"{platform.python_version()} on {platform.platform()}, {sys.executable}")
-    required = [one for one in distribution("railgrip").requires or () if "extra ==" not in one]
+    required = [requirement for requirement in distribution("railgrip").requires or () if "extra ==" not in requirement]
     found: list[str] = []
-    for name in [re.split(r"[^A-Za-z0-9._-]", one, maxsplit=1)[0] for one in required]:
+    for name in [re.split(r"[^A-Za-z0-9._-]", name, maxsplit=1)[0] for name in required]:
         try:
             found.append(f"{name} {version(name)}")
         except PackageNotFoundError:
@@ -81,13 +84,16 @@ def _versions() -> Iterator[Finding]:
 
 def _files_of_the_package() -> Iterator[Finding]:
     files = distribution("railgrip").files or []
-    own = [file for file in files if file.parts[0] == "railgrip" and file.suffix != ".pyc"]
-    missing = [str(file) for file in own if not Path(str(file.locate())).is_file()]
+    package_files = [file for file in files if file.parts[0] == "railgrip" and file.suffix != ".pyc"]
+    missing = [str(file) for file in package_files if not Path(str(file.locate())).is_file()]
     if missing:
-        words = f"{len(missing)} of {len(own)} files are missing, {missing[0]} among them"
+        words = f"{len(missing)} of {len(package_files)} files are missing, {missing[0]} among them"
         yield Finding("files of the package", words, "python -m pip install --force-reinstall --no-deps railgrip")
     else:
-        yield Finding("files of the package", f"{len(own)}, all there" if own else "used from a folder of sources")
+        yield Finding(
+            "files of the package",
+            f"{len(package_files)}, all there" if package_files else "used from a folder of sources",
+        )
 
 
 def _compiler() -> Iterator[Finding]:

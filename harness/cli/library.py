@@ -21,7 +21,7 @@ def list_(
     """List what may be named: scenarios, controllers, trains and more."""
     kinds = (kind,) if kind else SECTIONS
     if as_json:
-        say(json.dumps({one: meanings(one) for one in kinds}, indent=1, ensure_ascii=False))
+        say(json.dumps({kind_: meanings(kind_) for kind_ in kinds}, indent=1, ensure_ascii=False))
         return
     for one in kinds:
         rows = [{"name": name, "meaning": meaning} for name, meaning in meanings(one).items()]

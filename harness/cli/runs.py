@@ -73,6 +73,6 @@ def runner(import_from: Sequence[Path] = ()) -> Runner:
 
     if not import_from:
         return run_stop
-    from railgrip.simulate.parts import OwnParts
+    from railgrip.simulate.parts import CustomParts
 
-    return partial(run_stop, own=OwnParts(folders=tuple(import_from)))
+    return partial(run_stop, objects=CustomParts(folders=tuple(import_from)))

@@ -32,9 +32,9 @@ def calibrate() -> None:
     """Fit the levels of the scenarios to the published distances."""
     with progress("levels, some ten stops each"):
         fit_levels(
-            lambda one: say(
-                f"{one.scenario}, {one.shape}: level {one.level:.5f}, {one.distance:.1f} m "
-                f"(wanted {TARGETS[one.scenario]} m)"
+            lambda fit: say(
+                f"{fit.scenario}, {fit.shape}: level {fit.level:.5f}, {fit.distance:.1f} m "
+                f"(wanted {TARGETS[fit.scenario]} m)"
             )
         )
 
@@ -122,11 +122,11 @@ def tune(
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     search = Search(population=population, generations=generations, stage=stage, seed=seed)
-    with work("field_test", workers=workers) as own:
-        field_runs = runs(field_cases(campaign), TUNING, own, import_from or ())
+    with work("field_test", workers=workers) as session:
+        field_runs = runs(field_cases(campaign), TUNING, session, import_from or ())
         model = equations()
         tasks = [task_of(run.braking, model) for run in field_runs.values()]
-        noise, value, history = search_for(kind, tasks, search, own)
+        noise, value, history = search_for(kind, tasks, search, session)
     command = (
         f"railgrip maintain tune {kind} --population {population} --generations {generations} --stage {stage} "
         f"--seed {seed} --out {out}"

@@ -50,8 +50,8 @@ def _conduct(
     **options: Any,
 ) -> None:
     name = options.pop("study")
-    own = study_named(name)(**options)
-    page, path = conduct(own, out or Path("build") / name, workers=workers, scheduler=scheduler, fresh=fresh)
+    study = study_named(name)(**options)
+    page, path = conduct(study, out or Path("build") / name, workers=workers, scheduler=scheduler, fresh=fresh)
     show_all(page.screen)
     say(str(path))
     if page.exit_code:
@@ -60,25 +60,29 @@ def _conduct(
 
 def _command(name: str) -> Any:
     """Return the command of a study: its own options before those of all."""
-    own = study_named(name)
+    study = study_named(name)
 
     def command(**options: Any) -> None:
         _conduct(study=name, **options)
 
-    hints = get_type_hints(own, include_extras=True)
+    hints = get_type_hints(study, include_extras=True)
     parameters = [
         inspect.Parameter(
-            one.name,
+            field.name,
             inspect.Parameter.KEYWORD_ONLY,
-            default=inspect.Parameter.empty if one.default is MISSING else one.default,
-            annotation=_COMMON.get(one.name, hints[one.name]),
+            default=inspect.Parameter.empty if field.default is MISSING else field.default,
+            annotation=_COMMON.get(field.name, hints[field.name]),
         )
-        for one in fields(own)  # pyright: ignore[reportArgumentType] - every study is a dataclass
+        for field in fields(study)  # pyright: ignore[reportArgumentType] - every study is a dataclass
     ]
-    parameters += [one for one in inspect.signature(_conduct).parameters.values() if one.kind is one.KEYWORD_ONLY]
+    parameters += [
+        parameter
+        for parameter in inspect.signature(_conduct).parameters.values()
+        if parameter.kind is parameter.KEYWORD_ONLY
+    ]
     command.__signature__ = inspect.Signature(parameters)  # pyright: ignore[reportFunctionMemberAccess]
-    command.__annotations__ = {one.name: one.annotation for one in parameters}
-    command.__doc__ = own.__doc__
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    command.__doc__ = study.__doc__
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     alone.command(name)(command)
     return typer.main.get_command(alone)

@@ -60,10 +60,10 @@ def check(file: TrainFile) -> None:
     train = load_train(file)
     results = findings(train)
     name = located(file, "trains").name
-    for one in results:
-        if not one.wrong:
-            remark(f"{name}: {one}")
-    wrong = [f"{name}: {one}" for one in results if one.wrong]
+    for result in results:
+        if not result.wrong:
+            remark(f"{name}: {result}")
+    wrong = [f"{name}: {result}" for result in results if result.wrong]
     if wrong:
         raise InputError("\n".join(wrong))
     if equipment := sentence_of_equipment(train):

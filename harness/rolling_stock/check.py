@@ -40,9 +40,9 @@ class Finding:
 def findings(train: Train) -> list[Finding]:
     """Return all that does not fit or is unusual, what is wrong first."""
     results = [*_masses(train), *_places(train), *_brakes(train), *_accelerators(train)]
-    if not any(one.wrong for one in results):
+    if not any(finding.wrong for finding in results):
         results += _stops(train)
-    return sorted(results, key=lambda one: not one.wrong)
+    return sorted(results, key=lambda result: not result.wrong)
 
 
 def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
@@ -68,12 +68,12 @@ def _masses(train: Train) -> Iterator[Finding]:
             )
     for kind, ours in _by_kind(train):
         for bogie in ours:
-            own = bogie.data.frame_mass + bogie.data.axle_mass * len(bogie.axles)
+            unsprung = bogie.data.frame_mass + bogie.data.axle_mass * len(bogie.axles)
             load = sum(train.axles[i].mass for i in bogie.axles)
-            if own >= load:
+            if unsprung >= load:
                 yield Finding(
                     f"[bogies.{kind}] frame_mass",
-                    f"frame and axles have {own / 1e3:g} t, but only {load / 1e3:g} t stand on the bogie's axles",
+                    f"frame and axles have {unsprung / 1e3:g} t, but only {load / 1e3:g} t stand on the bogie's axles",
                 )
                 break
     rotating = (
@@ -180,5 +180,7 @@ def _stops(train: Train) -> Iterator[Finding]:
 
 
 def _by_kind(train: Train) -> Iterator[tuple[str, list[BogieInTrain]]]:
-    for kind, ours in groupby(sorted(train.bogies_in_train, key=lambda one: one.kind), key=lambda one: one.kind):
+    for kind, ours in groupby(
+        sorted(train.bogies_in_train, key=lambda bogie: bogie.kind), key=lambda bogie: bogie.kind
+    ):
         yield kind, list(ours)

@@ -22,12 +22,12 @@ def drawing(train: Train) -> Figure:
     longest = max(end - start for _, start, end in rows)
     train_figure = figure(max(_INCHES * (longest + 3), 7.0), 1.15 * len(rows) + 0.7)
     axes: list[Axes] = list(train_figure.subplots(len(rows), 1, squeeze=False)[:, 0])
-    for one, (cars, start, _) in zip(axes, rows, strict=True):
-        one.set_xlim(start - 1.5, start + longest + 1.5)
-        one.set_ylim(_BELOW, _ROOF + 1.0)
-        one.set_aspect("equal")
-        one.axis("off")
-        _row(one, train, cars)
+    for axis, (cars, start, _) in zip(axes, rows, strict=True):
+        axis.set_xlim(start - 1.5, start + longest + 1.5)
+        axis.set_ylim(_BELOW, _ROOF + 1.0)
+        axis.set_aspect("equal")
+        axis.axis("off")
+        _row(axis, train, cars)
     axes[0].set_title(
         f"{train.name}: {len(train.cars)} cars, {len(train.axles)} axles, {train.length:.1f} m, "
         f"{train.mass / 1e3:.1f} t",

@@ -61,7 +61,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         couplers=[train.couplers[car.coupler] for car in train.cars if car.coupler],
         track_brakes=[
             {"number": number, "brake": bogie.track_brake, "body": body_of_car[bogie.cars[0]] + 1}
-            for number, bogie in enumerate((one for one in bogies if one.track_brake is not None), start=1)
+            for number, bogie in enumerate((bogie for bogie in bogies if bogie.track_brake is not None), start=1)
         ],
         commands=_sharing(train.groups_per_valve),
         array=_array,
@@ -97,13 +97,13 @@ def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[
 
 def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, Any]:
     """Return what the template knows of a bogie; it counts groups and wheelsets from 1."""
-    own = [number for number, members in enumerate(train.groups, start=1) if members[0] in bogie.axles]
+    groups = [number for number, members in enumerate(train.groups, start=1) if members[0] in bogie.axles]
     return {
         "title": bogie.kind,
         "kind": _identifier(bogie.kind),
         "n": len(bogie.axles),
-        "groups": len(own),
-        "g": f"{own[0]}:{own[-1]}",
+        "groups": len(groups),
+        "g": f"{groups[0]}:{groups[-1]}",
         "w": f"{bogie.axles[0] + 1}:{bogie.axles[-1] + 1}",
         "body": body_of_car[bogie.cars[0]] + 1,
     }
@@ -115,7 +115,9 @@ def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
     # Through the pipe each car has a pressure of its own, by wire there is one for all.
     available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else [1.0]
     distributors = train.distributor_of_car
-    single, two_stage = ([i for i, one in enumerate(distributors) if (one is None) == plain] for plain in (True, False))
+    single, two_stage = (
+        [i for i, distributor in enumerate(distributors) if (distributor is None) == plain] for plain in (True, False)
+    )
     part_of_car = {car: f"distributor[{number}]" for number, car in enumerate(single, start=1)}
     part_of_car |= {car: f"two_stage{number}" for number, car in enumerate(two_stage, start=1)}
     return {

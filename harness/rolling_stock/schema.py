@@ -357,7 +357,7 @@ class Train(Table):
                 raise broken(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
         if not self.axles:
             raise broken("[[cars]] have no bogies: a train runs on one axle at least")
-        beyond = next((i for i, one in enumerate(self.sanders, start=1) if one.wheelset > len(self.axles)), None)
+        beyond = next((i for i, sander in enumerate(self.sanders, start=1) if sander.wheelset > len(self.axles)), None)
         if beyond is not None:
             raise broken(
                 f"[sanders[{beyond}]] is at wheelset {self.sanders[beyond - 1].wheelset}, "
@@ -372,7 +372,7 @@ class Train(Table):
     def track_brake_force(self) -> float:
         """Greatest force of all track brakes [N]."""
         brakes = [bogie.track_brake for bogie in self.bogies_in_train if bogie.track_brake is not None]
-        return sum(one.magnets * one.attraction * max(one.friction_slow, one.friction_fast) for one in brakes)
+        return sum(brake.magnets * brake.attraction * max(brake.friction_slow, brake.friction_fast) for brake in brakes)
 
     @cached_property
     def bogies_in_train(self) -> tuple[BogieInTrain, ...]:

@@ -165,7 +165,7 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
     count = len(couplers)
     if not count:
         return np.zeros(0)
-    of_body = np.array([[float(own == body) for own in body_of_car] for body in range(count + 1)])
+    of_body = np.array([[float(number == body) for number in body_of_car] for body in range(count + 1)])
     mass, force = of_body @ stop.car_mass, stop.car_force @ of_body.T
     stiffness, damping, slack = (_each(couplers, name) for name in ("stiffness", "damping", "slack"))
 
@@ -174,9 +174,9 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
         return stiffness * stretch - damping * np.diff(state[count:]) * ((stretch != 0) | (slack == 0))
 
     def rate(time: float, state: Vector) -> Vector:
-        own = tension(state)
+        coupler_force = tension(state)
         braking = force[min(int(time / _STEP), len(force) - 1)]
-        pull = np.append(0.0, own) - np.append(own, 0.0)
+        pull = np.append(0.0, coupler_force) - np.append(coupler_force, 0.0)
         return np.concatenate((-np.diff(state[count:]), (pull - braking) / mass))
 
     begin = np.zeros(2 * count + 1)

@@ -233,11 +233,11 @@ def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
 
 def _with_expected(path: Path, entries: Sequence[Expected], stops: tuple[PlannedStop, ...]) -> tuple[PlannedStop, ...]:
     """Return stops with the outcome of the first entry that matches; refuse an entry that matches none."""
-    idle = next((one for one in entries if not any(_matches(one.match, stop.variants) for stop in stops)), None)
+    idle = next((entry for entry in entries if not any(_matches(entry.match, stop.variants) for stop in stops)), None)
     if idle is not None:
         raise ScenarioError(f"{path.name}: [[expected]] match {idle.match} is none of the stops; correct or remove it")
     return tuple(
-        next((replace(stop, expected=one.outcome) for one in entries if _matches(one.match, stop.variants)), stop)
+        next((replace(stop, expected=entry.outcome) for entry in entries if _matches(entry.match, stop.variants)), stop)
         for stop in stops
     )
 
@@ -255,7 +255,8 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
         "exclude": campaign.exclude,
         "reference": [reference.match for reference in campaign.reference],
         "expected": [
-            {axis: variant for axis, variant in one.match.items() if axis != DRAW} for one in campaign.expected
+            {axis: variant for axis, variant in expected.match.items() if axis != DRAW}
+            for expected in campaign.expected
         ],
         "draws": [campaign.draws.match] if campaign.draws else [],
     }

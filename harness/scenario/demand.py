@@ -98,7 +98,7 @@ class Phase(Table):
         each = tuple(entry) if isinstance(entry, list | tuple) else (entry,)
         if not each:
             raise broken("is an empty list; give one pressure, or one for each group")
-        return tuple("full" if one == "full" else _PRESSURE.read(one) for one in each)
+        return tuple("full" if value == "full" else _PRESSURE.read(value) for value in each)
 
     @model_validator(mode="after")
     def _one_demand(self) -> Self:
@@ -249,7 +249,7 @@ def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> 
 def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
     """Return the pressure of each group; none has more than its full brake."""
     _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
-    pressures = [most if one == "full" else float(one) for one, most in zip(cycle(entries), full, strict=False)]
+    pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
     return tuple(map(min, pressures, full))
 
 

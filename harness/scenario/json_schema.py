@@ -41,10 +41,10 @@ def schema_of(model: type[BaseModel]) -> dict[str, Any]:
 
 def scenario_schema() -> dict[str, Any]:
     """Return the schema of a scenario: whole, or what it changes of the one that it extends."""
-    whole = schema_of(Scenario)
-    dialect, tables = whole.pop("$schema"), whole.pop("$defs")
-    whole["required"].remove("name")
-    changes = _any_key({**tables, "Scenario": whole})
+    schema = schema_of(Scenario)
+    dialect, tables = schema.pop("$schema"), schema.pop("$defs")
+    schema["required"].remove("name")
+    changes = _any_key({**tables, "Scenario": schema})
     change = changes.pop(f"{_CHANGE}Scenario")
     change["properties"]["extends"] = {
         "type": "string",
@@ -55,7 +55,7 @@ def scenario_schema() -> dict[str, Any]:
         **change,
         "if": {"not": {"required": ["extends"]}},
         "then": {"$ref": "#/$defs/Scenario"},
-        "$defs": {**tables, "Scenario": whole, **changes},
+        "$defs": {**tables, "Scenario": schema, **changes},
     }
 
 

@@ -40,12 +40,12 @@ class ByKind:
     Attributes:
         ours: Returns kind → table of this project.
         role: Of classes of one's own, which a kind may name, too; None where it may not.
-        own: Table of those.
+        custom: Table of those.
     """
 
     ours: Callable[[], Mapping[str, type[Table]]]
     role: registry.Role | None = None
-    own: type[Table] = Custom
+    custom: type[Table] = Custom
 
     def table_of(self, kind: object) -> type[Table] | None:
         """Return the table of a kind; None where there is none."""
@@ -53,8 +53,8 @@ class ByKind:
             return None
         if table := self.ours().get(kind):
             return table
-        is_own = self.role is not None and (":" in kind or kind in registry.installed_names(self.role))
-        return self.own if is_own else None
+        is_custom = self.role is not None and (":" in kind or kind in registry.installed_names(self.role))
+        return self.custom if is_custom else None
 
     def read(self, entry: Any, info: ValidationInfo) -> Table:
         """Return the table that an entry is.
@@ -87,8 +87,8 @@ class ByKind:
         choices: list[tuple[type[Table], Any]] = [(table, {"enum": names}) for table, names in kinds.items()]
         if self.role is not None:
             installed = list(registry.installed_names(self.role))
-            own = [{"type": "string", "pattern": ":"}, *({"const": name} for name in installed)]
-            choices.append((self.own, {"anyOf": own}))
+            custom = [{"type": "string", "pattern": ":"}, *({"const": name} for name in installed)]
+            choices.append((self.custom, {"anyOf": custom}))
         return {
             "anyOf": [
                 {"allOf": [handler(table.__pydantic_core_schema__)], "properties": {"kind": kind}, "required": ["kind"]}

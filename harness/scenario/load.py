@@ -109,9 +109,9 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
     Raises:
         ScenarioError: There is no such scenario, or it is one of the chain.
     """
-    own = {key: value for key, value in table.items() if key != "extends"}
+    keys = {key: value for key, value in table.items() if key != "extends"}
     if "extends" not in table:
-        return Tables.of(own, folder, origin)
+        return Tables.of(keys, folder, origin)
     entry = table["extends"]
     if not isinstance(entry, str) or not entry:
         raise ScenarioError(f"{origin}: extends is {short(entry)}; wanted is the name or the path of a scenario")
@@ -126,9 +126,9 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
         raise ScenarioError(f"{origin}: extends goes round in a circle: {circle}; leave it out of one of them")
     base = _tables_in(path, (*chain, path))
     below: dict[str, Any] = Elsewhere.within(base.table, base.directory)
-    if isinstance(below.get("vehicle"), dict) and isinstance(own.get("vehicle"), dict):
-        below["vehicle"] = with_another_plant(below["vehicle"], own["vehicle"])
-    return Tables(origin=origin, directory=folder, table=merged(below, own), layers=((origin, own), *base.layers))
+    if isinstance(below.get("vehicle"), dict) and isinstance(keys.get("vehicle"), dict):
+        below["vehicle"] = with_another_plant(below["vehicle"], keys["vehicle"])
+    return Tables(origin=origin, directory=folder, table=merged(below, keys), layers=((origin, keys), *base.layers))
 
 
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:

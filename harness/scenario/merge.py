@@ -75,8 +75,10 @@ def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> d
 
 def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
     """Say whether the keys of a table mean the same under another kind; None is no change of it."""
-    own = table.get("kind")
-    return kind is None or own == kind or (kind in _KINDS_OF_ONE_FILTER and own in (*_KINDS_OF_ONE_FILTER, None))
+    present = table.get("kind")
+    return (
+        kind is None or present == kind or (kind in _KINDS_OF_ONE_FILTER and present in (*_KINDS_OF_ONE_FILTER, None))
+    )
 
 
 def parts_of(key: Any) -> tuple[str, ...]:

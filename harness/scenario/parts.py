@@ -148,7 +148,7 @@ class ControllerFmu(_OverTheTrain):
     )
 
 
-class OwnLaw(Custom, _OverTheTrain):
+class CustomLaw(Custom, _OverTheTrain):
     """A control law that is a class of the user's own."""
 
 
@@ -156,7 +156,7 @@ def _controllers() -> dict[str, type[Table]]:
     return {**dict.fromkeys((*registry.modules(registry.LAWS), *registry.ANALYSES), Law), "fmu": ControllerFmu}
 
 
-Controller = Annotated[Law | ControllerFmu | OwnLaw, ByKind(_controllers, "controllers", OwnLaw)]
+Controller = Annotated[Law | ControllerFmu | CustomLaw, ByKind(_controllers, "controllers", CustomLaw)]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 

@@ -198,7 +198,7 @@ def in_units(
     for name, magnitude in magnitudes.items():
         if name not in expected:
             near = get_close_matches(name, expected, n=1)
-            arrays = sorted({one.partition("[")[0] for one in expected})  # a long train has hundreds of elements
+            arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
             hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(arrays) or 'none'}."
             raise ScenarioError(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
         try:

@@ -129,7 +129,7 @@ def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
         parts: tuple[Any, ...] = (annotation.annotation, *annotation.metadata)
     else:
         parts = get_args(annotation) if get_origin(annotation) in {Annotated, Union, UnionType, tuple, dict} else ()
-    by_kind = next((one for one in parts if isinstance(one, ByKind)), None)
+    by_kind = next((part for part in parts if isinstance(part, ByKind)), None)
     if (
         by_kind is not None
         and isinstance(entry, Mapping)

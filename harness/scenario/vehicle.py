@@ -79,7 +79,7 @@ class TrainFile:
 
 
 @dataclass(frozen=True, slots=True)
-class OwnModelica:
+class LibraryClass:
     """A Modelica class of the user's own, by its full name, and its library."""
 
     name: str
@@ -102,7 +102,7 @@ class PythonClass:
 
 OfOurParts = Recipe | TrainFile
 """Plants of the library RailBraking alone: their physics is known, mass and creep law among it."""
-CompiledHere = OfOurParts | OwnModelica
+CompiledHere = OfOurParts | LibraryClass
 """Plants from Modelica: their code is trusted, and their parameters have our names."""
 Source = CompiledHere | FmuFile | PythonClass
 """What a plant is made of."""
@@ -159,7 +159,7 @@ class Vehicle(Table):
     def _one_plant(self) -> Self:
         if (self.model is None) != (self.library is None):
             raise broken("a class of one's own wants both, 'model' and the 'library' it is in")
-        plants = sum(one is not None for one in (self.plant, self.model, self.train))
+        plants = sum(source is not None for source in (self.plant, self.model, self.train))
         if plants != 1:
             wrong = "has two plants" if plants else "has no plant"
             raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'")
@@ -171,7 +171,7 @@ class Vehicle(Table):
         if self.train is not None:
             return TrainFile(self.train)
         if self.model is not None and self.library is not None:
-            return OwnModelica(self.model, self.library)
+            return LibraryClass(self.model, self.library)
         if isinstance(self.plant, NamedFile):
             return FmuFile(self.plant)
         assert self.plant is not None  # `_one_plant` refuses a table with none

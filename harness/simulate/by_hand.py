@@ -15,7 +15,7 @@ from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.custom import problem_with
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.parts import Assembled, OwnParts, assembled
+from railgrip.simulate.parts import Assembled, CustomParts, assembled
 from railgrip.vehicle.formation import Formation
 
 
@@ -41,10 +41,10 @@ class Bench:
     bench.stop.metrics.distance
     """
 
-    def __init__(self, scenario: Scenario, own: OwnParts) -> None:
+    def __init__(self, scenario: Scenario, objects: CustomParts) -> None:
         """Open nothing yet; `reset` does."""
         self._law = ByHand()
-        self._scenario, self._own = scenario, replace(own, controller=self._law)
+        self._scenario, self._objects = scenario, replace(objects, controller=self._law)
         self._stack = ExitStack()
         self._parts: Assembled | None = None
         self._loop: Loop | None = None
@@ -94,7 +94,7 @@ class Bench:
         """
         self.close()
         self._loop = self._observation = self._end = self._stop = None
-        self._parts = self._stack.enter_context(assembled(self._scenario, own=self._own))
+        self._parts = self._stack.enter_context(assembled(self._scenario, objects=self._objects))
         self._advance(None)
         if self._observation is None:
             reason = "" if self._end is None else self._end.reason

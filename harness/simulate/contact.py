@@ -54,9 +54,9 @@ def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None],
     symbols = {variable.name: ca.SX.sym(variable.name) for variable in model.parameters}
     geometry = tuple(name for name in symbols if name not in shape)
     point = ca.SX.sym("point", len(model.inputs))
-    whole = model.output(0, ca.SX(0, 1), point, ca.vertcat(*symbols.values()))
+    expression = model.output(0, ca.SX(0, 1), point, ca.vertcat(*symbols.values()))
     of_wheel_and_rail = ca.vertcat(*(symbols[name] for name in geometry))
-    adhesion, extracted, fixed = ca.extract_parametric(whole, of_wheel_and_rail)
+    adhesion, extracted, fixed = ca.extract_parametric(expression, of_wheel_and_rail)
     curve = ca.vertcat(*(symbols[name] for name in shape))
     function = ca.Function("contact", [point, curve, ca.vertcat(*extracted)], [adhesion])
     generator = ca.CodeGenerator("contact", {"with_header": False})

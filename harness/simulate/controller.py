@@ -115,8 +115,8 @@ def _group_law(vehicle: VehicleData) -> Law:
     if kind is None or not isinstance(table, LawTable):
         raise ScenarioError(f"{scenario.name}: [controller] kind '{table.kind}' is no law of this project")
     train = units_of_nominal_data(vehicle.formation)
-    own = {name: value for name, value in table.parameters.items() if name not in train}
-    values = in_units("[controller.parameters]", own, kind.tuning.units())
+    parameters = {name: value for name, value in table.parameters.items() if name not in train}
+    values = in_units("[controller.parameters]", parameters, kind.tuning.units())
     of_other_tables = {
         "period": scenario.periods.controller,
         "adhesion_max": scenario.limits.alpha_max,

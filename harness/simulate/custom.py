@@ -160,16 +160,16 @@ class _Decides(Protocol):
 class CustomController:
     """A control law of the user's own in the loop."""
 
-    def __init__(self, own: Controller, formation: Formation) -> None:
+    def __init__(self, controller: Controller, formation: Formation) -> None:
         """Start it.
 
         Raises:
             ScenarioError: It is no controller, or fails to start.
         """
-        require_methods(own, type(own).__name__, "controllers")
-        self._own, self._shape = own, (formation.groups,)
-        self.needs = _names(own, "needs", PROVIDED)
-        _called(ScenarioError, own, "start", formation)
+        require_methods(controller, type(controller).__name__, "controllers")
+        self._part, self._shape = controller, (formation.groups,)
+        self.needs = _names(controller, "needs", PROVIDED)
+        _called(ScenarioError, controller, "start", formation)
 
     def decide(self, observation: Observation) -> list[float]:
         """Return the demanded pressure of each group [Pa].
@@ -177,7 +177,7 @@ class CustomController:
         Raises:
             ControllerFailed: It raised an exception, or returned something else.
         """
-        demands = _called(ControllerFailed, self._own, "decide", observation, time=observation.time)
+        demands = _called(ControllerFailed, self._part, "decide", observation, time=observation.time)
         numbers = _numbers(demands)
         if numbers is not None and numbers.shape == self._shape:
             values: list[float] = numbers.tolist()
@@ -186,7 +186,7 @@ class CustomController:
         wrong = problem_with(demands, self._shape)
         if wrong:
             raise ControllerFailed(
-                f"{_place(self._own, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
+                f"{_place(self._part, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
                 f"groups, shape {self._shape}.{_when(observation.time)}"
             )
         return np.asarray(demands, dtype=np.float64).tolist()
@@ -298,19 +298,19 @@ class CustomEstimator:
         provides: As it says.
     """
 
-    def __init__(self, own: Estimator, formation: Formation) -> None:
+    def __init__(self, estimator: Estimator, formation: Formation) -> None:
         """Take it; it is started by the first step.
 
         Raises:
             ScenarioError: It is no estimator, or does not say what it provides.
         """
-        require_methods(own, type(own).__name__, "estimators")
-        self.provides = _names(own, "provides", PROVIDED)
+        require_methods(estimator, type(estimator).__name__, "estimators")
+        self.provides = _names(estimator, "provides", PROVIDED)
         if not self.provides:
             raise ScenarioError(
-                f"{type(own).__name__}: `provides` is empty; an estimator names there what its steps give"
+                f"{type(estimator).__name__}: `provides` is empty; an estimator names there what its steps give"
             )
-        self._own, self._formation, self._has_started = own, formation, False
+        self._part, self._formation, self._has_started = estimator, formation, False
         self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
@@ -323,23 +323,26 @@ class CustomEstimator:
         Raises:
             EstimatorFailed: It raised an exception, or gave something else than it provides.
         """
-        own = self._own
+        estimator = self._part
         if not self._has_started:
-            _called(EstimatorFailed, own, "start", observation, self._formation)
+            _called(EstimatorFailed, estimator, "start", observation, self._formation)
             self._has_started = True
-        estimate = _called(EstimatorFailed, own, "step", observation)
+        estimate = _called(EstimatorFailed, estimator, "step", observation)
         if not isinstance(estimate, Estimate):
-            raise EstimatorFailed(f"{_place(own, 'step')} returned {_short(estimate)}, not an Estimate.")
+            raise EstimatorFailed(f"{_place(estimator, 'step')} returned {_short(estimate)}, not an Estimate.")
         values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
         if values.keys() != set(self.provides):
             raise EstimatorFailed(
-                f"{_place(own, 'step')} gave {', '.join(values) or 'nothing'}; it provides {', '.join(self.provides)}."
+                f"{_place(estimator, 'step')} gave {', '.join(values) or 'nothing'}; "
+                f"it provides {', '.join(self.provides)}."
             )
         for name, value in values.items():
-            _require_numbers(EstimatorFailed, own, "step", name, value, self._shapes[name])
+            _require_numbers(EstimatorFailed, estimator, "step", name, value, self._shapes[name])
             words = self._mistake(name, value, observation)
             if words:
-                raise EstimatorFailed(f"{_place(own, 'step')} gave {name} as {np.asarray(value).tolist()}{words}.")
+                raise EstimatorFailed(
+                    f"{_place(estimator, 'step')} gave {name} as {np.asarray(value).tolist()}{words}."
+                )
         return {name: np.array(value, dtype=np.float64, ndmin=1) for name, value in values.items()}
 
     def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
@@ -353,20 +356,20 @@ class CustomSensors:
     """Sensors of the user's own in the loop."""
 
     def __init__(
-        self, own: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
+        self, sensors: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
     ) -> None:
         """Start them.
 
         Raises:
             ScenarioError: They are no sensors, or fail to start.
         """
-        require_methods(own, type(own).__name__, "sensors")
-        self._own, self._layout, self._period = own, layout, period
+        require_methods(sensors, type(sensors).__name__, "sensors")
+        self._part, self._layout, self._period = sensors, layout, period
         self._truth, self._truth_by_name = _by_name(layout.outputs, layout.output)
         self._shapes = _shapes(layout.reading)
         self._checks = {name: _UnitCheck(least) for name, least in _LEAST.items()}
         self._has_read = False
-        _called(ScenarioError, own, "start", formation, random)
+        _called(ScenarioError, sensors, "start", formation, random)
 
     def read(self, sample: int, truth: Array) -> Array:
         """Return the reading of a sample; NaN where there is no new one.
@@ -376,26 +379,26 @@ class CustomSensors:
         """
         self._truth[:] = truth
         time = sample * self._period
-        readings = _called(SensorsFailed, self._own, "read", time, self._truth_by_name, time=time)
+        readings = _called(SensorsFailed, self._part, "read", time, self._truth_by_name, time=time)
         by_name = _by_its_names(readings)
         if by_name is None or not by_name.keys() <= self._shapes.keys():
             raise SensorsFailed(
-                f"{_place(self._own, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
+                f"{_place(self._part, 'read')} returned {_short(readings)}, not readings of {', '.join(self._shapes)} "
                 f"by name.{_when(time)}"
             )
         reading = np.full(self._layout.readings, np.nan)
         for name, value in by_name.items():
-            _require_numbers(SensorsFailed, self._own, "read", name, value, self._shapes[name], time=time, nan=True)
+            _require_numbers(SensorsFailed, self._part, "read", name, value, self._shapes[name], time=time, nan=True)
             reading[self._layout.reading[name]] = value
             truth_of_it = self._truth_by_name.get(name)
             if name in self._checks and (words := self._checks[name].mistake(time, value, truth_of_it)):
                 raise SensorsFailed(
-                    f"{_place(self._own, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
+                    f"{_place(self._part, 'read')} gave {name} as {np.asarray(value).tolist()}, which is "
                     f"{np.asarray(truth_of_it).tolist()}{words}.{_when(time)}"
                 )
         self._has_read = self._has_read or bool(np.isfinite(reading).any())
         if not self._has_read and time >= _PATIENCE:
-            raise SensorsFailed(f"{_place(self._own, 'read')} gives no reading at all.{_when(time)}")
+            raise SensorsFailed(f"{_place(self._part, 'read')} gives no reading at all.{_when(time)}")
         return reading
 
 
@@ -403,7 +406,7 @@ class CustomPlant:
     """A plant of the user's own in the loop."""
 
     def __init__(
-        self, own: Plant, layout: Layout, *, speed: float, period: float, required: Collection[str], command: str
+        self, plant: Plant, layout: Layout, *, speed: float, period: float, required: Collection[str], command: str
     ) -> None:
         """Take it; the loop starts it.
 
@@ -414,8 +417,8 @@ class CustomPlant:
         Raises:
             ScenarioError: It is no plant.
         """
-        require_methods(own, type(own).__name__, "plants")
-        self._own, self._layout, self._speed, self._period = own, layout, speed, period
+        require_methods(plant, type(plant).__name__, "plants")
+        self._part, self._layout, self._speed, self._period = plant, layout, speed, period
         self._required, self._output_names, self._steps = frozenset(required), frozenset[str](), 0
         self._inputs, inputs = _by_name(layout.inputs, layout.input)
         self._inputs_by_name = {command if name == "command" else name: value for name, value in inputs.items()}
@@ -429,11 +432,11 @@ class CustomPlant:
         """
         self._steps = 0
         formation = self._layout.formation
-        outputs = _called(PlantFailed, self._own, "start", formation, self._speed, self._period, time=self._time)
+        outputs = _called(PlantFailed, self._part, "start", formation, self._speed, self._period, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
             raise PlantFailed(
-                f"{_place(self._own, 'start')} returned {_short(outputs)}; a plant shows "
+                f"{_place(self._part, 'start')} returned {_short(outputs)}; a plant shows "
                 f"{', '.join(sorted(self._required))}, and may show "
                 f"{', '.join(sorted(self._shapes.keys() - self._required))}."
             )
@@ -444,11 +447,11 @@ class CustomPlant:
         """Step it and return what it shows, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        outputs = _called(PlantFailed, self._own, "step", self._inputs_by_name, time=self._time)
+        outputs = _called(PlantFailed, self._part, "step", self._inputs_by_name, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or self._output_names.symmetric_difference(by_name):
             raise PlantFailed(
-                f"{_place(self._own, 'step')} returned {_short(outputs)}, not what it showed at the start, "
+                f"{_place(self._part, 'step')} returned {_short(outputs)}, not what it showed at the start, "
                 f"{', '.join(sorted(self._output_names))}.{_when(self._time)}"
             )
         return self._vector("step", by_name)
@@ -460,7 +463,7 @@ class CustomPlant:
     def _vector(self, method: str, outputs: Mapping[str, ArrayLike]) -> Array:
         truth = np.full(self._layout.outputs, np.nan)
         for name, value in outputs.items():
-            _require_numbers(PlantFailed, self._own, method, name, value, self._shapes[name], time=self._time)
+            _require_numbers(PlantFailed, self._part, method, name, value, self._shapes[name], time=self._time)
             truth[self._layout.output[name]] = value
         return truth
 
@@ -533,7 +536,7 @@ _METHODS: Mapping[Role, tuple[str, str, str]] = {
 }
 
 
-def require_methods(own: object, name: str, role: Role) -> None:
+def require_methods(part: object, name: str, role: Role) -> None:
     """Refuse a class or an object without the methods of its role.
 
     Raises:
@@ -541,7 +544,7 @@ def require_methods(own: object, name: str, role: Role) -> None:
     """
     what, *names = _METHODS[role]
     missing = foreign(
-        lambda: [method for method in names if not callable(getattr(own, method, None))],
+        lambda: [method for method in names if not callable(getattr(part, method, None))],
         lambda problem: ScenarioError(f"{name}: its methods cannot be looked at: {problem}"),
     )
     if missing:
@@ -558,7 +561,7 @@ def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
         raise failed(_text_of(problem)) from problem
 
 
-def _names(own: object, attribute: str, choice: Collection[str]) -> tuple[str, ...]:
+def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, ...]:
     """Return an attribute of a user's object that is names of estimates; empty where it has no such attribute.
 
     Raises:
@@ -567,26 +570,26 @@ def _names(own: object, attribute: str, choice: Collection[str]) -> tuple[str, .
 
     def refusal(found: str) -> ScenarioError:
         return ScenarioError(
-            f"{type(own).__name__}: `{attribute}` is {found}; wanted are names of {', '.join(choice)}, as in "
+            f"{type(part).__name__}: `{attribute}` is {found}; wanted are names of {', '.join(choice)}, as in "
             f'{attribute} = ("adhesion",)'
         )
 
-    value = foreign(lambda: getattr(own, attribute, ()), refusal)
+    value = foreign(lambda: getattr(part, attribute, ()), refusal)
     if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in choice for name in value):
         raise refusal(short(value))
     return tuple(dict.fromkeys(value))
 
 
 def _called(
-    failed: type[RailgripError], own: object, method: str, *arguments: object, time: float | None = None
+    failed: type[RailgripError], part: object, method: str, *arguments: object, time: float | None = None
 ) -> Any:
     """Return what a method of the user's class returns, or raise `failed` with the sentence and time [s]."""
     try:
-        return getattr(own, method)(*arguments)
+        return getattr(part, method)(*arguments)
     except (KeyboardInterrupt, Interrupted):
         raise
     except BaseException as problem:  # SystemExit ends a component, not the program
-        raise failed(_failure(own, method, problem) + _when(time)) from problem
+        raise failed(_failure(part, method, problem) + _when(time)) from problem
 
 
 def _when(time: float | None) -> str:
@@ -595,7 +598,7 @@ def _when(time: float | None) -> str:
 
 def _require_numbers(
     failed: type[RailgripError],
-    own: object,
+    part: object,
     method: str,
     name: str,
     value: Any,
@@ -608,7 +611,7 @@ def _require_numbers(
     problem = problem_with(value, shape, nan=nan)
     if problem:
         kind = "numbers" if nan else "finite numbers"
-        raise failed(f"{_place(own, method)} gave {name} as {problem}, not {kind} of shape {shape}.{_when(time)}")
+        raise failed(f"{_place(part, method)} gave {name} as {problem}, not {kind} of shape {shape}.{_when(time)}")
 
 
 def _text_of(problem: BaseException) -> str:
@@ -619,24 +622,24 @@ def _text_of(problem: BaseException) -> str:
     return f"{type(problem).__name__}: {text or 'without a message'}"
 
 
-def _place(own: object, method: str) -> str:
+def _place(part: object, method: str) -> str:
     """Return class, method, and where that is written."""
-    name, code = f"{type(own).__name__}.{method}", getattr(getattr(own, method, None), "__code__", None)
+    name, code = f"{type(part).__name__}.{method}", getattr(getattr(part, method, None), "__code__", None)
     return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
 
 
-def _failure(own: object, method: str, problem: BaseException) -> str:
+def _failure(part: object, method: str, problem: BaseException) -> str:
     """Return an exception of the user's class as a sentence, with the last line of their file that led to it."""
     frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
     try:
-        file = inspect.getsourcefile(type(own))
+        file = inspect.getsourcefile(type(part))
     except (OSError, TypeError):
         file = None
     theirs = [frame for frame in frames if frame.filename == file] or frames[:1]
     what = _text_of(problem)
     if not theirs:  # it could not even be called
-        return f"{_place(own, method)} failed: {what}."
-    return f"{type(own).__name__}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
+        return f"{_place(part, method)} failed: {what}."
+    return f"{type(part).__name__}.{method} failed in {_file(theirs[-1].filename)}, line {theirs[-1].lineno}: {what}."
 
 
 def _file(name: str) -> str:

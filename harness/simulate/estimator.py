@@ -25,13 +25,13 @@ from railgrip.scenario.quantity import in_units
 from railgrip.simulate.files import description_of, lowered, prediction_description, units_of
 from railgrip.simulate.loop.parts import StateEstimator
 from railgrip.simulate.prediction import (
+    central_of,
     consist_of,
     data_of,
     radius_of,
     release_pressure,
     start_of,
     units_of_predictions,
-    whole_of,
 )
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import Layout
@@ -122,8 +122,8 @@ def _of_nominal_data(
     if table.file is None:
         units = units_of_predictions()
         each = {f"{name}[{i}]": unit for name, unit in units.items() for i in wheelsets}
-        own = in_units("[estimator.parameters]", table.parameters, units | each)
-        data = {name: value for name, value in data.items() if name.partition("[")[0] not in own} | own
+        values = in_units("[estimator.parameters]", table.parameters, units | each)
+        data = {name: value for name, value in data.items() if name.partition("[")[0] not in values} | values
     if _kind_of(table).prediction == "parts":
         prediction = consist_of(formation, data)
         readings = prediction.outputs
@@ -131,9 +131,9 @@ def _of_nominal_data(
         prediction = _of_file(vehicle, table, table.file, fmus, stack)
         readings = prediction.outputs
     else:
-        whole = whole_of(formation, data)
-        prediction = _evaluated(table, whole.model, whole.parameters, whole.source, fmus, stack)
-        readings = whole.readings
+        train = central_of(formation, data)
+        prediction = _evaluated(table, train.model, train.parameters, train.source, fmus, stack)
+        readings = train.readings
     gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
     return prediction, readings, gate, mean, tuple(radius_of(data, g) for g in groups)
@@ -191,8 +191,8 @@ def _of_class(
 ) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
     """Return the prediction of a Modelica class, with its gate, mean at the start and wheel radii."""
     model, groups = _predicted(table, name, vehicle.layout), vehicle.layout.formation.groups
-    own = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
-    parameters = {v.name: v.start for v in model.parameters} | own
+    values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
+    parameters = {v.name: v.start for v in model.parameters} | values
     prediction = _evaluated(table, model, parameters, None, fmus, stack)
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
     radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
@@ -235,8 +235,8 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
     Raises:
         ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
     """
-    own = table.library
-    model = lowered(f"RailBraking.Predictions.{name}") if own is None else lower(name, library_of(own.path))
+    library = table.library
+    model = lowered(f"RailBraking.Predictions.{name}") if library is None else lower(name, library_of(library.path))
     where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
     prediction_groups = sum(name.startswith("w[") for name in states)

@@ -14,7 +14,7 @@ from railgrip.fmus.native import Model, lower
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import CompiledHere, FmuFile, OwnModelica, PythonClass, Recipe, TrainFile
+from railgrip.scenario.vehicle import CompiledHere, FmuFile, LibraryClass, PythonClass, Recipe, TrainFile
 from railgrip.vehicle.signals import CURVE
 
 
@@ -57,26 +57,26 @@ def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:
 @cache
 def _curved_file(recipe: str) -> Path:
     """Return the FMU of a recipe's class with inputs for its creep curves; where it cannot have them, as it is."""
-    own = read_recipes().recipes[recipe]
-    if not own.curve:
+    entry = read_recipes().recipes[recipe]
+    if not entry.curve:
         return recipe_file(recipe)
     wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
-    return _built(*_curved_class(own.class_name, wheelsets))
+    return _built(*_curved_class(entry.class_name, wheelsets))
 
 
 def _curved_class(name: str, wheelsets: int) -> tuple[str, str]:
     """Return name and Modelica text of a train's class that takes the creep curve at each wheelset from inputs."""
-    own = f"{name.rpartition('.')[2]}_on_curves"
+    class_name = f"{name.rpartition('.')[2]}_on_curves"
     shape = ", ".join(f"{signal.name.removeprefix('curve_')}={signal.name}[i]" for signal in CURVE)
     inputs = "".join(
         f"  RailBraking.Interfaces.RealInput {signal.name}[{wheelsets}]"
         f'(each final unit="{signal.unit}", each start=0) "{signal.meaning}";\n'
         for signal in CURVE
     )
-    return own, (
-        f'block {own} "{name} with the creep curve at each wheelset as an input"\n'
+    return class_name, (
+        f'block {class_name} "{name} with the creep curve at each wheelset as an input"\n'
         f"  extends {name}(curve={{RailBraking.Data.CreepCurve({shape}) for i in 1:{wheelsets}}});\n"
-        f"{inputs}end {own};\n"
+        f"{inputs}end {class_name};\n"
     )
 
 
@@ -104,7 +104,7 @@ def plant_description(scenario: Scenario) -> Description:
         case TrainFile(file):
             is_pneumatic = scenario.actuation.kind == "pneumatic"
             return description_of(_train_file(file.path, file.digest(), is_pneumatic, has_several_curves))
-        case OwnModelica(name, library):
+        case LibraryClass(name, library):
             return description_of(_class_file(name, library.path, library.digest(), "cs"))
         case FmuFile(file):
             return description_of(file.path, scenario.limits.fmu.limits())

@@ -200,12 +200,14 @@ class _Tracking:
             contact = self._contact
             if numbers is not None:
                 contact = partial(contact, curve=np.moveaxis(self._curves[numbers[:, members]], -1, 0))
-            own, rail = loads[:, members], friction[:, members]
-            slip, each = peak(contact, speeds, own, rail)
-            now, then = np.sum(each * own, axis=1)
-            held = np.broadcast_to(_BELOW * slip[:, None], own.shape)
-            most = np.sum(contact(held, np.broadcast_to(speeds[:, None], own.shape), own, rail) * own, axis=1)[1]
-            found.append((_BELOW * slip[1], most / own[1].sum(), then / now))
+            wheel_load, rail = loads[:, members], friction[:, members]
+            slip, each = peak(contact, speeds, wheel_load, rail)
+            now, then = np.sum(each * wheel_load, axis=1)
+            held = np.broadcast_to(_BELOW * slip[:, None], wheel_load.shape)
+            most = np.sum(
+                contact(held, np.broadcast_to(speeds[:, None], wheel_load.shape), wheel_load, rail) * wheel_load, axis=1
+            )[1]
+            found.append((_BELOW * slip[1], most / wheel_load[1].sum(), then / now))
         self._slip, self._most, self._change = np.array(found).T
 
 

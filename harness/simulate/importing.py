@@ -111,14 +111,14 @@ def _table(role: Role) -> str:
     return {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
 
 
-def table_of(own: object) -> Custom:
+def table_of(part: object) -> Custom:
     """Return the table that stands for an object given as such."""
-    return Custom(kind=f"{type(own).__module__}:{type(own).__qualname__}", parameters=_plain_attributes(own))
+    return Custom(kind=f"{type(part).__module__}:{type(part).__qualname__}", parameters=_plain_attributes(part))
 
 
-def origin_of(own: object, parameters: Mapping[str, Any]) -> Origin:
+def origin_of(part: object, parameters: Mapping[str, Any]) -> Origin:
     """Return what a result says of an object's class."""
-    kind = type(own)
+    kind = type(part)
     return Origin(name=f"{kind.__module__}:{kind.__qualname__}", source=_source(kind), parameters=parameters)
 
 
@@ -133,8 +133,8 @@ def _source(kind: type) -> str | None:
     return hashlib.sha256(content).hexdigest()
 
 
-def _plain_attributes(own: object) -> dict[str, Any]:
-    attributes: dict[str, Any] = vars(own) if hasattr(own, "__dict__") else {}
+def _plain_attributes(part: object) -> dict[str, Any]:
+    attributes: dict[str, Any] = vars(part) if hasattr(part, "__dict__") else {}
     values = {name: _plain(value) for name, value in attributes.items() if not name.startswith("_")}
     return {name: value for name, value in values.items() if value is not None}
 
@@ -151,12 +151,12 @@ def _plain(value: object, levels: int = 12) -> Any:
 
 @contextmanager
 def _path_without_current_folder(folders: Sequence[Path]) -> Generator[None]:
-    here, whole = os.path.realpath(Path.cwd()), list(sys.path)
+    here, path = os.path.realpath(Path.cwd()), list(sys.path)
     sys.path[:] = [
         *(str(folder.resolve()) for folder in folders),
-        *(entry for entry in whole if entry and os.path.realpath(entry) != here),
+        *(entry for entry in path if entry and os.path.realpath(entry) != here),
     ]
     try:
         yield
     finally:
-        sys.path[:] = whole
+        sys.path[:] = path

@@ -15,8 +15,8 @@ def readings_of(scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, .
     Raises:
         ScenarioError: A quantity is named that is none, or that the plant does not show.
     """
-    own = scenario.sensors
-    return (*READINGS, *(own.extra_readings(scenario, outputs) if isinstance(own, SensorModel) else ()))
+    sensors = scenario.sensors
+    return (*READINGS, *(sensors.extra_readings(scenario, outputs) if isinstance(sensors, SensorModel) else ()))
 
 
 def sensors_of(scenario: Scenario, layout: Layout, wheel_radius: float) -> Instruments:

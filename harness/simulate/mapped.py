@@ -141,9 +141,9 @@ def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
 
 def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> Draft:
     """Return the draft by names, of the formation for which most is found."""
-    own = wheelsets_per_group or counts_of(parameters_of(description))
+    declared = wheelsets_per_group or counts_of(parameters_of(description))
     sizes = [(1,) * size for size in sizes_of(description, "input")]
-    choices = [own] if own else [catalogue_counts(), *sizes, (1,)]
+    choices = [declared] if declared else [catalogue_counts(), *sizes, (1,)]
     drafts: list[Draft] = []
     for counts in choices:
         signals = _signals(Formation(counts))
@@ -218,7 +218,8 @@ def _judged(trials: tuple[Trial, Trial], formation: Formation, speed: float) -> 
     """Return what trials show; wheels of any radius that wheels have are right."""
     groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
     radius = [
-        own if _SMALLEST <= own <= _LARGEST else group.wheel_radius for own, group in zip(measured, groups, strict=True)
+        radius_ if _SMALLEST <= radius_ <= _LARGEST else group.wheel_radius
+        for radius_, group in zip(measured, groups, strict=True)
     ]
     slowing = slowing_of(carried_mass(sum(group.load for group in groups)), is_known=False)
     found = list(
@@ -269,7 +270,7 @@ def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
             del table[name]
             corrections.append(f"{name} is left out, for what was found does not fit")
             found = [finding for finding in found if finding.signal.partition("[")[0] != name]
-    radius = [one for one in _radius(trials[0]) if _SMALLEST <= one <= _LARGEST]
+    radius = [radius for radius in _radius(trials[0]) if _SMALLEST <= radius <= _LARGEST]
     return replace(
         draft,
         table=table,
@@ -334,7 +335,7 @@ def _wheel_correction(measured: Sequence[float]) -> Factors:
 
 def _sentence(name: str, factor: float, *, found: Sequence[Finding]) -> str:
     """Return what was corrected and what showed it."""
-    shown = next((one for one in found if one.signal.partition("[")[0] == name), found[0])
+    shown = next((finding for finding in found if finding.signal.partition("[")[0] == name), found[0])
     likely = mistake(1.0 / factor) or f"{1.0 / factor:.4g} times what is meant"
     return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"
 

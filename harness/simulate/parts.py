@@ -17,7 +17,7 @@ from railgrip.fmi import Description
 from railgrip.report.stop import Stop
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.parts import KalmanFilter, OwnLaw
+from railgrip.scenario.parts import CustomLaw, KalmanFilter
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import sampled_every
@@ -46,7 +46,7 @@ _PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class OwnParts:
+class CustomParts:
     """Objects of the user's own that take the place of what a scenario names; see `railgrip.simulate.custom`.
 
     Attributes:
@@ -63,17 +63,17 @@ class OwnParts:
     def standing_for(self, scenario: Scenario) -> Scenario:
         """Return the scenario that names these objects' classes, as the results of a stop with them must."""
         objects = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
-        tables: dict[str, Any] = {name: table_of(own) for name, own in objects.items() if own is not None}
+        tables: dict[str, Any] = {name: table_of(part) for name, part in objects.items() if part is not None}
         if self.controller is not None:
             over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
-            tables["controller"] = OwnLaw(**tables["controller"].model_dump(), **over)
+            tables["controller"] = CustomLaw(**tables["controller"].model_dump(), **over)
         if self.plant is not None:
             vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
             tables["vehicle"] = Vehicle.model_validate(vehicle)
         return scenario.model_copy(update=tables)
 
 
-NO_OWN_PARTS = OwnParts()
+NO_CUSTOM_PARTS = CustomParts()
 """None but those that the scenario names."""
 
 
@@ -132,31 +132,31 @@ class Assembled:
 def assembled(
     scenario: Scenario,
     notify: Callable[[str], None] = lambda sentence: None,
-    own: OwnParts = NO_OWN_PARTS,
+    objects: CustomParts = NO_CUSTOM_PARTS,
     capacity: int | None = None,
 ) -> Generator[Assembled]:
     """Open the parts of a scenario's stop; they are closed when the block ends.
 
     Args:
         notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
-        own: Objects in place of what the scenario names.
+        objects: Objects in place of what the scenario names.
         capacity: Of the recorder; all samples without it.
 
     Raises:
         ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
-    scenario = own.standing_for(scenario)
+    scenario = objects.standing_for(scenario)
     vehicle = VehicleData(scenario)
     fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, players, limits = _clock(scenario), _Players(own), custom.DemandLimits(formation)
+    clock, players, limits = _clock(scenario), _Players(objects), custom.DemandLimits(formation)
     with ExitStack() as stack:
         plant = _plant(vehicle, players, stack, notify)
         filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
-        if (own_law := players.part("controllers", scenario.controller, own.controller)) is not None:
-            controller = custom.Limited(custom.CustomController(own_law, formation), limits)
+        if (law := players.part("controllers", scenario.controller, objects.controller)) is not None:
+            controller = custom.Limited(custom.CustomController(law, formation), limits)
             controller, commands_valves = over_the_train(vehicle, controller), False
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, limits, notify, stack)
@@ -193,18 +193,18 @@ class _Players:
     """The user's own objects that play a part in a stop.
 
     Attributes:
-        own: Those that were handed over.
+        objects: Those that were handed over.
         classes: Where each comes from, by part.
     """
 
-    own: OwnParts
+    objects: CustomParts
     classes: dict[str, Origin] = field(default_factory=dict[str, Origin])
 
     def part(self, role: Role, table: object, instance: object) -> Any:
         """Return the object of the user's own that plays a part, if one does."""
         if not isinstance(table, Custom):
             return None
-        player = part_of(table, role, self.own.folders) if instance is None else instance
+        player = part_of(table, role, self.objects.folders) if instance is None else instance
         self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
         return player
 
@@ -223,12 +223,12 @@ def _clock(scenario: Scenario) -> Clock:
 
 def _plant(vehicle: VehicleData, players: _Players, stack: ExitStack, notify: Callable[[str], None]) -> Plant:
     """Return the plant of a stop."""
-    source, own = vehicle.scenario.vehicle.source, players.own.plant
+    source, plant = vehicle.scenario.vehicle.source, players.objects.plant
     if not isinstance(source, PythonClass):
         return fmu_plant(vehicle, notify, stack)
     arguments = {key: value.entry for key, value in vehicle.scenario.vehicle.parameters.items()}
-    table = Custom(kind=source.name, parameters=arguments) if own is None else table_of(own)
-    return python_plant(vehicle, players.part("plants", table, own))
+    table = Custom(kind=source.name, parameters=arguments) if plant is None else table_of(plant)
+    return python_plant(vehicle, players.part("plants", table, plant))
 
 
 def _estimator(
@@ -240,9 +240,9 @@ def _estimator(
 ) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
     """Return the estimator of a stop, and what it estimates; a prediction FMU joins `fmus`."""
     scenario = vehicle.scenario
-    if (estimator := players.part("estimators", scenario.estimator, players.own.estimator)) is not None:
-        own = custom.CustomEstimator(estimator, vehicle.nominal.formation)
-        return own, frozenset(own.provides)
+    if (estimator := players.part("estimators", scenario.estimator, players.objects.estimator)) is not None:
+        custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
+        return custom_estimator, frozenset(custom_estimator.provides)
     if isinstance(scenario.estimator, KalmanFilter):
         filter_ = state_estimator(vehicle, scenario.estimator, fmus, stack, notify)
         return filter_, frozenset(signal.name.removeprefix("estimate_") for signal in ESTIMATES)
@@ -252,7 +252,7 @@ def _estimator(
 def _sensors(vehicle: VehicleData, players: _Players, radius: float) -> Instruments:
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
-    if (instruments := players.part("sensors", scenario.sensors, players.own.sensors)) is None:
+    if (instruments := players.part("sensors", scenario.sensors, players.objects.sensors)) is None:
         return sensors_of(scenario, vehicle.layout, radius)
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication

@@ -130,7 +130,9 @@ def _source(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Source
             outputs=tuple(role.shown),
             step=WrittenStep(text="\n".join(text), files=files, units=units),
             # A train that begins to move has nothing but zeros to wait for.
-            waits=sum(not one.name.startswith("driver_demand") for one in role.given) if scenario.start.speed else 0,
+            waits=sum(not variable.name.startswith("driver_demand") for variable in role.given)
+            if scenario.start.speed
+            else 0,
             hidden=PERIODS,
         )
     )
@@ -211,18 +213,18 @@ def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
 
 
 def _estimator(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
-    own, formulas = _belief(scenario, parts, struct)
+    belief, formulas = _belief(scenario, parts, struct)
     return _Role(
         given=_of(parts.layout.reading_signals, parts.layout),
         shown=_of(_OBSERVED, parts.layout),
-        struct=own,
+        struct=belief,
         formulas=formulas,
         macros={},
     )
 
 
 def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
-    own, formulas = _belief(scenario, parts, struct)
+    belief, formulas = _belief(scenario, parts, struct)
     law, valves = parts.controller, parts.valves
     if not isinstance(law, Sampled):
         raise ScenarioError(
@@ -235,12 +237,12 @@ def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
         formulas["valves"] = valves
         parameters += variables(valves.formula.parameters, valves.parameters, "valves.")
         commands = variables(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
-    own.set(**{name: kernel(parts.layout).struct("Formula", state=formulas[name].state) for name in formulas})
+    belief.set(**{name: kernel(parts.layout).struct("Formula", state=formulas[name].state) for name in formulas})
     believed = _of(BELIEVED, parts.layout) if parts.estimator is not None else []
     return _Role(
         given=[*_of(parts.layout.reading_signals, parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
         shown=[*commands, *believed],
-        struct=own,
+        struct=belief,
         formulas=formulas,
         parameters=parameters,
         macros={"BINDING": int(parts.driver.struct.pointer.binding), "LAW_PARAMETERS": law.parameters.size},
@@ -250,20 +252,22 @@ def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
 def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, dict[str, Sampled]]:
     """Return what the belief works with, and the formula that stands in for a silent radar, if there is one."""
     estimator = parts.estimator
-    own = struct.copied(*_FIELDS["estimator"])
-    own.view("reference")[0] = np.nan
+    belief = struct.copied(*_FIELDS["estimator"])
+    belief.view("reference")[0] = np.nan
     if estimator is None:
-        return own, {}
+        return belief, {}
     if not isinstance(estimator, StateEstimator) or not isinstance(estimator.filter, StepInC):
         raise ScenarioError(
             f"{scenario.name}: [estimator] kind '{scenario.estimator.kind}' is not in C and cannot leave as an FMU; "
             "kinds compiled, python and fmu do, with a model of this project or a Modelica class"
         )
     if estimator.free_wheel is None:
-        return own, {}
+        return belief, {}
     free_wheel = estimator.free_wheel
-    own.set(free_wheel=kernel(parts.layout).struct("Formula", state=free_wheel.state, parameter=free_wheel.parameters))
-    return own, {"free_wheel": free_wheel}
+    belief.set(
+        free_wheel=kernel(parts.layout).struct("Formula", state=free_wheel.state, parameter=free_wheel.parameters)
+    )
+    return belief, {"free_wheel": free_wheel}
 
 
 def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:

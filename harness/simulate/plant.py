@@ -174,7 +174,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
         require_curve(file, layout, rows, contacts, curve)
 
 
-def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
+def python_plant(vehicle: VehicleData, part: custom.Plant) -> Plant:
     """Return a plant in Python, after two short runs of it.
 
     Raises:
@@ -184,9 +184,9 @@ def python_plant(vehicle: VehicleData, own: custom.Plant) -> Plant:
     _refuse_steep_track(vehicle)
     command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
     speed, period = scenario.start.speed, scenario.periods.communication
-    plant = custom.CustomPlant(own, layout, speed=speed, period=period, required=NEEDED, command=command)
+    plant = custom.CustomPlant(part, layout, speed=speed, period=period, required=NEEDED, command=command)
     with suppress(PlantFailed):  # the stop itself will say how it failed
-        _refuse_unfit(f"{scenario.name}: the plant {type(own).__name__} is none", vehicle, lambda: nullcontext(plant))
+        _refuse_unfit(f"{scenario.name}: the plant {type(part).__name__} is none", vehicle, lambda: nullcontext(plant))
     return plant
 
 

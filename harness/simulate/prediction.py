@@ -63,7 +63,7 @@ class _Members:
         of = self.bogies if base in _OF_BOGIES else self.wheelsets if base in _OF_WHEELSETS else self.groups
         return base, of[_number(name) - 1] if bracket else 0
 
-    def whole(self, name: str) -> str:
+    def name_in_train(self, name: str) -> str:
         """Return the name of an element of an array in the whole train; of a scalar, its own."""
         base, index = self.place(name)
         return f"{base}[{index + 1}]" if "[" in name else name
@@ -81,7 +81,7 @@ class _Members:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class WholeTrain:
+class CentralPrediction:
     """A train as one prediction, for a central filter: `ConsistPrediction` with its numbers.
 
     Attributes:
@@ -101,8 +101,8 @@ def units_of_predictions() -> dict[str, str]:
     """Return the unit of every parameter that a prediction has, without indices."""
     models = _body(), _model("PartPrediction", 1, (1, 1))
     units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
-    own = {name: unit for name, unit in units.items() if name not in ("m", "m_group")}
-    return own | {"m_wheelset": units["m_group"], _PAD_FRICTION: "1"}
+    parameters = {name: unit for name, unit in units.items() if name not in ("m", "m_group")}
+    return parameters | {"m_wheelset": units["m_group"], _PAD_FRICTION: "1"}
 
 
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
@@ -142,7 +142,7 @@ def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
     return Consist(body=body, body_parameters=np.array(values), parts=parts)
 
 
-def whole_of(formation: Formation, data: Mapping[str, float]) -> WholeTrain:
+def central_of(formation: Formation, data: Mapping[str, float]) -> CentralPrediction:
     """Return the prediction of a train as one; arguments, bogies and errors are those of `consist_of`."""
     parts = [part for part in _members(formation, data) if part.bogies]
     members = _Members(
@@ -152,11 +152,11 @@ def whole_of(formation: Formation, data: Mapping[str, float]) -> WholeTrain:
     )
     sizes = members.sizes(formation)
     model = _model("ConsistPrediction", *sizes)
-    return WholeTrain(
+    return CentralPrediction(
         source=_source("ConsistPrediction", *sizes),
         model=model,
         parameters=members.parameters(model, formation, data),
-        readings=tuple(members.whole(variable.name) for variable in model.outputs),
+        readings=tuple(members.name_in_train(variable.name) for variable in model.outputs),
     )
 
 
@@ -226,14 +226,14 @@ def _number(name: str) -> int:
 
 def _part(members: _Members, formation: Formation, data: Mapping[str, float]) -> Part:
     model = _model("PartPrediction", *members.sizes(formation))
-    states = tuple(members.whole(variable.name) for variable in model.states)
+    states = tuple(members.name_in_train(variable.name) for variable in model.states)
     reading_of = {"w": "wheelset_speed", "dz": "deflection"}
     pairs = ((state.partition("["), state) for state in states)
     return Part(
         model=model,
         parameters=np.array(list(members.parameters(model, formation, data).values())),
         states=states,
-        inputs=tuple(members.whole(variable.name) for variable in model.inputs[:-1]),
+        inputs=tuple(members.name_in_train(variable.name) for variable in model.inputs[:-1]),
         readings=tuple(
             (f"{reading_of[name]}[{index}", state) for (name, _, index), state in pairs if name in reading_of
         ),

@@ -11,7 +11,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending
-from railgrip.simulate.parts import NO_OWN_PARTS, OwnParts, assembled
+from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts, assembled
 from railgrip.trace.motion import distance_travelled, since_brake_demand
 
 
@@ -19,23 +19,23 @@ def run_stop(
     scenario: Scenario,
     progress: Callable[[float], None] | None = None,
     notify: Callable[[str], None] = lambda sentence: None,
-    own: OwnParts = NO_OWN_PARTS,
+    objects: CustomParts = NO_CUSTOM_PARTS,
 ) -> Stop:
     """Run a scenario and return its stop.
 
     Args:
         progress: Called with the train speed [m/s] now and then.
         notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
-        own: Objects in place of what the scenario names.
+        objects: Objects in place of what the scenario names.
 
     Raises:
         ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
     analysis = ANALYSES.get(scenario.controller.kind)
-    if analysis is not None and own.controller is None and own.plant is None:
+    if analysis is not None and objects.controller is None and objects.plant is None:
         return analysis(scenario, progress)
-    with assembled(scenario, notify, own) as parts:
+    with assembled(scenario, notify, objects) as parts:
         ending = parts.run(progress)
     return parts.stop(ending)
 
@@ -67,6 +67,6 @@ def trace_of(scenario: Scenario, import_from: Sequence[Path] = ()) -> xarray.Dat
 def _unjudged(
     scenario: Scenario, import_from: Sequence[Path], capacity: int | None = None
 ) -> tuple[Ending, xarray.Dataset]:
-    with assembled(scenario, own=OwnParts(folders=tuple(import_from)), capacity=capacity) as parts:
+    with assembled(scenario, objects=CustomParts(folders=tuple(import_from)), capacity=capacity) as parts:
         ending = parts.run()
     return ending, parts.recorder.trace(max(ending.samples, 1), scenario.periods.communication)

@@ -35,7 +35,7 @@ class _Component:
     def variables(self, causality: str) -> dict[str, ET.Element]:
         """Return the type elements of variables by name."""
         every = self.description.findall("ModelVariables/ScalarVariable")
-        return {one.attrib["name"]: one[0] for one in every if one.get("causality") == causality}
+        return {variable.attrib["name"]: variable[0] for variable in every if variable.get("causality") == causality}
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,23 +133,27 @@ def _structure(
     _element(bindings, "ssd:ParameterBinding", source=_PARAMETERS)
     elements = _element(system, "ssd:Elements")
     for name, component in components.items():
-        own = _element(elements, "ssd:Component", name=name, type="application/x-fmu-sharedlibrary")
-        own.set("source", f"resources/{name}.fmu")
-        connectors = _element(own, "ssd:Connectors")
+        component_ = _element(elements, "ssd:Component", name=name, type="application/x-fmu-sharedlibrary")
+        component_.set("source", f"resources/{name}.fmu")
+        connectors = _element(component_, "ssd:Connectors")
         for kind, ends in (("input", "target"), ("output", "source")):
-            used = {variable for owner, variable in (getattr(one, ends) for one in connections) if owner == name}
+            used = {
+                variable
+                for owner, variable in (getattr(connection, ends) for connection in connections)
+                if owner == name
+            }
             for variable, type_ in component.variables(kind).items():
                 if variable in used:
                     connector = _element(connectors, "ssd:Connector", name=variable, kind=kind)
                     _element(connector, f"ssc:{type_.tag}", **_unit(type_))
     lines = _element(system, "ssd:Connections")
-    for one in connections:
+    for connection in connections:
         line = _element(
-            lines, "ssd:Connection", startElement=one.source[0], startConnector=one.source[1],
-            endElement=one.target[0], endConnector=one.target[1],
+            lines, "ssd:Connection", startElement=connection.source[0], startConnector=connection.source[1],
+            endElement=connection.target[0], endConnector=connection.target[1],
         )  # fmt: skip
-        if (one.gain, one.shift) != (1.0, 0.0):
-            _element(line, "ssc:LinearTransformation", factor=repr(one.gain), offset=repr(one.shift))
+        if (connection.gain, connection.shift) != (1.0, 0.0):
+            _element(line, "ssc:LinearTransformation", factor=repr(connection.gain), offset=repr(connection.shift))
     _units(root, "ssd:Units", components)
     _element(root, "ssd:DefaultExperiment", startTime="0", stopTime=repr(scenario.limits.horizon))
     return root

@@ -60,7 +60,7 @@ class VehicleData:
     Attributes:
         scenario: Whose vehicle it is.
         file: Description of the plant's FMU; of a plant in Python, which has none, an empty one.
-        own: Numeric parameters of that FMU.
+        fmu_parameters: Numeric parameters of that FMU.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -71,7 +71,7 @@ class VehicleData:
             FmuError: The plant is no FMU.
         """
         self.scenario, self.file = scenario, plant_description(scenario)
-        self.own = parameters_of(self.file)
+        self.fmu_parameters = parameters_of(self.file)
 
     @cached_property
     def formation(self) -> Formation:
@@ -87,18 +87,18 @@ class VehicleData:
         table = self.scenario.vehicle.formation or FormationTable()
         values: dict[str, tuple[float, ...]] = {}
         for name, unit in DESCRIPTIVE.items():
-            own, entry = array_of(self.own, name), getattr(table, name)
-            if own and file.variables[f"{name}[1]"].unit_name not in (unit, ""):
+            declared, entry = array_of(self.fmu_parameters, name), getattr(table, name)
+            if declared and file.variables[f"{name}[1]"].unit_name not in (unit, ""):
                 raise ScenarioError(
                     f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit_name}'; by that "
                     f"name the harness takes '{unit}'"
                 )
-            if own and entry and own != tuple(entry):
+            if declared and entry and declared != tuple(entry):
                 raise ScenarioError(
                     f"{origin} {name} is {list(entry)}, {file.file.name} has "
-                    f"{[float(f'{value:g}') for value in own]}; leave it out"
+                    f"{[float(f'{value:g}') for value in declared]}; leave it out"
                 )
-            values[name] = own or entry
+            values[name] = declared or entry
         try:
             return Formation(
                 tuple(map(int, values[COUNTS])) or catalogue_counts(),
@@ -131,17 +131,17 @@ class VehicleData:
             catalogue = _catalogue()
             alike = formation.wheelsets_per_group == counts_of(catalogue)
             return (catalogue if alike else {}) | entries
-        own = with_each(self.own, formation)
+        values = with_each(self.fmu_parameters, formation)
         with suppress(ScenarioError):
-            own |= masses_by_name(Vehicle(formation, self.own).masses)
-        for name, value in own.items():
+            values |= masses_by_name(Vehicle(formation, self.fmu_parameters).masses)
+        for name, value in values.items():
             if name in entries and not isclose(entries[name], value, rel_tol=1e-3):
                 key = "wheelset_load" if name.startswith("m_wheelset") else f"brakes {name}"
                 raise ScenarioError(
                     f"{where} {key} says {name} = {entries[name]:g}, {self.file.file.name} has {value:g}; leave it "
                     "out, or change [vehicle.parameters] or [controller.parameters]"
                 )
-        return self.own | entries
+        return self.fmu_parameters | entries
 
     @cached_property
     def nominal(self) -> Vehicle:
@@ -177,7 +177,7 @@ class VehicleData:
         Raises:
             ScenarioError: A change of the plant's parameters is wrong.
         """
-        vehicle, parameters = self.scenario.vehicle, self.own | self.changes
+        vehicle, parameters = self.scenario.vehicle, self.fmu_parameters | self.changes
         if not isinstance(vehicle.source, CompiledHere):
             parameters |= self.nominal.valves
         isolated = isolated_groups(self.scenario, self.formation)
@@ -222,7 +222,7 @@ class VehicleData:
         changes = in_units("[vehicle.parameters]", vehicle.parameters, units_of(self.file))
         if not factors and not scenario.faults:
             return changes
-        base = self.own | scenario.adhesion.polach.plant_parameters() | changes
+        base = self.fmu_parameters | scenario.adhesion.polach.plant_parameters() | changes
         for name, each in factors.items():
             elements = [name] if name in base else [f"{name}[{i + 1}]" for i in range(len(array_of(base, name)))]
             where = f"{scenario.name}: [truth] {TRUTH_KEYS.get(name, f'creep.{name}')}"
@@ -267,7 +267,7 @@ class VehicleData:
                 "[track] gradient with train_mass"
             )
         more = float(force_along(slope, 0.0, self.true.mass))
-        return replace(force, forces=tuple(one + more for one in force.forces))
+        return replace(force, forces=tuple(track_brake + more for track_brake in force.forces))
 
     @cached_property
     def shown(self) -> frozenset[str]:

@@ -9,7 +9,7 @@ from pkgutil import iter_modules
 
 from railgrip.base import registry
 
-_STUDIES = {one.name: one.ispkg for one in iter_modules(__path__) if one.name != "study"}
+_STUDIES = {module.name: module.ispkg for module in iter_modules(__path__) if module.name != "study"}
 
 
 def names() -> list[str]:

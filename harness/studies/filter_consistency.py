@@ -79,8 +79,8 @@ def errors_of(case: Case) -> Errors:
     """Run a case."""
     rail = read_toml(_ROOT / "library" / f"{case.scenario}.toml")
     table = merged(rail, read_toml(_ROOT / "equipment" / "service.toml"))
-    own = {"estimator": FILTERS[case.filter], "truth": {"load": case.load}, "seed": case.seed}
-    table = merged(merged(table, own), FAULTS[case.fault]) | {"controller": {"kind": "slip_three_state"}}
+    changes = {"estimator": FILTERS[case.filter], "truth": {"load": case.load}, "seed": case.seed}
+    table = merged(merged(table, changes), FAULTS[case.fault]) | {"controller": {"kind": "slip_three_state"}}
     trace = run_stop(scenario_of(table, directory=_ROOT / "library", origin=case.scenario)).trace
     moving = trace["speed"].values > SLOWEST
     error = (trace["estimate_adhesion"].values - trace["group_adhesion"].values)[moving]
@@ -99,11 +99,13 @@ def by_load(results: Results) -> Table:
     """Return the errors of each filter under each load, without a fault."""
     rows: list[dict[str, Any]] = []
     for load, name in product(LOADS, FILTERS):
-        own = [e for c, e in results.items() if (c.load, c.filter, c.fault) == (load, name, "none")]
-        if own:
-            rmse = float(np.sqrt(np.mean([one.rmse**2 for one in own])))
-            bias = float(np.mean([one.bias for one in own]))
-            rows.append({"load": load, "filter": name, "stops": len(own), "α RMSE": rmse, "α bias": bias} | _nees(own))
+        cases = [e for c, e in results.items() if (c.load, c.filter, c.fault) == (load, name, "none")]
+        if cases:
+            rmse = float(np.sqrt(np.mean([case.rmse**2 for case in cases])))
+            bias = float(np.mean([case.bias for case in cases]))
+            rows.append(
+                {"load": load, "filter": name, "stops": len(cases), "α RMSE": rmse, "α bias": bias} | _nees(cases)
+            )
     return Table(rows, _FORMS, ("filter",), title="Adhesion by load")
 
 
@@ -113,9 +115,11 @@ def by_fault(results: Results) -> Table:
     for fault in FAULTS:
         row: dict[str, Any] = {"fault": fault}
         for name in FILTERS:
-            own = [e for c, e in results.items() if (c.filter, c.fault, c.load in LADEN) == (name, fault, True)]
+            cases = [e for c, e in results.items() if (c.filter, c.fault, c.load in LADEN) == (name, fault, True)]
             row |= (
-                {"stops": len(own)} | {name: " / ".join(f"{value:.2g}" for value in _nees(own).values())} if own else {}
+                {"stops": len(cases)} | {name: " / ".join(f"{value:.2g}" for value in _nees(cases).values())}
+                if cases
+                else {}
             )
         if len(row) > 1:
             rows.append(row)
@@ -123,7 +127,7 @@ def by_fault(results: Results) -> Table:
 
 
 def _nees(errors: Sequence[Errors]) -> dict[str, float]:
-    values = [one.nees for one in errors]
+    values = [case.nees for case in errors]
     return {
         f"NEES {title}": float(np.quantile(values, q)) for title, q in (("10 %", 0.1), ("50 %", 0.5), ("90 %", 0.9))
     }

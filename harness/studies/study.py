@@ -66,14 +66,14 @@ def conduct(
     """
     folder = out / study.place
     make_folder(folder)
-    with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as own:
-        page = study.page(own)
-        own.notify("page")
+    with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as session:
+        page = study.page(session)
+        session.notify("page")
         return page, page.write(folder)
 
 
 def headlines(name: str, *, workers: int = 2) -> Findings:
     """Return the headline numbers of a study."""
     study = study_named(name)()
-    with work(name, workers=workers) as own:
-        return Findings(values=tuple(study.headlines(own)))
+    with work(name, workers=workers) as session:
+        return Findings(values=tuple(study.headlines(session)))

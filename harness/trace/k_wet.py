@@ -84,7 +84,7 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     variances: list[float] = []
     freedom: list[int] = []
     for name, distances in (("dry", dry), ("wet", wet)):
-        braking_distance = np.array([deceleration_distance(one, speed, time) for one in distances])
+        braking_distance = np.array([deceleration_distance(distance, speed, time) for distance in distances])
         if len(braking_distance) < 2 or not np.isfinite(braking_distance).all() or braking_distance.min() <= 0:
             raise ValueError(
                 f"K_wet wants two {name} stops or more, each longer than the {speed * time:.4g} m of the equivalent "
@@ -97,6 +97,6 @@ def k_wet(dry: Sequence[float], wet: Sequence[float], speed: float, time: float,
     value = k_wet_of_distances(float(np.mean(dry)), float(np.mean(wet)), speed, time)
     half = 0.0
     if both > 0.0:
-        count = both**2 / sum(one**2 / n for one, n in zip(variances, freedom, strict=True))
+        count = both**2 / sum(variance**2 / n for variance, n in zip(variances, freedom, strict=True))
         half = float(stdtrit(count, (1 + confidence) / 2)) * sqrt(both)
     return Interval(value, value * exp(-half), value * exp(half))

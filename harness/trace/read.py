@@ -200,12 +200,12 @@ def _contradict(text: str, other: Unit) -> bool:
     What stands in brackets need not be a unit, "p (front)", and may leave to the map what turns, "n [1/min]".
     """
     try:
-        own = unit(text)
+        written = unit(text)
     except UnitError:
         return False
-    if own.leaves_the_angle_out_of(other):
+    if written.leaves_the_angle_out_of(other):
         return False
-    return own.exponents != other.exponents or not math.isclose(own.factor, other.factor, rel_tol=1e-9)
+    return written.exponents != other.exponents or not math.isclose(written.factor, other.factor, rel_tol=1e-9)
 
 
 def _si(where: str, magnitude: Magnitude, target: str) -> float:

@@ -22,7 +22,7 @@ from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.fmus.native import lower
-from railgrip.simulate.prediction import WholeTrain, consist_of, start_of, whole_of
+from railgrip.simulate.prediction import CentralPrediction, central_of, consist_of, start_of
 from railgrip.vehicle.formation import Formation
 
 PERIOD, RUNS, STEPS = 1e-3, 40, 400
@@ -63,7 +63,7 @@ class Case:
     """A train, its noises and RUNS draws of what it does: `held` (k, nu), `state` (k, RUNS, n), `seen` (k, RUNS, m)."""
 
     consist: Consist
-    whole: WholeTrain
+    whole: CentralPrediction
     noises: tuple[np.ndarray, np.ndarray]
     gate: Gate
     mean: np.ndarray
@@ -107,7 +107,7 @@ def case(train: str, sensors: str, released: bool = False) -> Case:
     pads = [states.index(f"mu_b[{g + 1}]") for g in range(formation.groups)]
     mean[[states.index(f"alpha[{g + 1}]") for g in range(formation.groups)]] = 0.1
 
-    whole = whole_of(formation, data)
+    whole = central_of(formation, data)
     prediction = CasadiPrediction(whole.model, whole.parameters)
     of, x = prediction.equations, ca.SX.sym("x", len(states))
     known = ca.vertcat(x[[states.index(name) for name in prediction.states]], ca.DM(prediction.parameters))
@@ -161,7 +161,7 @@ def test_the_two_part_train_of_its_data_is_the_prediction_of_the_library(suspens
     library = CasadiPrediction(model, {v.name: v.start for v in model.parameters})
     frames = ("m_frame", "I_frame", "wheelbase")
     data = {k: v for k, v in TWO_PART_DATA.items() if suspension or k.partition("[")[0] not in frames}
-    whole = whole_of(TWO_PART, data)
+    whole = central_of(TWO_PART, data)
     own = CasadiPrediction(whole.model, whole.parameters)
     assert (own.states, own.inputs, own.outputs) == (library.states, library.inputs, library.outputs)
     typical = {"v": 20.0, "w": 50.0, "mu_b": 0.35, "alpha": 0.1, "dz": 1e-3, "ddz": 1e-2}
@@ -181,7 +181,7 @@ MIXED = {f"wheelsets_per_bogie[{b + 1}]": float(count) for b, count in enumerate
 def test_the_parts_of_a_train_make_the_prediction_of_the_whole(train: str):
     """To rounding, at states drawn at random, with bogies of known frames anywhere in the train."""
     formation, data = TRAINS[train] if train in TRAINS else (rigid(5)[0], rigid(5)[1] | MIXED | FRAMES)
-    consist, whole = consist_of(formation, data), whole_of(formation, data)
+    consist, whole = consist_of(formation, data), central_of(formation, data)
     prediction = CasadiPrediction(whole.model, whole.parameters)
     assert set(whole.readings) == set(consist.outputs)
     assert consist.inputs == prediction.inputs

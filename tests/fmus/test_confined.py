@@ -91,7 +91,7 @@ def test_a_class_translated_apart_is_the_one_translated_here(tmp_path: Path, mon
 
     file = tmp_path / "M.mo"
     file.write_text(DECAY.format("-x"))
-    recipe = Recipe.own("M", "cs")
+    recipe = Recipe.of_class("M", "cs")
     apart = confined.call("translate", "M", file, recipe=recipe.model_dump(by_alias=True))
     assert apart == list(translate_here("M", file, recipe.model_dump(by_alias=True)))
     assert translate(recipe, file)[0].xml == apart[0]["xml"]

@@ -19,7 +19,7 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.parts import OwnParts, assembled
+from railgrip.simulate.parts import CustomParts, assembled
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.metrics import Metrics
@@ -345,8 +345,8 @@ def freight(*changes: dict[str, Any], controller: Any = None) -> Stop:
     table = read_toml(path)
     for change in changes:
         table = merged(table, change)
-    own = OwnParts(controller=controller)
-    return run_stop(scenario_of(table, directory=path.parent, origin=path.name), own=own)
+    own = CustomParts(controller=controller)
+    return run_stop(scenario_of(table, directory=path.parent, origin=path.name), objects=own)
 
 
 def test_wheelsets_behind_give_what_those_in_front_cannot():

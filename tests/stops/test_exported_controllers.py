@@ -13,7 +13,7 @@ from railgrip.fmi import CoSimulation, Signal, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.parts import OwnParts
+from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 
@@ -137,7 +137,7 @@ def test_an_exported_law_gives_the_stop_of_the_harness_under_a_service_demand(ki
     full = VehicleData(plain).nominal.formation.pressure_max
     with exported(plain, tmp_path) as fmu:
         law = Driven(fmu, lambda time: np.full(4, 1.2e5) if time < 4.0 else full)
-        stop = run_stop(plain, own=OwnParts(controller=law))
+        stop = run_stop(plain, objects=CustomParts(controller=law))
     undriven = run_stop(plain)
     # Another order of the same sums moves slip in its last digit; a phase begins a sample early or late.
     assert stop.metrics.distance == pytest.approx(service.metrics.distance, abs=0.03)

@@ -42,12 +42,12 @@ class Linear:
         return self._from_first(np.asarray(distance, dtype=np.float64)) - self._from_first(np.zeros(()))
 
     def _from_first(self, distance: Array) -> Array:
-        whole = np.concatenate([[0.0], np.cumsum(np.diff(self.at) * 0.5 * (self.values[1:] + self.values[:-1]))])
+        integral = np.concatenate([[0.0], np.cumsum(np.diff(self.at) * 0.5 * (self.values[1:] + self.values[:-1]))])
         piece = np.clip(np.searchsorted(self.at, distance, side="right") - 1, 0, self.at.size - 1)
         into = distance - self.at[piece]
         here = self(distance)
         # Before the first point `into` is negative and the function constant: the same trapezium is exact.
-        return whole[piece] + 0.5 * into * (here + np.where(into < 0, here, self.values[piece]))
+        return integral[piece] + 0.5 * into * (here + np.where(into < 0, here, self.values[piece]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,10 +23,10 @@ class _SensorFault(Fault):
 
     @model_validator(mode="after")
     def _has_such_a_place(self) -> Self:
-        own = {"radar": None, "accelerometer": None, "deflection_sensor": "wheelset"}.get(self.part, "group")
+        key = {"radar": None, "accelerometer": None, "deflection_sensor": "wheelset"}.get(self.part, "group")
         for name in ("group", "wheelset"):
-            if getattr(self, name) is not None and name != own:
-                choice = "no place: there is one" if own is None else f"'{own}'"
+            if getattr(self, name) is not None and name != key:
+                choice = "no place: there is one" if key is None else f"'{key}'"
                 raise broken(f"has '{name}', but {self.part} takes {choice}")
         return self
 

@@ -77,8 +77,8 @@ def faults_of(
         for number in range(len(scenario.faults))
     ]  # fmt: skip
     pairs = list(zip(scenario.faults, sites, strict=True))
-    readings = [one for fault, site in pairs for one in fault.of_readings(site)]
-    commands = [one for fault, site in pairs for one in fault.of_commands(site)]
+    readings = [change for fault, site in pairs for change in fault.of_readings(site)]
+    commands = [change for fault, site in pairs for change in fault.of_commands(site)]
     if not readings and not commands:
         return None
     every = max(round(1e-3 / scenario.periods.communication), 1)

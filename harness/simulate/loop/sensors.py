@@ -168,8 +168,8 @@ class ServiceSensors:
         """Read a vehicle of this layout every `period` [s], with noise from `random`."""
         groups = layout.formation.groups
         self._random = random
-        whole = (MissingTeeth(),) * groups
-        encoders = [_encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or whole]
+        intact = (MissingTeeth(),) * groups
+        encoders = [_encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or intact]
         self.deviation = np.array(
             [instruments.speed_noise, instruments.acceleration_noise]
             + [instruments.deflection_noise] * layout.formation.wheelsets

@@ -15,7 +15,7 @@ from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
 from railgrip.simulate.files import lowered
-from railgrip.simulate.prediction import consist_of, start_of, whole_of
+from railgrip.simulate.prediction import central_of, consist_of, start_of
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.field_test.filtering import PHYSICAL, filter_of, follow, prediction, specification, task_of
 from railgrip.studies.field_test.runs import TEST, cases, run
@@ -82,21 +82,21 @@ def decentralised_step(groups: int, *, suspension: bool = False, count: int = 20
     filter_ = DecentralisedFilter(consist, noise.process_noise(consist.states), variances, 1e-3)
     mean = start_of(consist.states, formation, data, speed=30.0)
     inputs = np.append(np.full(groups, 2e5), 0.0)
-    train = whole_of(formation, data)
+    train = central_of(formation, data)
     central = CasadiPrediction(train.model, train.parameters)
     shown = central.output(start_of(central.states, formation, data, speed=30.0), inputs)
     expected = shown[[train.readings.index(name) for name in consist.outputs]]
     random = np.random.default_rng(0)
     readings = expected + np.sqrt(variances) * random.standard_normal((count, variances.size))
 
-    def whole() -> None:
+    def filtered() -> None:
         filter_.start(mean, noise.start_covariance(consist.states))
         filter_.inputs[:] = inputs
         for reading in readings:
             filter_.readings[:] = reading
             filter_.advance()
 
-    return microseconds(whole, rounds=rounds, clock=process_time) / count
+    return microseconds(filtered, rounds=rounds, clock=process_time) / count
 
 
 def of_rig() -> Iterator[Row]:
@@ -125,11 +125,11 @@ def of_recording() -> Iterator[Row]:
     filter_ = filter_of(model, task.data.period)
     recording, samples = braking_of(field_run.recording, course).recording, len(task.data.readings)
     step = microseconds(lambda: follow(task, filter_, PHYSICAL)) / samples
-    whole = microseconds(lambda: estimate_of(spec, recording)) / 1e3
+    duration = microseconds(lambda: estimate_of(spec, recording)) / 1e3
     track = microseconds(lambda: braking_of(field_run.recording, course), rounds=2) / 1e6
     value = microseconds(lambda: evaluate("consistent", [task] * 5, filter_, PHYSICAL)) / 1e6
     yield f"13-state filter over a recording of {samples} samples, a sample", f"{step:.1f} µs", "5 µs"
-    yield "  estimate of that recording", f"{whole:.0f} ms", ""
+    yield "  estimate of that recording", f"{duration:.0f} ms", ""
     yield "  track and track force from the run before", f"{track:.1f} s", ""
     both = f"both objectives: {2 * 48 * 61 * value / 60:.1f} min of 30"
     yield "tuning: a value over five brakings, one core", f"{1e3 * value:.0f} ms", both

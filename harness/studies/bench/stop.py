@@ -21,7 +21,7 @@ from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import load
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.parts import OwnParts, assembled
+from railgrip.simulate.parts import CustomParts, assembled
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.bench.fmi import plant_step
@@ -52,16 +52,16 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
     simulated = run_stop(scenario).metrics.duration
     cycles = simulated / scenario.periods.communication
-    laws = {"compiled": OwnParts(), "Python": OwnParts(controller=InPython())}
+    laws = {"compiled": CustomParts(), "Python": CustomParts(controller=InPython())}
     cycle: dict[str, list[float]] = {name: [] for name in laws}
     for _ in range(3):
-        for name, own in laws.items():
-            with assembled(scenario, own=own) as parts:
+        for name, entry in laws.items():
+            with assembled(scenario, objects=entry) as parts:
                 begin = process_time()
                 parts.run()
                 cycle[name].append((process_time() - begin) / cycles * 1e6)
     alone = InPython()
-    with assembled(scenario, own=OwnParts(controller=alone)) as parts:
+    with assembled(scenario, objects=CustomParts(controller=alone)) as parts:
         loop = Loop(parts.parts)
         observation = loop.next_decision()
         assert observation is not None
@@ -163,5 +163,5 @@ def _empty_cache(folder: Path) -> Generator[None]:
 
 def _processor() -> float:
     """Return the time that this process and those it has waited for have spent on processors [s]."""
-    own, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
-    return own.ru_utime + own.ru_stime + others.ru_utime + others.ru_stime
+    process, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
+    return process.ru_utime + process.ru_stime + others.ru_utime + others.ru_stime

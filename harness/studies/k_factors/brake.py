@@ -76,7 +76,7 @@ class QuasiStaticBrake:
         self._place = np.concatenate([np.arange(count) for count in self.units])
         self._dispersion = tuple(dispersion)
         widths = dict(zip(EXTENTS, (1, formation.groups, len(self._group)), strict=True))
-        self._widths = [widths[one.per] for one in dispersion]
+        self._widths = [widths[dispersion_.per] for dispersion_ in dispersion]
         self.dimension = sum(self._widths)
         self.speeds = tuple(speeds)
         decelerations, distance, time = self._stops(self.units, self._deviations(None))
@@ -115,20 +115,24 @@ class QuasiStaticBrake:
         The plant has one friction for all units of a group and one efficiency for all: what units differ by goes into
         the friction of their group.
         """
-        one, braking = self._deviations(None if standard is None else standard[None, :]), np.array(available) > 0
-        scale = self._torque(available, one)[0] / np.maximum(self._torque(available, one, alike=True)[0], 1e-9)
+        deviations, braking = self._deviations(None if standard is None else standard[None, :]), np.array(available) > 0
+        scale = self._torque(available, deviations)[0] / np.maximum(
+            self._torque(available, deviations, alike=True)[0], 1e-9
+        )
         scale = np.where(braking, scale, 1.0)
         each: dict[str, Array] = {
             "mu_b_nominal": self._friction * scale,
             "mu_b_start": self._first_friction * scale,
             # A disc that is not braked has no heat to share: its group keeps its units, and has no pressure.
-            "p_max": np.where(braking, self._brake["pressure_max"] + one["pressure"][0], 0.0),
+            "p_max": np.where(braking, self._brake["pressure_max"] + deviations["pressure"][0], 0.0),
             "n_units": np.where(braking, available, self.units),
-            "r_wheel": self._brake["wheel_radius"] * one["wheel_radius"][0],
-            "m_wheelset": self._wheelset_mass * one["mass"][0],
+            "r_wheel": self._brake["wheel_radius"] * deviations["wheel_radius"][0],
+            "m_wheelset": self._wheelset_mass * deviations["mass"][0],
         }
-        whole = {f"{name}[{i + 1}]": float(value) for name, values in each.items() for i, value in enumerate(values)}
-        return whole | {"T_fill": self._of["T_fill"] * float(one["build_up"][0, 0])}
+        parameters = {
+            f"{name}[{i + 1}]": float(value) for name, values in each.items() for i, value in enumerate(values)
+        }
+        return parameters | {"T_fill": self._of["T_fill"] * float(deviations["build_up"][0, 0])}
 
     def _deviations(self, standard: Array | None) -> Deviations:
         """Return the deviations of standard normal numbers, shape (n, dimension); none for the nominal train."""
@@ -141,44 +145,47 @@ class QuasiStaticBrake:
         if standard is None:
             return deviations
         first = 0
-        for one, width in zip(self._dispersion, self._widths, strict=True):
-            value, first = one.of(standard[:, first : first + width]), first + width
-            if width == groups < deviations[one.quantity].shape[1]:
+        for dispersion, width in zip(self._dispersion, self._widths, strict=True):
+            value, first = dispersion.of(standard[:, first : first + width]), first + width
+            if width == groups < deviations[dispersion.quantity].shape[1]:
                 value = value[:, self._group]
-            if one.quantity == "pressure":
-                deviations[one.quantity] += value
+            if dispersion.quantity == "pressure":
+                deviations[dispersion.quantity] += value
             else:
-                deviations[one.quantity] *= 1.0 + value
+                deviations[dispersion.quantity] *= 1.0 + value
         return deviations
 
-    def _pressure(self, one: Deviations) -> Array:
+    def _pressure(self, deviations: Deviations) -> Array:
         """Return what the cylinders of each group hold, less what the leak keeps from them [Pa]."""
-        return self._brake["pressure_max"] + one["pressure"] - self._of["leak"] * self._of["T_fill"]
+        return self._brake["pressure_max"] + deviations["pressure"] - self._of["leak"] * self._of["T_fill"]
 
-    def _torque(self, available: Sequence[int], one: Deviations, *, alike: bool = False) -> Array:
+    def _torque(self, available: Sequence[int], deviations: Deviations, *, alike: bool = False) -> Array:
         """Return the torque of each group at nominal speed and temperature of the pads [N m].
 
         With `alike` all units have nominal friction, efficiency and radius.
         """
         brake, of, group = self._brake, self._of, self._group
         force = pad_force(
-            self._pressure(one),
+            self._pressure(deviations),
             piston_area=brake["piston_area"],
             spring_force=brake["spring_force"],
             rigging=brake["rigging"],
         )[:, group]
         arm = brake["friction_radius"][group] * self._friction[group]
         if not alike:
-            force, arm = force * one["efficiency"], arm * one["friction_radius"] * one["pad_friction"]
+            force, arm = (
+                force * deviations["efficiency"],
+                arm * deviations["friction_radius"] * deviations["pad_friction"],
+            )
         torque = force * arm * (1 - of["force_effect"] * (force / of["pad_force_nominal"] - 1))
         member = (self._place < np.asarray(available)[group]) & (group == np.arange(len(self.units))[:, None])
         return torque @ member.T.astype(np.float64)
 
-    def _stops(self, available: Sequence[int], one: Deviations) -> tuple[Array, Array, Array]:
+    def _stops(self, available: Sequence[int], deviations: Deviations) -> tuple[Array, Array, Array]:
         """Return deceleration of each step, from the slowest, shape (n, steps), distance and equivalent time."""
         brake, of, count = self._brake, self._of, np.maximum(np.asarray(available), 1)
-        torque, radius = self._torque(available, one), brake["wheel_radius"] * one["wheel_radius"]
-        mass = self._wheelset_mass.sum() * one["mass"][:, 0]
+        torque, radius = self._torque(available, deviations), brake["wheel_radius"] * deviations["wheel_radius"]
+        mass = self._wheelset_mass.sum() * deviations["mass"][:, 0]
         inertial = mass + (brake["inertia"] / radius**2).sum(axis=1)
         rolling, drag = rolling_resistance(of, mass, brake["wheel_radius"].mean()), air_resistance(of)
         force = torque / radius
@@ -203,12 +210,12 @@ class QuasiStaticBrake:
                 inverse += 1 / deceleration
             steps.append(PARTS / inverse)
             distance += 0.5 * width * inverse
-        piston = np.maximum(self._pressure(one) * brake["piston_area"], 1.0)
+        piston = np.maximum(self._pressure(deviations) * brake["piston_area"], 1.0)
         # Pads touch when the pressure has passed the spring, and then their force follows with the same time constant.
         rise = np.where(
             piston > brake["spring_force"], -np.log1p(-np.minimum(brake["spring_force"] / piston, 0.99)), 0.0
         )
-        time = of["dead_fill"] + of["T_fill"] * one["build_up"][:, 0] * (1 + (share * rise).sum(axis=1))
+        time = of["dead_fill"] + of["T_fill"] * deviations["build_up"][:, 0] * (1 + (share * rise).sum(axis=1))
         return np.stack(steps[::-1], axis=1), distance + start * time, time
 
 

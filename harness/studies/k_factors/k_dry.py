@@ -94,7 +94,7 @@ def quasi_static(
     highest = _rates(specification.failures, float(ndtri((1 + _CONFIDENCE) / 2)))
     deep, neglected = rare.states_of(brake.units, highest, neglect=_NEGLECT * smallest)
     available = [state.available for state in deep]
-    states = tuple(State(*one) for one in zip(available, rates.of_states(brake.units, available), strict=True))
+    states = tuple(State(*state) for state in zip(available, rates.of_states(brake.units, available), strict=True))
     parts: list[list[list[Sample]]] = [[[] for _ in range(effort.runs)] for _ in brake.outputs]
     for number, state in enumerate(deep, start=1):
         notify(f"failure state {number} of {len(deep)}")
@@ -108,7 +108,7 @@ def quasi_static(
     shares = [state.probability for state in states]
     runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
     k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    drawn = np.array([one.of_states(brake.units, available) for one in _drawn(specification)])
+    drawn = np.array([numbers.of_states(brake.units, available) for numbers in _drawn(specification)])
     equal = [1 / effort.runs] * effort.runs
     k_of_rates = tuple(
         rare.widened(of, [rare.pooled(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
@@ -157,7 +157,7 @@ def in_the_loop(
     one_stop = partial(_stop, import_from=tuple(import_from))
 
     def performance(state: State, standard: Array) -> Array:
-        draws = [scenario_of_draw(scenario, brake, state.available, one) for one in standard]
+        draws = [scenario_of_draw(scenario, brake, state.available, draw) for draw in standard]
         stops = work.map(one_stop, draws, keep=not import_from)
         seconds.extend(processor for _, processor in stops)
         # A train that does not stop has braked with nothing.
@@ -176,12 +176,12 @@ def in_the_loop(
             for state in states
         ]
         runs.append(rare.pooled(parts, [state.probability for state in states]))
-    whole = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
+    estimate = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
     return {
         "method": "exact enumeration of failure states, subset simulation within each",
         "probability": effort.probability,
         **plain(rare.estimates(runs, [effort.probability], neglected)[0]),
-        "quasi_static": plain(whole),
+        "quasi_static": plain(estimate),
         "states": len(states),
         "neglected_probability": neglected,
         "samples": len(seconds),
@@ -231,4 +231,4 @@ def _cost(specification: Specification, units: Sequence[int], probability: float
     samples = specification.loop.samples
     states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)
     inside = [min(probability / state.probability, 1.0) for state in states]
-    return specification.loop.runs * sum(rare.subset_cost(one, samples) for one in inside)
+    return specification.loop.runs * sum(rare.subset_cost(stop, samples) for stop in inside)

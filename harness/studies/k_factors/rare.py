@@ -99,7 +99,7 @@ def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tu
     groups = [list(enumerate(rates.of_group(n))) for n in units]
     states, rest = [State((), 1.0)], 0.0
     for group in groups:
-        candidates = [State((*one.available, count), one.probability * p) for one in states for count, p in group]
+        candidates = [State((*state.available, count), state.probability * p) for state in states for count, p in group]
         candidates.sort(key=lambda state: (-state.probability, state.available))
         # Summed from the least likely on, for one minus the others has no digits left.
         tail = np.cumsum([state.probability for state in reversed(candidates)])
@@ -112,7 +112,7 @@ def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tu
             rest += rates.total_loss
         elif lost not in available:
             available.append(lost)
-        states = [State(*one) for one in zip(available, rates.of_states(units, available), strict=True)]
+        states = [State(*state) for state in zip(available, rates.of_states(units, available), strict=True)]
         states.sort(key=lambda state: (-state.probability, state.available))
     return tuple(states), rest
 
@@ -143,8 +143,8 @@ class Sample:
 
 def pooled(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
     """Return the sample of a mixture, each part with its share."""
-    weights = [share * one.weights for one, share in zip(samples, shares, strict=True)]
-    return Sample(np.concatenate([one.values for one in samples]), np.concatenate(weights))
+    weights = [share * sample.weights for sample, share in zip(samples, shares, strict=True)]
+    return Sample(np.concatenate([sample.values for sample in samples]), np.concatenate(weights))
 
 
 def estimates(
@@ -192,20 +192,20 @@ def widened(
         probabilities: Of the quantiles.
         confidence: Of the intervals.
     """
-    grid = np.linspace(min(one.values[0] for one in parts), max(one.values[-1] for one in parts), _GRID)
-    cumulative = shares @ np.array([one.probability_of_at_most(grid) for one in parts])
+    grid = np.linspace(min(part.values[0] for part in parts), max(part.values[-1] for part in parts), _GRID)
+    cumulative = shares @ np.array([part.probability_of_at_most(grid) for part in parts])
     left_out = np.maximum(1.0 - shares.sum(axis=1), 0.0)
     tails = ((1 - confidence) / 2, (1 + confidence) / 2)
     wide: list[Interval] = []
-    for one, probability in zip(intervals, probabilities, strict=True):
+    for bounds, probability in zip(intervals, probabilities, strict=True):
         places = [
             np.array([np.searchsorted(row, p) for row, p in zip(cumulative, below, strict=True)])
             for below in (probability - left_out, np.full(len(shares), probability))
         ]
         worst, best = (grid[np.minimum(place, len(grid) - 1)] for place in places)
-        low = float(np.quantile(worst, tails[0])) - (one.value - one.low)
-        high = float(np.quantile(best, tails[1])) + (one.high - one.value)
-        wide.append(Interval(one.value, min(low, one.low), max(high, one.high)))
+        low = float(np.quantile(worst, tails[0])) - (bounds.value - bounds.low)
+        high = float(np.quantile(best, tails[1])) + (bounds.high - bounds.value)
+        wide.append(Interval(bounds.value, min(low, bounds.low), max(high, bounds.high)))
     return tuple(wide)
 
 

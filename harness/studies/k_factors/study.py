@@ -154,12 +154,12 @@ def content(
                 "output": output,
                 "ebcl": level,
                 "probability": PROBABILITIES[level],
-                **plain(one),
+                **plain(effort),
                 "low_of_rates": wide[level].low,
                 "high_of_rates": wide[level].high,
             }
             for output, of, wide in zip(brake.outputs, result.k, result.k_of_rates, strict=True)
-            for level, one in enumerate(of)
+            for level, effort in enumerate(of)
         ],
         "specification": specification.model_dump(mode="json"),
         "scenario_digest": scenario.digest(),
@@ -181,11 +181,13 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
     colours = lead_to_trail(len(brake.outputs))
     levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
     for output, runs, colour in zip(brake.outputs, result.runs, colours, strict=True):
-        whole = pooled(runs, [1 / len(runs)] * len(runs))
-        left.semilogy([whole.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
+        pooled_run = pooled(runs, [1 / len(runs)] * len(runs))
+        left.semilogy([pooled_run.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
     stop = result.k[-1]
-    spread = np.array([[one.value - one.low, one.high - one.value] for one in stop]).T
-    left.errorbar([one.value for one in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3)
+    spread = np.array([[value.value - value.low, value.high - value.value] for value in stop]).T
+    left.errorbar(
+        [value.value for value in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3
+    )
     dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
     legend(left)
     runs = result.runs[-1]
@@ -193,7 +195,9 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
     courses = [estimates(runs[:n], [PROBABILITIES[level] for level in _LEVELS], result.neglected) for n in counts]
     for number, level in enumerate(_LEVELS):
         right = drawing.add_subplot(grid[number, 1])
-        k, low, high = (np.array([getattr(one[number], of) for one in courses]) for of in ("value", "low", "high"))
+        k, low, high = (
+            np.array([getattr(course[number], of) for course in courses]) for of in ("value", "low", "high")
+        )
         draws = counts * len(runs[0].values) / 1e3
         right.plot(draws, k, color=colours[-1], lw=1.2)
         band(right, draws, low, high, colours[-1], 0.25)
@@ -204,5 +208,5 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
     return drawing
 
 
-def _text(one: Mapping[str, float]) -> str:
-    return f"{one['k']:.4f} ({one['low']:.4f}–{one['high']:.4f})"
+def _text(values: Mapping[str, float]) -> str:
+    return f"{values['k']:.4f} ({values['low']:.4f}–{values['high']:.4f})"

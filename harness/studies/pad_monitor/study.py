@@ -143,13 +143,13 @@ def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], 
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []
     healthy = false_alarms = right = alarms_due = 0
-    for one, evidences in zip(plan, evidence, strict=True):
+    for life, evidences in zip(plan, evidence, strict=True):
         alarms = watch(evidences, design).alarms
         for group, begin, delays, kind in (
-            (one.worn_group, one.worn, worn_delays, "friction lost"),
-            (one.stuck_group, one.stuck, stuck_delays, "does not release"),
+            (life.worn_group, life.worn, worn_delays, "friction lost"),
+            (life.stuck_group, life.stuck, stuck_delays, "does not release"),
         ):
-            end = one.stops if begin is None else begin
+            end = life.stops if begin is None else begin
             healthy += max(end - design.reference, 0)
             false_alarms += sum(alarm.group == group and alarm.stop < end for alarm in alarms)
             if begin is not None:
@@ -157,12 +157,12 @@ def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], 
                 delays.append(None if first is None else first.stop - begin + 1)
                 alarms_due += first is not None
                 right += first is not None and first.kind == kind
-        others = set(range(formation().groups)) - {one.worn_group, one.stuck_group}
-        healthy += len(others) * (one.stops - design.reference)
+        others = set(range(formation().groups)) - {life.worn_group, life.stuck_group}
+        healthy += len(others) * (life.stops - design.reference)
         false_alarms += sum(alarm.group in others for alarm in alarms)
     return Assessment(
         lives=len(plan),
-        stops=sum(one.stops for one in plan),
+        stops=sum(life.stops for life in plan),
         worn_delays=tuple(worn_delays),
         stuck_delays=tuple(stuck_delays),
         kinds_right=right / max(alarms_due, 1),

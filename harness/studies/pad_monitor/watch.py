@@ -129,7 +129,7 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
         scatter = np.maximum(mad, design.least_scatter)
         threshold = np.array([threshold_for(float(s), design) for s in scatter])
         alarms = _chart(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
-    index, index_sd = _follow(stops, together, _own_scatter(health[reference], design), alarms, design)
+    index, index_sd = _follow(stops, together, _scatter_by_group(health[reference], design), alarms, design)
     trend, trend_sd = _trend(health, apart, design)
     return History(
         evidence=health,
@@ -197,7 +197,7 @@ def _chart(
     return alarms
 
 
-def _own_scatter(health: Matrix, design: Design) -> Vector:
+def _scatter_by_group(health: Matrix, design: Design) -> Vector:
     """Return how far a group's evidence strays from that of the others, stop to stop, shape (groups,).
 
     Evidence claims what noise does to it. Latencies and slides do more, and nobody but the stops themselves can tell.
@@ -210,7 +210,7 @@ def _own_scatter(health: Matrix, design: Design) -> Vector:
 
 
 def _follow(
-    stops: Sequence[Evidence], together: float, own: Vector, alarms: Sequence[Alarm], design: Design
+    stops: Sequence[Evidence], together: float, residual: Vector, alarms: Sequence[Alarm], design: Design
 ) -> tuple[Matrix, Matrix]:
     """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, groups).
 
@@ -225,10 +225,10 @@ def _follow(
         together: Variance from stop to stop that all groups share.
         own: Deviation of each group from stop to stop beside that, shape (groups,).
     """
-    groups = len(own)
+    groups = len(residual)
     mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
     shift = np.zeros((groups, groups))
-    scatter = np.diag(own**2) + together
+    scatter = np.diag(residual**2) + together
     index, spread = np.empty((len(stops), groups)), np.empty((len(stops), groups))
     for k, stop in enumerate(stops):
         jumps = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(groups)])

@@ -110,11 +110,11 @@ def scenario_tables(trial: Trial) -> dict[str, Any]:
 
 def scenario_of_row(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> Scenario:
     """Return the stop of a row with a density of sand."""
-    own: dict[str, Any] = {}
+    changes: dict[str, Any] = {}
     if row.laid:
         law = {"mu0": trial.law.mu0, "left": trial.law.left, "density": density}
-        own = {"adhesion": {"sand": law}, "sanders": [dict(sander) for sander in row.laid]}
-    return scenario_of(merged(tables, own), directory=LIBRARY, origin="sanders.toml")
+        changes = {"adhesion": {"sand": law}, "sanders": [dict(sander) for sander in row.laid]}
+    return scenario_of(merged(tables, changes), directory=LIBRARY, origin="sanders.toml")
 
 
 def compare(trial: Trial) -> tuple[float, list[Comparison]]:

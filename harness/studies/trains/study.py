@@ -95,8 +95,13 @@ def row_of(stop: DryStop) -> dict[str, object]:
         "reference_m": stop.hand.distance,
         "source": HAND,
         "published": [
-            {"speed_km_h": 3.6 * one.speed, "distance_m": one.distance, "limit": one.limit, "source": one.source}
-            for one in stop.train.reference
+            {
+                "speed_km_h": 3.6 * reference.speed,
+                "distance_m": reference.distance,
+                "limit": reference.limit,
+                "source": reference.source,
+            }
+            for reference in stop.train.reference
         ],
         "coupler_force_N": stop.coupler_force.tolist(),
         "coupler_bound_N": np.abs(stop.hand.coupler_force).tolist() if stop.coupler_force.size else [],
@@ -124,22 +129,27 @@ def page_of(
     """
     real_time = [
         {
-            "estimator_period_s": one.estimator_period,
-            "simulated_s": one.simulated,
-            "processor_s": one.processor,
-            "times_real_time": one.times_real_time,
+            "estimator_period_s": stop.estimator_period,
+            "simulated_s": stop.simulated,
+            "processor_s": stop.processor,
+            "times_real_time": stop.times_real_time,
         }
-        for one in protected_stops
+        for stop in protected_stops
     ]
     rows = [
-        {"sanders": one.sanders, "distance_m": one.distance, "measured_m": one.measured, "fitted": one.fitted}
-        | ({"at_least": True} if one.at_least else {})
-        for one in comparisons
+        {
+            "sanders": comparison.sanders,
+            "distance_m": comparison.distance,
+            "measured_m": comparison.measured,
+            "fitted": comparison.fitted,
+        }
+        | ({"at_least": True} if comparison.at_least else {})
+        for comparison in comparisons
     ]
     law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
     distances, protected = table_of(stops), table_of_protected(protected_stops)
     sanders = table_of_sanders(comparisons)
-    drawings = {one.train.name: f"figures/{one.train.name}.png" for one in stops}
+    drawings = {stop.train.name: f"figures/{stop.train.name}.png" for stop in stops}
     return Page(
         template="studies/trains/trains.html.jinja",
         values={
@@ -155,7 +165,7 @@ def page_of(
             "drawings": drawings,
         },
         figures={
-            **{drawings[one.train.name]: drawing(one.train) for one in stops},
+            **{drawings[stop.train.name]: drawing(stop.train) for stop in stops},
             **({"figures/cost.png": _cost_figure(series)} if series else {}),
             "figures/sanders.png": _sander_figure(comparisons),
         },
@@ -187,13 +197,13 @@ def table_of_protected(stops: Sequence[ProtectedStop]) -> Table:
     """Return how much faster than real time the stop with estimator and valves runs."""
     rows = [
         {
-            "estimator every": f"{1e3 * one.estimator_period:g} ms",
-            "simulated": one.simulated,
-            "processor": one.processor,
-            "times real time": one.times_real_time,
+            "estimator every": f"{1e3 * stop.estimator_period:g} ms",
+            "simulated": stop.simulated,
+            "processor": stop.processor,
+            "times real time": stop.times_real_time,
             "target": ">= 20",
         }
-        for one in stops
+        for stop in stops
     ]
     forms = {"simulated": "{:.1f} s", "processor": "{:.2f} s", "times real time": "{:.1f}"}
     return Table(rows, forms, ("estimator every", "target"))
@@ -203,13 +213,13 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
     """Return the distances of the trial beside ours."""
     rows = [
         {
-            "sanders": one.sanders,
-            "measured": f"{'> ' if one.at_least else ''}{one.measured:.0f} m",
-            "simulated": "no stop" if one.distance is None else f"{one.distance:.0f} m",
-            "difference": "" if one.off is None else f"{100 * one.off:+.1f} %",
-            "": "fitted" if one.fitted else "predicted",
+            "sanders": comparison.sanders,
+            "measured": f"{'> ' if comparison.at_least else ''}{comparison.measured:.0f} m",
+            "simulated": "no stop" if comparison.distance is None else f"{comparison.distance:.0f} m",
+            "difference": "" if comparison.off is None else f"{100 * comparison.off:+.1f} %",
+            "": "fitted" if comparison.fitted else "predicted",
         }
-        for one in comparisons
+        for comparison in comparisons
     ]
     return Table(rows, {}, ("sanders", ""))
 
@@ -218,14 +228,14 @@ def _published(stops: Sequence[DryStop]) -> Table:
     rows = [
         {
             "train": stop.train.name,
-            "from": 3.6 * one.speed,
-            "published": f"{'≤ ' if one.limit else ''}{one.distance:g} m",
+            "from": 3.6 * reference.speed,
+            "published": f"{'≤ ' if reference.limit else ''}{reference.distance:g} m",
             "simulated": stop.distance,
-            "source": one.source,
+            "source": reference.source,
         }
         for stop in stops
-        for one in stop.train.reference
-        if one.speed == stop.speed
+        for reference in stop.train.reference
+        if reference.speed == stop.speed
     ]
     return Table(rows, {"from": "{:.0f} km/h", "simulated": "{:.1f} m"}, ("train", "source"))
 
@@ -294,15 +304,27 @@ def _cost_figure(series: Sequence[DryStop]) -> Figure:
 def _sander_figure(comparisons: Sequence[Comparison]) -> Figure:
     figure, axes = style.panels(6.4, 3.4)
     places = np.arange(len(comparisons))
-    axes.bar(places - 0.2, [one.measured for one in comparisons], 0.4, color=style.GREY, label="measured")
-    colours = [style.ORANGE if one.fitted else style.BLUE for one in comparisons]
-    axes.bar(places + 0.2, [one.distance or 0.0 for one in comparisons], 0.4, color=colours, label="simulated")
-    for place, one in zip(places, comparisons, strict=True):
-        words = "at least" if one.at_least else "fitted" if one.fitted else f"{100 * (one.off or 0.0):+.0f} %"
-        axes.annotate(
-            words, (float(place), max(one.measured, one.distance or 0.0)), ha="center", va="bottom", fontsize=8
+    axes.bar(places - 0.2, [comparison.measured for comparison in comparisons], 0.4, color=style.GREY, label="measured")
+    colours = [style.ORANGE if comparison.fitted else style.BLUE for comparison in comparisons]
+    axes.bar(
+        places + 0.2, [comparison.distance or 0.0 for comparison in comparisons], 0.4, color=colours, label="simulated"
+    )
+    for place, comparison in zip(places, comparisons, strict=True):
+        words = (
+            "at least"
+            if comparison.at_least
+            else "fitted"
+            if comparison.fitted
+            else f"{100 * (comparison.off or 0.0):+.0f} %"
         )
-    axes.set_xticks(places, [one.sanders for one in comparisons], fontsize=8)
+        axes.annotate(
+            words,
+            (float(place), max(comparison.measured, comparison.distance or 0.0)),
+            ha="center",
+            va="bottom",
+            fontsize=8,
+        )
+    axes.set_xticks(places, [comparison.sanders for comparison in comparisons], fontsize=8)
     axes.legend(frameon=False)
     style.dress(axes, y="distance [m]")
     return figure

@@ -198,7 +198,7 @@ def case_named(name: str) -> Case:
     """
     match = re.fullmatch(r"\d+of(\d{1,5})-(\d{1,9})", name)
     design = cases(int(match[1]), int(match[2])) if match and int(match[1]) else ()
-    one = next((case for case in design if case.name == name), None)
-    if one is None:
+    found = next((case for case in design if case.name == name), None)
+    if found is None:
         raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {cases(QUICK)[0].name}")
-    return one
+    return found

@@ -56,10 +56,10 @@ def entrants() -> dict[str, Entrant]:
         law = registry.part(registry.LAWS, kind, GroupLaw)
         for name, entry in law.entries.items():
             is_tuned = entry.tuning != "paper" and bool(law.ranges or law.sets_of)
-            own = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
+            common = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
             controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
             estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
-            tables[name] = own | {"controller": controller} | estimator
+            tables[name] = common | {"controller": controller} | estimator
     all_of_them = {
         name: validated(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}") for name, table in tables.items()
     }
@@ -95,13 +95,13 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
         if "controller" not in table:
             raise ScenarioError(f"{name}: has no [controller], which is what takes part in a type test")
         tables = {key: table[key] for key in ("controller", "estimator") if key in table}
-        return path.stem, _own(f"[controller] of {name}", tables)
+        return path.stem, _entrant_of(f"[controller] of {name}", tables)
     if path.suffix == ".fmu":
-        return path.stem, _own(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
+        return path.stem, _entrant_of(path.name, {"controller": {"kind": "fmu", "file": str(path.resolve())}})
     if ":" in argument:
-        return argument.rpartition(":")[2], _own(argument, {"controller": {"kind": argument}})
+        return argument.rpartition(":")[2], _entrant_of(argument, {"controller": {"kind": argument}})
     if argument in registry.installed_names("controllers"):
-        return argument, _own(argument, {"controller": {"kind": argument}})
+        return argument, _entrant_of(argument, {"controller": {"kind": argument}})
     near = get_close_matches(argument, ours, n=1)
     raise ScenarioError(
         f"--controller {cut(argument)}: {f'did you mean {near[0]}? It ' if near else ''}is neither one of "
@@ -115,7 +115,7 @@ def _read(path: Path) -> dict[str, Any]:
     return Elsewhere.within(tables.table, tables.directory.resolve())
 
 
-def _own(description: str, tables: Mapping[str, Any]) -> Entrant:
+def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
     return Entrant.model_validate({"description": description, "role": "entrant", **tables})
 
 
@@ -136,13 +136,13 @@ def train_of(argument: str | None) -> dict[str, Any]:
     is_ours = argument in registry.shelf("trains")
     path = (registry.shelf("scenarios") | registry.shelf("trains")).get(argument, Path(argument))
     if path.suffix == ".toml":
-        own = read_toml(path)
-        if "cars" in own:
+        content = read_toml(path)
+        if "cars" in content:
             own_file = argument if is_ours else str(path.resolve())
             filtering = {"kind": "decentralised", "noise": "service", **_ANY_TRAIN}
             return table | {"vehicle": {"train": own_file}, "estimator": filtering}
-        own = _read(path)
-        return table | {"vehicle": {}} | {key: own[key] for key in _OF_THE_TRAIN if key in own}
+        content = _read(path)
+        return table | {"vehicle": {}} | {key: content[key] for key in _OF_THE_TRAIN if key in content}
     if path.suffix == ".fmu":
         return table | {"vehicle": {"plant": str(path.resolve())}}
     if argument in read_recipes().recipes:
@@ -184,7 +184,7 @@ def training(count: int) -> tuple[PlannedStop, ...]:
 
     The axis `rail` names the case.
     """
-    tuned = {"tuned": _own("what is tuned", {"controller": {"kind": "full_brake"}})}
+    tuned = {"tuned": _entrant_of("what is tuned", {"controller": {"kind": "full_brake"}})}
     return tuple(
         replace(
             stop, variants={"rail": ", ".join(value for key, value in stop.variants.items() if key != "controller")}
@@ -220,11 +220,11 @@ def campaign_of(
         of_case = merged(train, {"name": "type-test"} | case.tables(groups))
         of_case = merged(of_case, FAULTS[case.fault])
         for name, entrant in taking_part.items():
-            own = dict(task or {})
+            task_table = dict(task or {})
             if entrant.role == "bound":
-                own.pop("demand", None)  # it brakes with all there is, whatever is asked
+                task_table.pop("demand", None)  # it brakes with all there is, whatever is asked
             scenario = scenario_of(
-                merged(merged(of_case, own), entrant.tables),
+                merged(merged(of_case, task_table), entrant.tables),
                 directory=LIBRARY,
                 origin=f"type test, case {case.name}, {name}",
             )

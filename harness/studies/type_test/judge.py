@@ -298,44 +298,44 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
     frugal = {stop.case: stop for stop in stops if stop.controller == _THREE_STATE}
     board: list[Summary] = []
     for name, entrant in taking_part.items():
-        own = [stop for stop in stops if stop.controller == name]
-        if not own:
+        stops_of = [stop for stop in stops if stop.controller == name]
+        if not stops_of:
             continue
-        over_best = [endless(stop.over_best) for stop in own if stop.best_m]
-        wet = [stop.k_wet for stop in own if stop.k_wet is not None and stop.verdicts["extension"] is not None]
+        over_best = [endless(stop.over_best) for stop in stops_of if stop.best_m]
+        wet = [stop.k_wet for stop in stops_of if stop.k_wet is not None and stop.verdicts["extension"] is not None]
         low, high = _interval(wet, 0.1)
-        sure = [stop.nees for stop in own if stop.nees is not None]
+        sure = [stop.nees for stop in stops_of if stop.nees is not None]
         board.append(
             Summary(
                 controller=name,
                 description=entrant.description,
                 role=entrant.role,
                 tuned=entrant.tuned,
-                cases=len(own),
-                stops=float(np.mean([stop.distance_m is not None for stop in own])),
+                cases=len(stops_of),
+                stops=float(np.mean([stop.distance_m is not None for stop in stops_of])),
                 compared=len(over_best),
                 median=_quantile(over_best, 0.5),
                 median_interval=_interval(over_best, 0.5),
                 p95=_quantile(over_best, 0.95),
                 p95_interval=_interval(over_best, 0.95),
                 worst=_quantile(over_best, 1.0),
-                over_bound=_quantile([endless(stop.over_bound) for stop in own if stop.bound_m], 0.5),
+                over_bound=_quantile([endless(stop.over_bound) for stop in stops_of if stop.bound_m], 0.5),
                 k_wet=_quantile(wet, 0.1),
                 k_wet_low=low,
                 k_wet_high=high,
                 longest_lock_s=max(
-                    (stop.longest_lock_s for stop in own if stop.longest_lock_s is not None), default=None
+                    (stop.longest_lock_s for stop in stops_of if stop.longest_lock_s is not None), default=None
                 ),
-                air=_relative(own, frugal, "air_l"),
-                strokes=_relative(own, frugal, "strokes"),
-                utilisation=_quantile([stop.utilisation for stop in own if stop.utilisation is not None], 0.5),
+                air=_relative(stops_of, frugal, "air_l"),
+                strokes=_relative(stops_of, frugal, "strokes"),
+                utilisation=_quantile([stop.utilisation for stop in stops_of if stop.utilisation is not None], 0.5),
                 nees_low=_quantile(sure, 0.1),
                 nees=finite(float(np.mean(sure))) if sure else None,
                 nees_high=_quantile(sure, 0.9),
-                kept={clause: _kept(own, clause) for clause in JUDGED},
+                kept={clause: _kept(stops_of, clause) for clause in JUDGED},
             )
         )
-    return sorted(board, key=lambda one: math.inf if one.median is None else one.median)
+    return sorted(board, key=lambda summary: math.inf if summary.median is None else summary.median)
 
 
 def _kept(stops: Sequence[Judged], clause: str) -> float | None:
@@ -356,4 +356,4 @@ def _interval(values: Sequence[float], share: float) -> tuple[float | None, floa
 
 def _relative(stops: Sequence[Judged], others: Mapping[str, Judged], figure: str) -> float | None:
     pairs = [(getattr(stop, figure), getattr(others.get(stop.case), figure, None)) for stop in stops]
-    return _quantile([own / other for own, other in pairs if own is not None and other], 0.5)
+    return _quantile([stop / other for stop, other in pairs if stop is not None and other], 0.5)

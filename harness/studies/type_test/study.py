@@ -23,7 +23,7 @@ from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.parts import OwnParts
+from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
@@ -82,8 +82,8 @@ class TypeTest(Study):
     @property
     def place(self) -> str:
         """A folder for each train, task, and for single cases."""
-        own = [Path(file).stem for file in (self.train, self.task) if file is not None]
-        return "/".join([*own, "cases"] if self.case else own)
+        names = [Path(file).stem for file in (self.train, self.task) if file is not None]
+        return "/".join([*names, "cases"] if self.case else names)
 
     def page(self, work: Work) -> Page:
         """Run what is missing, judge it with what was there, and rank the controllers."""
@@ -93,18 +93,18 @@ class TypeTest(Study):
         if self.against is not None and self.against not in taking_part:
             raise ScenarioError(f"--against {self.against}: is none of {', '.join(taking_part)}")
         # What others are measured with is run, too; what they are compared with comes from earlier runs.
-        running = {name for name, one in ours.items() if one.role in {"reference", "bound"}} | candidates.keys()
+        running = {name for name, entrant in ours.items() if entrant.role in {"reference", "bound"}} | candidates.keys()
         if self.case:
             design = tuple(case_named(name) for name in self.case)
         else:
             count = self.count or (QUICK if self.quick else CASES)
             design = cases(count, VALIDATION_SEED if self.validation else SEED)
         task = None if self.task is None else task_of(self.task)
-        whole = campaign_of(design, taking_part, train_of(self.train), task=task, keep_traces=bool(self.case))
-        stops = whole.only(lambda stop: stop.variants["controller"] in running)
-        runner = partial(run_stop, own=OwnParts(folders=tuple(self.import_from or ())))
+        campaign = campaign_of(design, taking_part, train_of(self.train), task=task, keep_traces=bool(self.case))
+        stops = campaign.only(lambda stop: stop.variants["controller"] in running)
+        runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
-        write_description(whole, work.folder)
+        write_description(campaign, work.folder)
         page = page_of(read_results(work.folder), taking_part, judging, against=self.against, again=self._again)
         panels = [
             str(write_panels(work.folder / stop.name))
@@ -162,7 +162,7 @@ def page_of(
     """
     stops = judgements(results.stops, taking_part, limits)
     board = summaries(stops, taking_part)
-    plain = [{name: one[name] for name in _JSON} | one for one in (stop.to_plain() for stop in stops)]
+    plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]
     present = {result.variants["controller"] for result in results.stops}
     drawings = (
         (
@@ -184,7 +184,7 @@ def page_of(
             "is_validation": any(case.endswith(f"-{VALIDATION_SEED}") for case in variants_of),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
             "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
-            "worst": [(one, worst(stops, one.controller, again)) for one in board],
+            "worst": [(summary, worst(stops, summary.controller, again)) for summary in board],
             "missing": names([name for name in results.missing if name.rpartition("-")[2] in present]),
             "supply": limits.supply,
         },
@@ -193,7 +193,7 @@ def page_of(
         data={
             "type_test.json": {
                 "cases": plain,
-                "summary": {one.controller: asdict(one) for one in board},
+                "summary": {summary.controller: asdict(summary) for summary in board},
                 "limits": limits.model_dump(mode="json"),
             }
         },
@@ -220,9 +220,9 @@ def compared(cases: Sequence[Mapping[str, Any]], against: str) -> Table:
     for row in cases:
         distances.setdefault(row["controller"], {})[row["case"]] = row["distance_m"]
     rows: list[dict[str, object]] = []
-    own = distances.pop(against, {})
+    reference = distances.pop(against, {})
     for name, others in distances.items():
-        pairs = np.array([(d, own[case]) for case, d in others.items() if d and own.get(case)])
+        pairs = np.array([(d, reference[case]) for case, d in others.items() if d and reference.get(case)])
         if not pairs.size:
             continue
         ratios, metres = pairs[:, 0] / pairs[:, 1], pairs[:, 0] - pairs[:, 1]
@@ -250,28 +250,28 @@ def leaderboard(board: Sequence[Summary]) -> Table:
     """Return the controllers, shortest first."""
     rows = [
         {
-            "controller": one.description,
-            "tuned": "yes" if one.tuned else "",
-            "cases": one.cases,
-            "stops": one.stops,
-            "compared": one.compared,
-            "median": _with_interval(one.median, one.median_interval),
-            "95 %": _with_interval(_or_endless(one.p95, one.median), one.p95_interval),
-            "worst": _or_endless(one.worst, one.median),
-            "over bound": one.over_bound,
-            "utilisation": one.utilisation,
-            "longest lock": one.longest_lock_s,
-            "air": one.air,
-            "strokes": one.strokes,
+            "controller": summary.description,
+            "tuned": "yes" if summary.tuned else "",
+            "cases": summary.cases,
+            "stops": summary.stops,
+            "compared": summary.compared,
+            "median": _with_interval(summary.median, summary.median_interval),
+            "95 %": _with_interval(_or_endless(summary.p95, summary.median), summary.p95_interval),
+            "worst": _or_endless(summary.worst, summary.median),
+            "over bound": summary.over_bound,
+            "utilisation": summary.utilisation,
+            "longest lock": summary.longest_lock_s,
+            "air": summary.air,
+            "strokes": summary.strokes,
             "NEES (10 – 90 %)": ""
-            if one.nees is None
-            else f"{one.nees:.2g} ({one.nees_low:.2g} – {one.nees_high:.2g})",
+            if summary.nees is None
+            else f"{summary.nees:.2g} ({summary.nees_low:.2g} – {summary.nees_high:.2g})",
             "K_wet (10 %)": ""
-            if one.k_wet is None
-            else f"{one.k_wet:.2f}"
-            + ("" if one.k_wet_low is None else f" [{one.k_wet_low:.2f}, {one.k_wet_high:.2f}]"),
+            if summary.k_wet is None
+            else f"{summary.k_wet:.2f}"
+            + ("" if summary.k_wet_low is None else f" [{summary.k_wet_low:.2f}, {summary.k_wet_high:.2f}]"),
         }
-        for one in board
+        for summary in board
     ]
     forms = dict.fromkeys(("worst", "over bound", "air", "strokes"), "{:.3f}")
     return Table(rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",))
@@ -296,17 +296,17 @@ def clauses(board: Sequence[Summary], limits: Limits) -> Table:
         {
             "clause": getattr(limits, clause).clause,
             "limit": getattr(limits, clause).limit,
-            **{one.controller: one.kept[clause] for one in board},
+            **{summary.controller: summary.kept[clause] for summary in board},
         }
         for clause in JUDGED
     ]
-    return Table(rows, {"limit": "{:g}"} | {one.controller: share for one in board}, ("clause",))
+    return Table(rows, {"limit": "{:g}"} | {summary.controller: share for summary in board}, ("clause",))
 
 
 def ranking(stops: Sequence[Judged], case: str) -> Table:
     """Return who stopped a case in what distance, shortest first."""
-    own = [stop for stop in stops if stop.case == case]
-    own.sort(key=lambda stop: math.inf if stop.distance_m is None else stop.distance_m)
+    stops_of_case = [stop for stop in stops if stop.case == case]
+    stops_of_case.sort(key=lambda stop: math.inf if stop.distance_m is None else stop.distance_m)
     rows = [
         {
             "controller": stop.controller,
@@ -322,7 +322,7 @@ def ranking(stops: Sequence[Judged], case: str) -> Table:
             "utilisation": stop.utilisation,
             "fails": ", ".join(clause for clause in JUDGED if stop.verdicts[clause] is False),
         }
-        for stop in own
+        for stop in stops_of_case
     ]
     forms = {
         "distance": "{:.1f} m", "over bound": percent, "extension": percent, "lock": "{:.2f} s", "locked": "{:.1f} m",
@@ -333,8 +333,8 @@ def ranking(stops: Sequence[Judged], case: str) -> Table:
 
 def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
     """Return the cases in which a controller is farthest behind the best tuned baseline, and how to run them again."""
-    own = [stop for stop in stops if stop.controller == controller]
-    own.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
+    stops_of = [stop for stop in stops if stop.controller == controller]
+    stops_of.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
     rows = [
         {
             "case": stop.case,
@@ -343,15 +343,16 @@ def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
             **stop.variants,
             "again": f"railgrip study type_test --controller {controller} --case {stop.case}{again}",
         }
-        for stop in own[:_WORST]
+        for stop in stops_of[:_WORST]
     ]
-    return Table(rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *own[0].variants, "again"))
+    return Table(rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *stops_of[0].variants, "again"))
 
 
 def _colours(board: Sequence[Summary]) -> dict[str, tuple[str, str]]:
     colours = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILION, style.PURPLE, style.SKY, style.BLACK)
     return {
-        one.controller: (colours[n % len(colours)], "-" if n < len(colours) else "--") for n, one in enumerate(board)
+        summary.controller: (colours[n % len(colours)], "-" if n < len(colours) else "--")
+        for n, summary in enumerate(board)
     }
 
 
@@ -360,10 +361,12 @@ def _ratios(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     figure = style.figure(8.0, 4.5)
     axes = figure.subplots()
     for name, (colour, dash) in _colours(board).items():
-        own = [stop for stop in stops if stop.controller == name and stop.best_m]
-        ratios = np.sort([stop.over_best for stop in own if stop.over_best is not None])
+        stops_of = [stop for stop in stops if stop.controller == name and stop.best_m]
+        ratios = np.sort([stop.over_best for stop in stops_of if stop.over_best is not None])
         if ratios.size:
-            axes.step(ratios, (1 + np.arange(ratios.size)) / len(own), dash, where="post", color=colour, label=name)
+            axes.step(
+                ratios, (1 + np.arange(ratios.size)) / len(stops_of), dash, where="post", color=colour, label=name
+            )
     axes.axvline(1.0, color=style.GREY, linewidth=0.8)
     axes.set_xscale("log")
     axes.set_xticks([0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "0.9", "1", "1.2", "1.5", "2", "3"])
@@ -379,11 +382,14 @@ def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     curves = sorted({stop.variants["curve"] for stop in stops})
     values = [
         [
-            np.median([s.utilisation for s in stops if s.controller == one.controller and s.variants["curve"] == curve
-                       and s.utilisation is not None] or [np.nan])
+            np.median([
+                stop.utilisation for stop in stops
+                if (stop.controller, stop.variants["curve"]) == (summary.controller, curve)
+                and stop.utilisation is not None
+            ] or [np.nan])
             for curve in curves
         ]
-        for one in board
+        for summary in board
     ]  # fmt: skip
     figure = style.figure(8.0, 1.2 + 0.32 * len(board))
     axes = figure.subplots()
@@ -393,7 +399,7 @@ def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
             if np.isfinite(value):
                 axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8)
     axes.set_xticks(range(len(curves)), [curve.replace("_", "\n") for curve in curves], fontsize=8)
-    axes.set_yticks(range(len(board)), [one.controller for one in board], fontsize=8)
+    axes.set_yticks(range(len(board)), [summary.controller for summary in board], fontsize=8)
     return figure
 
 
@@ -401,13 +407,13 @@ def _over_friction(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases."""
     figure = style.figure(8.0, 4.5)
     axes = figure.subplots()
-    bounds = {one.controller for one in board if one.role == "bound"}
+    bounds = {summary.controller for summary in board if summary.role == "bound"}
     for name, (colour, dash) in _colours(board).items():
-        own = [(float(s.variants["friction"]), s.over_bound) for s in stops if s.controller == name and s.over_bound]
-        if own and name not in bounds:
-            friction, ratios = zip(*sorted(own), strict=True)
+        points = [(float(s.variants["friction"]), s.over_bound) for s in stops if s.controller == name and s.over_bound]
+        if points and name not in bounds:
+            friction, ratios = zip(*sorted(points), strict=True)
             axes.plot(friction, ratios, "o" if dash == "-" else "x", color=colour, markersize=2.5, alpha=0.25)
-            median = median_filter(ratios, size=1 + len(own) // 10, mode="nearest")
+            median = median_filter(ratios, size=1 + len(points) // 10, mode="nearest")
             axes.plot(friction, median, dash, color=colour, label=name)
     axes.set_xscale("log")
     axes.set_xticks([0.02, 0.03, 0.05, 0.08, 0.15], ["0.02", "0.03", "0.05", "0.08", "0.15"])
