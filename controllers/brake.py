@@ -20,7 +20,7 @@ def pressure_for(torque: Expression, pad_friction: Expression, brake: Mapping[st
     """Return the brake cylinder pressure [Pa] at which a group's units give `torque` [N·m]; within 0 … pressure_max.
 
     An estimate of pad friction that no pad has, as after a sensor has lied, is taken for the nearest that one may have:
-    below zero it would leave the brake off for good, for without pressure nothing tells of pads.
+    below zero it would leave the brake off for good, because without pressure nothing depends on the pads.
 
     Source: Schwarz, Lüdicke, Heckmann (2019), eq. (3), solved for p_c.
     """

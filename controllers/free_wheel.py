@@ -36,7 +36,7 @@ _DATA = ("wheel_radius", "piston_area", "spring_force")
 class FreeWheel(Sampled):
     """What takes the place of a reading of the speed that does not come, and the releases that it takes.
 
-    Its outputs are the speed [m/s] for the filter, NaN while nobody knows one, and 1 for each group that is to be
+    Its outputs are the speed [m/s] for the filter, NaN while none is known, and 1 for each group that is to be
     released.
     """
 

@@ -69,7 +69,7 @@ class GroupObservation:
     Attributes:
         index: Of the group as FMI counts, 1 the leading one.
         brake: The group's data by name.
-        train: What is seen of every group, this one among them, lead to trail; whole once all are asked for a demand.
+        train: Observations of every group, this one among them, lead to trail; complete once the demands are formed.
     """
 
     index: int
@@ -156,7 +156,7 @@ class Law(Sampled):
         if adhesion is None or pad_friction is None:
             missing = [name for name in self.needs if getattr(observation, name) is None]
             if missing:
-                raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; nobody provides it.")
+                raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
         inputs = self.inputs
         inputs[0], inputs[1] = speed, acceleration
         rows = inputs[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
@@ -200,7 +200,7 @@ class GroupLaw(Law):
         sets_of: Kind of the law whose sets it takes; "" for its own.
         ranges: Where `railgrip maintain tune-control` searches.
         entries: In the type test, by the name there.
-        brake_data: What it uses of the data of a `Brake`; of a train from outside nobody has to say more.
+        brake_data: What it uses of the data of a `Brake`; of a train from outside no more has to be given.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """
 

@@ -12,7 +12,7 @@ class Observation(NamedTuple):
     """The train as sensors and estimator show it to the controller.
 
     A group is the wheelsets that turn together; every array has one entry per group, leading group first. A quantity
-    that no sensor has read yet is NaN, one that nobody provides is None.
+    that no sensor has read yet is NaN, one that no component provides is None.
 
     Attributes:
         time: Since braking began [s].

@@ -25,7 +25,7 @@ class Quantity:
         unit: SI, "1" for ratios.
         description: One line.
         start: Of a state: before the first call.
-        visible: Of a state: whether it says what the function does and why, to whoever reads a recording.
+        visible: Of a state: whether it explains in a recording what the function does and why.
         minimum, maximum: Of a parameter or output: beyond them it means nothing; None where there is no such limit.
     """
 
@@ -59,7 +59,7 @@ class Formula:
 
 
 class Draft:
-    """A formula while it is written: symbols are asked for by name, results are given to names.
+    """A formula while it is written: symbols are created by name, results are assigned to names.
 
     draft = Draft()
     slip = draft.input("slip[1]", "1", "slip")

@@ -19,10 +19,10 @@ Choice = Literal["lowest", "mean"]
 """How groups that share a valve agree: the lowest demand, for the group that slips most; or the mean."""
 
 PAD_FRICTION = 0.35
-"""Of pads whose friction nobody estimates."""
+"""Of pads whose friction is not estimated."""
 
 T_REDISTRIBUTION = 0.3
-"""Time constant [s] of what other groups are asked for: longer than a pulse of a slip controller."""
+"""Time constant [s] of the demand on other groups: longer than a pulse of a slip controller."""
 
 
 class _Controller(Protocol):
@@ -73,9 +73,9 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     """Return a law that asks of groups with adhesion left what others cannot give of the driver's demand.
 
     A group gives the lower of what the driver asks of it and what its law allows. The force that is missing, filtered
-    with `T_REDISTRIBUTION`, is asked of the groups whose laws allow more than the driver asks, each by the same share
-    of what it has left, up to its highest pressure and to `adhesion_max` of its load. With full brake nothing is left
-    to give. The demands need no driver's limit any more: they hold it.
+    with `T_REDISTRIBUTION`, is demanded from the groups whose laws allow more than the driver demands, each by the same
+    share of what it has left, up to its highest pressure and to `adhesion_max` of its load. With full brake nothing is
+    left to give. The demands need no driver's limit any more: they hold it.
     """
     demands, following, symbols = _opened(law.formula)
     inputs, parameters = (

@@ -2,6 +2,6 @@
 
 `prediction` says what a filter asks of a model, `ekf` is the extended Kalman filter in numpy (the reference),
 and `compiled` the same filter generated as C. `gate` holds a state still while nothing can be learned about
-it, `tuning` names the noises, `consistency` tells whether a filter knows what it does not know, and
+it, `tuning` names the noises, `consistency` tests whether the covariance of a filter fits its errors, and
 `observability` what can be known at all.
 """

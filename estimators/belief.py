@@ -56,7 +56,7 @@ _write_covariance = Estimate.__dict__["covariance"].__set__
 def seal(mean: Vector, covariance: Matrix) -> Estimate:
     """Return an estimate of arrays that fit each other by construction and can no longer be written.
 
-    For filters: a belief is a value, and whoever keeps one may trust that it stays what it was.
+    For filters: a belief is a value, and does not change once it is kept.
     """
     mean.setflags(write=False)
     covariance.setflags(write=False)

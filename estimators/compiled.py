@@ -37,7 +37,7 @@ class Estimates:
         expectation: Readings, before they were seen, shape (k, m).
         squared_innovation: Normalised innovation squared, shape (k,).
         degrees: How many readings were used, its degrees, shape (k,).
-        covariance: Shape (k, n, n); empty where it was not asked for.
+        covariance: Shape (k, n, n); empty unless requested.
     """
 
     mean: Matrix

@@ -27,12 +27,12 @@ class DecentralisedFilter(StepInC):
     """An extended Kalman filter whose covariance is D + U C Uᵀ, D block diagonal by parts, U of `RANK` columns.
 
     Parts meet in the acceleration of the train only, a sum over all of them: by it each moves the speed and the others'
-    frames, and its reading tells of the sum. In terms of x = ξ + U η, with ξ independent between parts and few unknowns
-    η that all share, a reading in a part changes its own block, its own rows of U and the small C; the acceleration
-    adds columns to U. A step adds three, and the least are taken out again: seen in units of D, the directions
-    are orthogonal and each has one eigenvalue λ > −1. Of what is left out the positive goes into D, the negative, which
-    is knowledge about a sum, is forgotten: the covariance is never smaller than that of the full filter, and with as
-    many columns as there are directions it is the same. Cost: linear in parts, cubic in `RANK`.
+    frames, and its reading depends on the sum. In terms of x = ξ + U η, with ξ independent between parts and few
+    unknowns η that all share, a reading in a part changes its own block, its own rows of U and the small C; the
+    acceleration adds columns to U. A step adds three, and the least are taken out again: seen in units of D, the
+    directions are orthogonal and each has one eigenvalue λ > −1. Of what is left out the positive goes into D, the
+    negative, which is knowledge about a sum, is forgotten: the covariance is never smaller than that of the full
+    filter, and with as many columns as there are directions it is the same. Cost: linear in parts, cubic in `RANK`.
 
     A frozen state is a consider state as with `ExtendedKalmanFilter`, but for what frozen states of different parts
     share: its mean and covariance within its part stay, its derivative has to be zero anyway.

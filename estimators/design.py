@@ -17,7 +17,7 @@ from railgrip.estimators.prediction import Variables
 class Gate:
     """Freezes a state while the input that makes it observable is small.
 
-    The case it exists for: with the pads released no torque tells anything about pad friction. Its variance
+    The case it exists for: with the pads released no torque depends on pad friction. Its variance
     would grow without bound, and the first reading after re-application would throw the mean anywhere.
 
     While frozen, a state is a *consider state* of a Schmidt–Kalman filter: its derivative, process noise and

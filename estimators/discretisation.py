@@ -1,6 +1,6 @@
 """From a differential equation to one period of a filter.
 
-Both filters share these choices, at order p = 4 unless a filter is asked for order 1:
+Both filters share these choices, at order p = 4 unless a filter requests order 1:
 
 Mean
     Classical Runge–Kutta of order 4 (RK4), or forward Euler, one step per period with the inputs held.
@@ -30,7 +30,7 @@ Order = Literal[1, 4]
 """Order of both the Runge–Kutta step of the mean and the Taylor polynomial of Φ; 1 is forward Euler."""
 
 ORDER: Order = 4
-"""What a filter takes unless told otherwise."""
+"""Default of a filter."""
 
 
 def advance(derivative: Callable[[Vector], Vector], mean: Vector, period: float, order: Order = ORDER) -> Vector:

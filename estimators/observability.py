@@ -1,6 +1,6 @@
 """What can be known at all: symbolic at a point, and numeric along a trajectory.
 
-Two questions are answered. *Can* the states be told from the readings and their time derivatives
+Two questions are answered. *Can* the states be determined from the readings and their time derivatives
 (`observability`), as Schwarz and Keck (2020, eq. 16) ask? And *how well*, from noisy readings over a window
 of a real trajectory (`along`)? The first is a property of the model at a point; the second depends on
 sensors, excitation and time.

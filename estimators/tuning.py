@@ -14,7 +14,7 @@ from railgrip.estimators.design import Gate
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseSet:
-    """Everything a filter over a prediction is told about noise: standard deviations by name, without index.
+    """Everything that a filter over a prediction assumes about noise: standard deviations by name, without index.
 
     Attributes:
         name: For reports.

@@ -128,7 +128,7 @@ def _up_to_date(order: "_Order") -> Artifact:
 
 def translate(recipe: Recipe, library: Path | None = None) -> tuple["Source", dict[str, Any]]:
     """Return C code and XML of a recipe's FMU from the built-in compiler, and its interface for lock.toml."""
-    # CasADi, rumoca and scipy take half a second to import; when everything is up to date nobody needs them.
+    # CasADi, rumoca and scipy take half a second to import; when everything is up to date they are not needed.
     from railgrip.fmus.lock import interface_of
     from railgrip.fmus.native import package
     from railgrip.fmus.native.dae import read
@@ -271,16 +271,16 @@ def _copy(entry: Path, directory: Path) -> Path:
 
 
 def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
-    """Return the compiler to use: OpenModelica when it is on the PATH, unless one is asked for.
+    """Return the compiler to use: OpenModelica when it is on the PATH, unless one is requested.
 
     Raises:
-        CompilerMissing: OpenModelica was asked for and is not there.
+        CompilerMissing: OpenModelica was requested and is not there.
         InputError: There is no compiler of that name.
     """
     present = shutil.which("omc") is not None
     if compiler == "openmodelica" and not present:
         raise CompilerMissing(
-            "OpenModelica was asked for, but omc is not on the PATH; install it or use --compiler native."
+            "OpenModelica was requested, but omc is not on the PATH; install it or use --compiler native."
         )
     if compiler == "auto":
         return "openmodelica" if present else "native"

@@ -13,7 +13,7 @@ from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 
 TOLERANCE = 1e-8
-"""Of CVODE in a co-simulation FMU. omc takes it from the class, not from whoever runs the FMU, and an absolute error
+"""Of CVODE in a co-simulation FMU. omc takes it from the class, not from the importer of the FMU, and an absolute error
 is this times a nominal value that is mostly one, while a deflection is a millimetre and the twist of an axle 1e-5."""
 
 _LINES = 12
@@ -27,7 +27,7 @@ _TELLING = re.compile(r"\berror\b|undefined reference|not found|no such file|can
 def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
 
-    Co-simulation comes together with model exchange. Asked for `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
+    Co-simulation comes together with model exchange. With `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
     derivative of every output as an equation (`introduceOutputRealDerivatives` in SimCodeMain.mo); index reduction
     then makes states of outputs and takes inputs for constant, and trajectories are wrong (OpenModelica issues 9782
     and 9785).
@@ -72,7 +72,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
 
     omc packs the FMU last of all, so where there is one, it is whole; what omc reports beside it becomes a warning.
     A parameter of a component without a value fails the build: omc takes its start value, as where a modifier is lost.
-    Directional derivatives are asked for where a filter uses them: with model exchange alone. omc trips over them in
+    Directional derivatives are requested where a filter uses them: with model exchange alone. omc trips over them in
     some functions over arrays (1.28 still does), so it gets a second chance without.
 
     Args:

@@ -31,7 +31,7 @@ from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sen
 from railgrip.vehicle.formation import Formation
 
 if TYPE_CHECKING:
-    # CasADi and the FMU loader take a second; whoever only reads scenarios does without.
+    # CasADi and the FMU loader take a second, which reading scenarios does not need.
     import xarray
 
     from railgrip.campaign.sweep import Sweep

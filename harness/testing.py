@@ -1,4 +1,4 @@
-"""Contract tests for controllers, estimators, sensors and plants: what a stop asks of them, asked without a train.
+"""Contract tests for controllers, estimators, sensors and plants: the requirements of a stop, checked without a train.
 
 railgrip.testing.check_controller(MyLaw)
 
@@ -191,7 +191,7 @@ def formations() -> Iterator[Formation]:
 
 
 def observations(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
-    """Yield what is shown of a train that nobody has read yet, then of one that brakes from 30 m/s to standstill."""
+    """Yield observations of a train before any reading, then of one that brakes from 30 m/s to standstill."""
     groups = formation.groups
     unread, values, pressure = np.full(groups, np.nan), np.full(groups, 0.05), np.zeros(groups)
     _lock(unread, values, pressure)

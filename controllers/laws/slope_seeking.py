@@ -195,7 +195,8 @@ class SlopeSeeking(GroupLaw):
             loads = [each.group.brake["load"] for each in others]
             share = _mean([(each.valid, each.adhesion) for each in others], loads)
             followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
-            # Valves leave what is a little too much: a wheel that nobody sees locks by it once the rail gets worse.
+            # Valves leave what is a little too much: a wheel without a speed reading locks by it once the rail gets
+            # worse.
             most = pressure_for(share * unit_torque, pad_friction, brake)
             followed = choose(group.pressure > most, 0.0, followed)
             return choose(following, followed, controlled)
@@ -231,7 +232,7 @@ _DRAWN = 0.25
 
 _DOUBTED = 0.5  # s, after which a wheel whose speed cannot be true is believed no more
 _FOLLOWED = 0.8
-"""Share of the others' adhesion that is asked of a wheel whose speed is not known: with all it may lock unseen."""
+"""Share of the others' adhesion that is demanded from a wheel whose speed is not known: with all it may lock unseen."""
 
 _STEEPEST = 0.5
 """Of adhesion over slip: what falls faster, and farther than the dither takes it, is the rail that changes.
@@ -298,7 +299,7 @@ def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], 
     turned = group.adhesion > _DRAWN * mean
     doubted = draft.state(group.label("doubted"), "s", "for how long the wheel speed has been one that cannot be")
     impossible = either(
-        ca.logic_not(group.wheelset_speed > -_ANY_SPEED),  # nobody knows it
+        ca.logic_not(group.wheelset_speed > -_ANY_SPEED),  # not known
         slip < _BACKWARDS,
         every(slip > t["slip_vent"], either(doubted >= _DOUBTED, every(pads_off, ca.logic_not(turned)))),
     )

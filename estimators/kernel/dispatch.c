@@ -26,7 +26,7 @@ static int has_avx2(void)
 
 int dispatch(double *block)
 {
-    static int wide = -1;               /* asked once: on a virtual machine the question takes microseconds */
+    static int wide = -1;               /* queried once: on a virtual machine the query takes microseconds */
     if (wide < 0)
         wide = has_avx2();
     return wide ? step_wide(block) : step_plain(block);

@@ -348,7 +348,7 @@ static void frozen(const Belief *b, const double *free, row *known)
     }
 }
 
-/* Give frozen states back what the readings told of them: consider states of Schmidt's filter, but for what frozen
+/* Undo what the readings changed in frozen states: consider states of Schmidt's filter, but for what frozen
    states of different parts share. */
 static void restore(Belief *b, const double *free, const row *before, double *shift)
 {

@@ -52,7 +52,7 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
         "library": str(library),
         "limits": [LIMITS.seconds, LIMITS.memory_mib],
     }
-    # The current folder decides nothing: not even whoever runs `python script.py` imports from it here.
+    # The current folder decides nothing: not even `python script.py` imports from it here.
     path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
     start = f"import sys; sys.path[:] = {path!r}; from {__name__} import main; main()"
     try:

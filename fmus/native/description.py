@@ -187,7 +187,7 @@ def document(
         experiment: Attributes of the default experiment beside its times.
         rows: Lines of `Writer`.
         structure: Lines of each part of ModelStructure; a part without a line is left out.
-        files: C files to compile, of those in `sources`; told where there are any.
+        files: C files to compile, of those in `sources`; listed where there are any.
     """
     # No generationDateAndTime: the same sources give the same bytes.
     return "\n".join(

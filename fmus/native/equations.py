@@ -1,4 +1,4 @@
-"""A Modelica class as CasADi functions, for whoever wants its equations without an FMU."""
+"""A Modelica class as CasADi functions, for callers that need its equations without an FMU."""
 
 from pathlib import Path
 

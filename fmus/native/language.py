@@ -39,7 +39,7 @@ def require_strict(model: Any, class_name: str, sources: Sources) -> None:
         sources: Where its text is.
 
     Raises:
-        TranslationError: There is one; each is told with file and line.
+        TranslationError: There is one; the message lists each with file and line.
     """
     text: str = model.codegen(str(DECLARATIONS)).files[0].content
     text = re.sub(r"\bnone\b", "null", text)
@@ -55,8 +55,8 @@ def require_strict(model: Any, class_name: str, sources: Sources) -> None:
 def require_values(class_name: str, variables: Mapping[str, Node], sources: Sources) -> None:
     """Refuse parameters of components without a value, for which a start value would be taken (section 8.6).
 
-    Where a modifier was lost, nothing else tells; so OpenModelica's warning fails a build as well. Parameters of the
-    class itself are set by whoever runs the FMU.
+    Nothing else reveals a lost modifier; so OpenModelica's warning fails a build as well. Parameters of the
+    class itself are set by the importer of the FMU.
 
     Args:
         class_name: Full name of the class.

@@ -158,13 +158,13 @@ def _compiler_for(target: Target) -> Compiler:
             f"for {target.zig} the compiler of the Python package ziglang is needed; `pip install ziglang` needs no "
             "administrator."
         )
-    # Asked for its version with a target, it would leave an object file in the current folder.
+    # With a target, a query of its version would leave an object file in the current folder.
     zig = _probe(_ZIG)
     return replace(zig, command=(*zig.command, "-target", target.zig))
 
 
 def _suits(target: Target, option: str) -> bool:
-    # Code for Windows moves anyhow, and the compiler refuses to be told so.
+    # Code for Windows is always position-independent, and the compiler refuses the option.
     return target.suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
 
 

@@ -25,7 +25,7 @@ class Scalar:
         start: Value before initialisation, with every parameter at its default.
         expression: Symbolic binding (parameters) or start (others), when there is one.
         fixed: Whether the start value is an initial condition.
-        protected: Whether it is hidden from whoever uses the class.
+        protected: Whether it is hidden from users of the class.
     """
 
     name: str

@@ -16,7 +16,7 @@ class RailgripError(Exception):
 
 
 class InputError(RailgripError, ValueError):
-    """The question cannot be answered as it is asked; the text names the file and key, what was wanted and found."""
+    """The input is wrong; the text names the file and key, what was wanted and found."""
 
     exit_code = 2
 
@@ -98,8 +98,8 @@ class FilterDiverged(RailgripError, ArithmeticError):
 Reason = Literal[
     "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "excess", "refused"
 ]
-"""What went wrong: an FMI status, a number that is none, an FMU that asked to end, a value that is no number, a process
-that died, hung or took too much, or an FMU that would not be instantiated."""
+"""What went wrong: an FMI status, a number that is none, an FMU that requested the end, a value that is no number, a
+process that died, hung or took too much, or an FMU that would not be instantiated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,7 +134,7 @@ class Failure:
             "fatal": f"{self.call} returned fmi2Fatal",
             "pending": f"{self.call} returned fmi2Pending, and asynchronous FMUs are not supported",
             "no_status": f"{self.call} returned a number that is no fmi2Status",
-            "ended": "the FMU asked to end the simulation",
+            "ended": "the FMU requested the end of the simulation",
             "not_finite": f"output '{self.variable}' is not a finite number",
             "crash": "the FMU crashed",
             "timeout": "the FMU did not return",
@@ -165,7 +165,7 @@ _DISK: Final = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACC
 
 
 def for_user(problem: BaseException) -> RailgripError | None:
-    """Return what an exception tells the user, or None if it is a mistake of this program."""
+    """Return the message of an exception for the user, or None if it is a mistake of this program."""
     if isinstance(problem, RailgripError):
         return problem
     if isinstance(problem, OSError) and problem.errno in _DISK:

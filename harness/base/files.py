@@ -27,7 +27,7 @@ PARTIAL = ".*.partial"
 def replacing(path: Path) -> Generator[Path]:
     """Yield a path to write beside `path`; it takes its place when the block ends well, else vanishes.
 
-    Ctrl-C counts as a failure: whoever finds `path` finds all of it.
+    Ctrl-C counts as a failure: a file at `path` is always complete.
 
     Raises:
         Unwritten: The disk is full, or may not be written.
@@ -95,7 +95,7 @@ def scratch(purpose: Purpose) -> Generator[Path]:
     temporary = Path(tempfile.gettempdir())
     _remove_stale(temporary)
     unlocked = Path(tempfile.mkdtemp(prefix=_UNLOCKED, dir=temporary))
-    # It gets its name with its lock: whoever finds such a name without one may remove it, however young it is.
+    # It gets its name with its lock: a file of such a name without a lock may be removed, however young it is.
     with locked(unlocked):
         folder = temporary / f"{_PREFIX}{purpose}-{os.getpid()}-{unlocked.name.removeprefix(_UNLOCKED)}"
         unlocked.rename(folder)
@@ -130,7 +130,7 @@ def locked(folder: Path) -> Generator[bool]:
 def _remove_stale(temporary: Path) -> None:
     """Remove what runs left behind that were killed; once in a process."""
     if os.name != "posix":
-        return  # without locks nobody knows
+        return  # without locks its use is unknown
     for folder in temporary.glob(f"{_PREFIX}*"):
         with suppress(OSError):
             status = folder.lstat()

@@ -50,8 +50,9 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 def ignore_sigint() -> Generator[None]:
     """Let processes and threads that are started here never hear Ctrl-C, which a terminal sends to all.
 
-    Whoever started them ends them. A mask is inherited where a handler is not: it holds from their first instruction
-    on. A signal that comes to this process meanwhile is heard afterwards: who is half started reports a broken pipe.
+    The process that started them ends them. A mask is inherited where a handler is not: it holds from their first
+    instruction on. A signal that comes to this process meanwhile is heard afterwards: who is half started reports a
+    broken pipe.
     """
     if os.name != "posix":
         yield

@@ -113,7 +113,7 @@ def conversion(source: Unit, target: Unit, *, difference: bool = False) -> tuple
 def turning_of(source: Unit, target: Unit) -> str:
     """Return 'min', 's' or 'h' where a frequency stands for a rotational speed, '' elsewhere.
 
-    Revolutions and radians in that time are both in use, 2π apart, so that nobody may guess.
+    Revolutions and radians in that time are both in use, 2π apart, so that a guess would be wrong half of the time.
     """
     *rest, angle = (a - b for a, b in zip(target.exponents, source.exponents, strict=True))
     if any(rest) or angle != 1 or source.exponents[:_ANGLE] != (0, 0, -1, 0, 0, 0, 0):
@@ -250,7 +250,7 @@ def _registry() -> Any:
 
 @cache
 def _symbol(symbol: str) -> tuple[float, Mapping[str, int]] | None:
-    """Return factor and exponents of the root units of one symbol; None where nobody writes it, as a kilo-hour."""
+    """Return factor and exponents of the root units of one symbol; None if not in use, such as a kilo-hour."""
     prefix, name = _reading(symbol)
     # Names may have a plural; a symbol may not, or "kPas" would be a pressure.
     plural = symbol.endswith("s") and symbol != f"{prefix}{name}s" and _reading(symbol[:-1]) == (prefix, name)

@@ -24,7 +24,7 @@ SHAPES = ("dry", "wet", "low_steep", "poor_wheelset_study")
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
 
-_CLOSE = 0.05  # m: the table shows tenths of a metre; the bound that is asked for is 1 %, some 3 m
+_CLOSE = 0.05  # m: the table shows tenths of a metre; the required bound is 1 %, some 3 m
 _ROUNDS = 25
 
 

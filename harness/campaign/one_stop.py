@@ -26,7 +26,7 @@ Notify = Callable[[str], None]
 
 
 def silently(sentence: str) -> None:
-    """Tell nobody."""
+    """Discard the message."""
 
 
 class Runner(Protocol):

@@ -62,7 +62,7 @@ def run_campaigns(
     """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
 
     A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`, or one
-    of its files is not as it was written, which the user is told. Every result that is written is whole; any exception
+    of its files is not as it was written, which a message says. Every result that is written is whole; any exception
     ends the running stops and leaves the finished ones.
 
     Args:
@@ -184,14 +184,14 @@ def _failed(order: _Order, problem: RailgripError) -> Report:
 def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
     """Return the result of this stop in a folder, if this program and FMU compiler, as they are now, have made it.
 
-    The user is told where a file of such a result is not as it was written.
+    A message says which file of such a result is not as it was written.
     """
     if not (directory / STOP_FILE).exists():
         return None
     scenario = stop.scenario
     parts = (scenario.controller, scenario.estimator, scenario.sensors)
     if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parts):
-        return None  # nobody knows what else a class of the user's own imports
+        return None  # what else a user's class imports is unknown
     try:
         record = read_stop(directory)
         if record.digest != scenario.digest() or record.versions.get(SOURCES) != sources_digest():

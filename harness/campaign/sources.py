@@ -12,7 +12,7 @@ _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".txt", ".jinja"}
 _UNCONCERNED = ("railgrip/cli/", "railgrip/report/", "railgrip/studies/", "railgrip.fmus/lock.toml")
 """They read results or make other ones, or follow from the rest."""
 _QUESTIONS = ("railgrip/scenario/library/", "railgrip/scenario/campaigns/", "railgrip/scenario/equipment/")
-"""What is asked of a stop; the digest of its scenario covers it."""
+"""Keys that define a stop; the digest of its scenario covers it."""
 
 
 @cache

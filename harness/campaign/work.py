@@ -70,13 +70,13 @@ class Work:
     def map(self, function: Callable[[C], R], cases: Iterable[C], *, keep: bool = True) -> list[R]:
         """Return the result of each case; those that are not in the cache are made, in their order.
 
-        The cache is asked for the same function and case, with sources and FMU compiler as they are now. Results are
+        The cache is searched for the same function and case, with sources and FMU compiler as they are now. Results are
         kept as they come: who is interrupted goes on from there.
 
         Args:
             function: Of a module, or a `partial` of one; it runs in other processes.
             cases: Of numbers, texts, arrays, dataclasses, tables and scenarios.
-            keep: False where a case names code of the user's own: nobody knows what else that rests on.
+            keep: False where a case names a user's code: what else that code depends on is unknown.
 
         Raises:
             RailgripError: The first that a case ends with.
@@ -175,7 +175,7 @@ def _text(value: object) -> str:
 
 
 def _plain(value: Any) -> object:
-    """Return a value for JSON that tells it from all others."""
+    """Return a value for JSON that identifies it."""
     match value:
         case Scenario():
             return value.digest()

@@ -104,7 +104,7 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
                 remark(f"--scheduler {address}: has no worker; waiting {_WITHOUT_WORKERS:g} s for one")
 
         check()
-        # Results of stops are results of what they are asked with: Dask would keep one for two equal ones.
+        # Tasks with equal arguments are separate stops: Dask would keep one for two equal ones.
         executor = client.get_executor(pure=False, retries=_RETRIES)
         try:
             yield executor, check
@@ -141,7 +141,7 @@ class _LastingLocks(SpawnContext):
 
 
 class _Pool(Executor):
-    """Pebble's pool as an executor; its processes, and the threads that start them, are deaf to Ctrl-C."""
+    """Pebble's pool as an executor; its processes, and the threads that start them, ignore Ctrl-C."""
 
     def __init__(self, pool: pebble.ProcessPool) -> None:
         self._pool = pool
@@ -159,7 +159,7 @@ class _Pool(Executor):
 def ended(
     running: Mapping[Future[T], K], check: Callable[[], None] = lambda: None
 ) -> Iterator[tuple[K, T | RailgripError]]:
-    """Yield what is asked for with each task as it ends, and its result; an error where its process was lost.
+    """Yield each task as it ends, and its result; an error where its process was lost.
 
     Args:
         check: Called each second in which no task ends; may raise what makes waiting useless.

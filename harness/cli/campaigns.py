@@ -118,7 +118,7 @@ def run_campaigns(
 ) -> int:
     """Run campaigns with progress; return the exit code that their stops call for.
 
-    `on_complete` is called with the number of a campaign that is complete, and with what tells the user of its doing.
+    `on_complete` is called with the number of a campaign that is complete, and a function that shows progress.
     """
     with work(", ".join(run.campaign.name for run in runs), workers=workers, fresh=fresh) as session:
 

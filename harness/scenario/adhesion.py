@@ -61,7 +61,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
 
     Raises:
         ScenarioError: Level and conditioning bring friction above 1, something is given for another number of
-            wheelsets, or nobody says where they are.
+            wheelsets, or their positions are not given.
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _require_resolved(scenario)
@@ -155,7 +155,7 @@ def position_of(scenario: Scenario, formation: Formation) -> Array:
     """Return how far each wheelset is behind the leading one [m].
 
     Raises:
-        ScenarioError: Nobody says where they are.
+        ScenarioError: The positions of the wheelsets are not given.
     """
     if formation.position is None:
         recovers = "[adhesion] has recovery" if scenario.adhesion.recovery is not None else "[[sanders]] lay sand"

@@ -97,7 +97,7 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
     except ValueError:  # a cell is no number, or rows differ in length
         pass
     line = next(line for line, row in rows if not _is_of_numbers(row, count))
-    # What stands there is not repeated: whoever runs a scenario of others may have named a file of his own.
+    # What stands there is not repeated: a user of somebody else's scenario may have replaced the file.
     raise ValueError(f"line {line}: {count} finite numbers are wanted")
 
 

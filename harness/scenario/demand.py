@@ -80,7 +80,7 @@ class StopAt(Table):
 
 
 class Phase(Table):
-    """What is asked for until something happens."""
+    """A demand that holds until a condition is met."""
 
     pressure: tuple[float | Literal["full"], ...] | None = optional(
         "most that a controller may send, for all groups or for each: 'full', 0 to release, or a pressure; "
@@ -111,7 +111,7 @@ class Phase(Table):
 class Demand(Table):
     """What the driver asks for: phases in their order, or a profile over time in a file."""
 
-    phases: tuple[Phase, ...] = optional("what is asked for, one after the other", default=())
+    phases: tuple[Phase, ...] = optional("demands, one after the other", default=())
     file: NamedFile | None = optional("a CSV with columns time [s], and pressure [Pa] or pressure_1 … pressure_n")
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""The tables [[faults]] and [truth]: what is broken, and what the train is that nobody told its controller."""
+"""The tables [[faults]] and [truth]: component faults, and how the true train differs from the nominal one."""
 
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
@@ -94,7 +94,7 @@ _Factors = Annotated[tuple[_Factor, ...], ONE_OR_EACH, Field(min_length=1)]
 
 
 class Truth(Table):
-    """What the train is that its controller, estimator and driver were not told: factors on the data they know.
+    """How the true train differs from the one that controller, estimator and driver assume: factors on nominal data.
 
     A factor is one for all or a list: of wheelsets for the load, of groups for what groups have.
     """

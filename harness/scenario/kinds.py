@@ -13,7 +13,7 @@ from railgrip.scenario.table import Table
 
 
 class Custom(Table):
-    """A class of the user's own; see `railgrip.simulate.custom` for what it is asked.
+    """A class of the user's own; see `railgrip.simulate.custom` for the required methods.
 
     `railgrip.simulate.importing` says from where it is imported.
     """

@@ -15,7 +15,7 @@ class Outcome(StrEnum):
     PLANT_FAILED = "plant_failed"
     """The plant FMU refused a step or returned something that is no number."""
     IMPLAUSIBLE = "implausible"
-    """The plant showed what cannot be: not what was asked, or against physics."""
+    """The plant returned impossible outputs: other than its inputs require, or against physics."""
     SENSORS_FAILED = "sensors_failed"
     """Sensors of the user's own gave no reading."""
     CONTROLLER_FAILED = "controller_failed"

@@ -60,8 +60,8 @@ class KalmanFilter(Table):
         default=False,
     )
     load_deviation: Annotated[float, Unit("1", at_least=0, at_most=1)] = optional(
-        "standard deviation of the load of a wheelset over what the filter is told; no reading tells it, and it "
-        "counts in the deviation of the estimated adhesion",
+        "standard deviation of the load of a wheelset over the load that the filter assumes; no reading shows it, and "
+        "it counts in the deviation of the estimated adhesion",
         default=0.0,
     )
 
@@ -189,7 +189,7 @@ class ForeignFmus(Table):
     patience: Duration = Field(default=FMU_LIMITS.patience, description="real time one call may last")
 
     def limits(self) -> FmuLimits:
-        """Return them as whoever opens FMUs takes them."""
+        """Return them in the form in which FMUs are opened."""
         return FmuLimits(**self.model_dump())
 
 

@@ -101,7 +101,7 @@ class Unit:
 class Magnitude:
     """A parameter of a model: the value in its unit, and the dimension if the file states one.
 
-    The unit that is wanted stands in the model, so the dimension can only be checked by whoever has read it:
+    The unit that is wanted stands in the model, so the dimension can only be checked after the model has been read:
     `magnitude.si("Pa")`.
     """
 

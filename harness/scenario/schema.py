@@ -43,7 +43,7 @@ of RailBraking.Pneumatics.ValveDelay."""
 def off_the_samples(step: float) -> float:
     """Return a communication step [s] of which no multiple is a sample of the valves.
 
-    Where they coincide, rounding decides whether a command acts before or after the sample, and a solver may be asked
+    Where they coincide, rounding decides whether a command acts before or after the sample, and a solver may have
     to integrate over the rounding error, at which that of OpenModelica's FMUs gives up.
 
     Raises:

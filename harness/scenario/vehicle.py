@@ -14,7 +14,7 @@ _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
 
 class FormationTable(Table):
-    """What a plant that does not say it itself is made of; empty for what it says, or what nobody needs."""
+    """What a plant consists of that does not declare it; empty for what it declares, or what is not needed."""
 
     wheelsets_per_group: tuple[_Wheelsets, ...] = Field(
         default=(),

@@ -94,8 +94,8 @@ def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
             )
         if scenario.demand is None:
             raise ScenarioError(
-                f"{scenario.name}: [controller] redistribute has nothing to give where full brake is asked of every "
-                "group; write a [demand] below it"
+                f"{scenario.name}: [controller] redistribute has nothing to give where full brake is demanded from "
+                "every group; write a [demand] below it"
             )
         law = with_redistribution(
             law, groups, period=scenario.periods.controller, adhesion_max=scenario.limits.alpha_max

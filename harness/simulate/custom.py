@@ -478,7 +478,7 @@ def _shapes(places: Mapping[str, slice]) -> dict[str, tuple[int, ...]]:
 
 
 def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str, Array]]:
-    """Return a vector that we write, and the signals in it, which nobody else can write."""
+    """Return a vector that we write, and read-only views of the signals in it."""
     vector = np.empty(length)
     view = vector.view()
     view.flags.writeable = False
@@ -556,7 +556,7 @@ def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
     try:
         return call()
     except (KeyboardInterrupt, Interrupted):
-        raise  # not from that code, but from whoever wants the program to end
+        raise  # not from that code: the user or the system ends the program
     except BaseException as problem:
         raise failed(_text_of(problem)) from problem
 

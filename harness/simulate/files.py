@@ -31,7 +31,7 @@ def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
 
 @cache
 def recipe_file(name: str) -> Path:
-    """Return the FMU of a recipe, built when it is not up to date; asked once in a process."""
+    """Return the FMU of a recipe, built when it is not up to date; looked up once in a process."""
     return fmu(name)
 
 
@@ -130,7 +130,7 @@ def prediction_description(table: KalmanFilter, consist: Path | None = None) -> 
 def is_trusted(scenario: Scenario) -> bool:
     """Return whether the plant may be loaded into this process: it was compiled here, or the scenario trusts it.
 
-    Whoever names Modelica sources has them compiled on this machine, by either compiler; only a finished binary comes
+    Modelica sources that a user names are compiled on this machine, by either compiler; only a finished binary comes
     from outside.
     """
     return isinstance(scenario.vehicle.source, CompiledHere) or scenario.vehicle.trust

@@ -108,7 +108,7 @@ def foreign_controller(
 ) -> Generator[tuple[ForeignController, bool]]:
     """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
 
-    Inputs of it that nothing drives, such as an adhesion that nobody estimates, are told.
+    Inputs of it that nothing drives, such as an adhesion that is not estimated, are reported.
 
     Raises:
         FmuError: It does not fit.

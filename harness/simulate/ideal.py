@@ -251,7 +251,7 @@ def _full_brake(scenario: Scenario) -> Scenario:
 
 
 def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
-    """Return a scenario with other tables, fully braked, and nobody between plant and brakes."""
+    """Return a scenario with other tables, fully braked, with no controller between plant and brakes."""
     parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
     return Scenario.model_validate(scenario.resolved() | parts | changes)
 

@@ -76,7 +76,7 @@ class Draft:
         table: By the names of our signals.
         missing: Signals that no plant can do without and nothing was found for.
         formation: Its groups and wheelsets.
-        radius: Of the wheels of each group, by speed over wheel speed [m]; empty where no run told, or the FMU says it.
+        radius: Of the wheels of each group, speed over wheel speed [m]; empty where no run showed it or the FMU has it.
         corrections: What the run showed to be wrong and the table has otherwise, in sentences.
         findings: What the run with the table showed.
     """

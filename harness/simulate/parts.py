@@ -290,7 +290,7 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
 
 
 def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
-    """Refuse a law that needs what nobody estimates.
+    """Refuse a law that needs a quantity that is not estimated.
 
     Raises:
         ScenarioError: It says what is missing.

@@ -20,7 +20,7 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     """Return the rail of a scenario, before any wheel has passed.
 
     Raises:
-        ScenarioError: Nobody says where the wheelsets are, or there is no wheelset where a sander is.
+        ScenarioError: The positions of the wheelsets are not given, or there is no wheelset where a sander is.
     """
     scenario, layout = vehicle.scenario, vehicle.layout
     adhesion, formation = scenario.adhesion, layout.formation

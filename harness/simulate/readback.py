@@ -75,7 +75,7 @@ def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[floa
     first = rows[0]
     v, w, slip = (first[layout.output[name]] for name in ("speed", "wheelset_speed", "slip"))
     if not np.all(w > 0.0):
-        return  # at rest no speed tells a radius; the same FMU is read when it starts moving
+        return  # at rest no speed shows a radius; the same FMU is read when it starts moving
     found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
     for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
@@ -106,7 +106,7 @@ def require_curve(
     for i, g in enumerate(group_of):
         rail = np.full(len(rows), _RAIL)
         expected = contacts[g](slip[:, g], speed, load[:, i], rail)
-        # At walking pace what regularises the slip counts, and a probe from there tells no curve.
+        # At walking pace what regularises the slip counts, and a probe from there shows no curve.
         error = np.where(speed > _WALKING, np.abs(adhesion[:, i] - expected), 0.0)
         worst = int(np.argmax(error))
         if error[worst] > ADHESION_TOLERANCE * _RAIL:

@@ -123,7 +123,7 @@ def findings(
     Args:
         trial: Of the plant on a rail of `GOOD_RAIL`.
         poor: On one of `POOR_RAIL`.
-        speed: That it was asked to start with [m/s].
+        speed: Requested initial speed [m/s].
         radius: Of the wheels of each group, as the harness believes [m].
         pressure: Full brake cylinder pressure of each group [Pa].
         slowing: What slows the train beside adhesion.

@@ -145,7 +145,7 @@ class VehicleData:
 
     @cached_property
     def nominal(self) -> Vehicle:
-        """The vehicle that controller, estimator and driver are told: as declared, with [controller.parameters].
+        """The nominal vehicle of controller, estimator and driver: as declared, with [controller.parameters].
 
         Raises:
             ScenarioError: Plant and [vehicle.formation] disagree, or a parameter is wrong.
@@ -184,7 +184,7 @@ class VehicleData:
         return Vehicle(self.formation, self._with_valves(parameters), tuple(isolated))
 
     def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
-        """Return parameters with all times of valves, if it has any; those that nobody says are the catalogue train's.
+        """Return parameters with all times of valves, if it has any; those not given are the catalogue train's.
 
         Args:
             parameters: Of the plant.
@@ -253,7 +253,7 @@ class VehicleData:
 
     @cached_property
     def track_force(self) -> TrackForce:
-        """Force of the track, and of the gradient that nobody was told.
+        """Force of the track, and of the gradient that the nominal data lack.
 
         Raises:
             ScenarioError: There is such a gradient, and the plant does not say its mass.

@@ -33,7 +33,7 @@ FILTERS = {
     "disturbed, load ±10 %": {"model": "TrainPredictionDisturbed", "load_deviation": 0.1},
     "loaded": {"model": "TrainPredictionLoaded"},
 }
-"""Filters by what they are told of the load: that it is as believed, that it is not, and that it can be learned."""
+"""Filters by what they assume of the load: that it is nominal, that it is not, and that it can be learned."""
 LOADS = (0.8, 0.9, 1.0, 1.05, 1.12)
 SCENARIOS = ("trapezoid", "sine_sweep", "random")
 SEEDS = (1, 2, 3)

@@ -131,7 +131,7 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
 def _resolution(values: Vector) -> float:
     """Return the least step that a signal makes, 0 when it hardly ever makes one.
 
-    A lone spike in a constant signal is two steps, and tells nothing about the resolution.
+    A lone spike in a constant signal is two steps, and shows nothing about the resolution.
     """
     steps = np.abs(np.diff(values))
     steps = steps[steps > 0.0]

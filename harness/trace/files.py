@@ -40,7 +40,7 @@ class Series:
     """A signal as the file has it.
 
     Attributes:
-        time: Instants [s], shape (k,); NaN where the file tells none.
+        time: Instants [s], shape (k,); NaN where the file has none.
         values: In the file's unit, shape (k,); NaN where there is none.
         unit: What the file says its unit is, or None.
     """

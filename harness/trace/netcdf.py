@@ -1,4 +1,4 @@
-"""The NetCDF file of a trace: the only format that is written, and read without being told what is in it."""
+"""The NetCDF file of a trace: the only format that is written, and read without a description of its contents."""
 
 from pathlib import Path
 from typing import Any

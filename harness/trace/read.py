@@ -29,7 +29,7 @@ _LARGEST = 1e30
 """What no sensor reads in any SI unit; sums of larger ones are no numbers."""
 TRUTH = "true_"
 """Prefix of columns that tell a state."""
-_LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still tells microseconds there
+_LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still resolves microseconds there
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,7 +168,7 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     if not finite.all():
         at = float(time[0]) if time.size else 0.0
         gaps = int((~finite).sum())
-        repeats.append(Flag(signal="time", kind="time", begin=at, end=at, samples=gaps, remark="no instant told"))
+        repeats.append(Flag(signal="time", kind="time", begin=at, end=at, samples=gaps, remark="no time"))
     # Signals of one table share their instants; what is wrong with those is said once.
     flags.extend(flag for flag in repeats if flag not in flags)
     return time[~again], values[~again]

@@ -1,4 +1,4 @@
-"""Signals of a trace by the names of a model, such as `wheelset_speed[2]`, in the units that are asked for."""
+"""Signals of a trace by the names of a model, such as `wheelset_speed[2]`, in the requested units."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -175,7 +175,7 @@ def readings_in(trace: xarray.Dataset, base: str | None = None) -> list[str]:
 
 
 def unit_of(trace: xarray.Dataset, name: str) -> str:
-    """Return the unit of a reading, empty where nobody says or it is not there."""
+    """Return the unit of a reading, empty where it is not given or the reading is not there."""
     variable = READING + _element(name)[0]
     return str(trace[variable].attrs.get("units", "")) if variable in trace else ""
 
@@ -195,7 +195,7 @@ def truth_of(trace: xarray.Dataset, state: str) -> Vector:
 
 
 def knows(trace: xarray.Dataset, state: str) -> bool:
-    """Return whether a trace tells what a state really was."""
+    """Return whether a trace holds the true values of a state."""
     return _truth(trace, state) is not None
 
 

@@ -40,7 +40,7 @@ class Stop:
     """One run of one scenario, from braking to its end.
 
     Attributes:
-        scenario: What was asked.
+        scenario: The question.
         outcome: How it ended.
         reason: The end in one sentence, for people.
         trace: All samples, one each communication period.

@@ -37,7 +37,7 @@ class Column(Table):
     """One signal: a column of the file, or a constant value."""
 
     column: str | None = None
-    unit: str | None = Field(default=None, description="of the column; may be left to a file that tells")
+    unit: str | None = Field(default=None, description="of the column; may be left out for a file that states it")
     factor: Number = 1.0
     offset: Number = Field(default=0.0, description="added after the factor, in the column's unit")
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")

@@ -48,7 +48,7 @@ def pressure_of(force: Values, *, piston_area: Values, spring_force: Values, rig
 class Brake:
     """The brake units and wheelsets of one group, as nominal or as they are: each datum with its unit and meaning.
 
-    A datum that nobody says and nobody asks for is NaN.
+    A datum that is neither given nor needed is NaN.
     """
 
     load: Annotated[float, "N", "static wheel-rail force of the group"]

@@ -23,7 +23,7 @@ Extent = Literal["train", "group", "wheelset", "coupler"]
 class Formation:
     """The wheelsets of a vehicle, lead to trail, in groups that turn as one and share a brake.
 
-    All but the groups is empty where nobody says it.
+    All but the groups is empty where it is not given.
 
     Attributes:
         wheelsets_per_group: Number of wheelsets of each group, leading group first.
@@ -33,7 +33,7 @@ class Formation:
         wheelset_load: Static force of each wheelset on the rail, nominal [N].
         brakes: Of each group, by nominal data.
         groups_per_valve: Number of groups that each brake valve fills and vents, leading one first; one each where
-            nobody says.
+            not given.
     """
 
     wheelsets_per_group: tuple[int, ...]
@@ -97,17 +97,17 @@ class Formation:
 
     @property
     def cars(self) -> int:
-        """Number of cars; one where nobody says."""
+        """Number of cars; one where it is not given."""
         return len(self.wheelsets_per_car) or 1
 
     @property
     def position(self) -> Array | None:
-        """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None where nobody says."""
+        """Distance of each wheelset behind the leading one, shape (wheelsets,) [m]; None where it is not given."""
         return np.array(self.wheelset_position) if self.wheelset_position else None
 
     @property
     def load(self) -> Array | None:
-        """Static force of each wheelset on the rail, shape (wheelsets,) [N]; None where nobody says."""
+        """Static force of each wheelset on the rail, shape (wheelsets,) [N]; None where it is not given."""
         return np.array(self.wheelset_load) if self.wheelset_load else None
 
     @property

@@ -50,7 +50,7 @@ _MASS = "m_wheelset"
 
 @dataclass(frozen=True, eq=False)
 class Vehicle:
-    """A vehicle by its parameters: nominal, as controller and estimator are told, or true, as it runs.
+    """A vehicle by its parameters: nominal, as controller and estimator assume it, or true, as it runs.
 
     Attributes:
         wheelsets: Which there are and where, without loads and brakes.
@@ -91,7 +91,7 @@ class Vehicle:
             pressed = data["pressure_max"] * data["piston_area"] > data["spring_force"]
             return pressed and data["units"] > 0 and group not in self.isolated
 
-        # Not every plant tells its masses, and nobody asks a true brake for the load on its wheels.
+        # Not every plant declares its masses, and the load on its wheels is not needed of a true brake.
         load = np.full(self.wheelsets.groups, np.inf) if self.mass is None else self.wheelsets.summed(self.load)
         return tuple(
             Brake(load=float(load[group]), **data) if works(group, data) else None
@@ -161,7 +161,7 @@ class Vehicle:
         return name in self.parameters or all(f"{name}[{i + 1}]" in self.parameters for i in range(count))
 
     def _brake_data(self, missing: float | None = nan) -> list[dict[str, float]]:
-        """Data of `Brake` for each group, without its load; `missing` stands for what nobody says, None refuses it."""
+        """Data of `Brake` for each group, without its load; `missing` stands for what is not given, None refuses it."""
         groups = self.wheelsets.groups
         data = {datum: self._elements(parameter, groups, missing) for datum, parameter in OF_BRAKES.items()}
         ratio, efficiency = (self._elements(parameter, groups, missing) for parameter in _OF_RIGGING)

@@ -24,5 +24,5 @@ def rolling_resistance(parameters: Mapping[str, float], mass: Values, wheel_radi
 
 
 def air_resistance(parameters: Mapping[str, float]) -> float:
-    """Return the force of air on a train over the square of its speed [N s2/m2], 0 where no parameter tells it."""
+    """Return the force of air on a train over the square of its speed [N s2/m2], 0 where no parameter gives it."""
     return 0.5 * parameters.get("rho_air", 0.0) * parameters.get("c_drag", 0.0) * parameters.get("A_drag", 0.0)

@@ -108,7 +108,7 @@ def test_fmi2_error_ends_the_stop_with_the_fmus_own_words(foundry: Path, protest
 @pytest.mark.parametrize(
     ("misbehaviour", "sentence"),
     [
-        ("ENDS", "at 0.003 s the FMU asked to end the simulation"),
+        ("ENDS", "at 0.003 s the FMU requested the end of the simulation"),
         ("PENDING", "asynchronous FMUs are not supported"),
         # Not "at most a warning".
         ("NO_STATUS", "no_status.fmu: at 0.003 s fmi2DoStep returned a number that is no fmi2Status (-5)."),

@@ -64,7 +64,7 @@ def test_calls_out_of_order_are_refused_with_a_sentence(feature, run):
     instance = run(feature("Oscillator"))
     with pytest.raises(FMICallException):
         instance.instance.doStep(0.5, 0.1)
-    assert any("asked for a step from 0.5 s, but this FMU is at 0 s" in m for m in instance.messages)
+    assert any("a step was requested from 0.5 s, but this FMU is at 0 s" in m for m in instance.messages)
     with pytest.raises(FMICallException):
         instance.set(x=1.0)
     with pytest.raises(FMICallException):

@@ -75,7 +75,7 @@ def adhesion(point: Model, surface: str, slip: np.ndarray, speed: float, load: f
 
 @pytest.mark.parametrize(("surface", "km_h"), list(PEAKS))
 def test_peaks_lie_where_they_were_computed(point: Model, surface: str, km_h: float) -> None:
-    """Three per cent is what is asked for; two digits of the table are worth 0.5 to 1 %."""
+    """Three per cent are required; two digits of the table are worth 0.5 to 1 %."""
     curve = adhesion(point, surface, SLIP, km_h / 3.6)
     slip, alpha = PEAKS[surface, km_h]
     assert SLIP[curve.argmax()] == pytest.approx(slip * PER_CENT, rel=0.03)

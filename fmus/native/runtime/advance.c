@@ -48,7 +48,7 @@ static int locate(Instance *m, double t, double *h) {
     return 0;
 }
 
-/* Take one internal step towards `target`; `linear` tells whether the model is linearised there, `event` then whether
+/* Take one internal step towards `target`; `linear` says whether the model is linearised there, `event` then whether
  * the step ended at a state event. */
 static int internal_step(Instance *m, double target, int linear, int *event) {
     State *s = &m->s;
@@ -74,7 +74,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
             grown = h * scale;
             /* A step that was cut short by the communication point says nothing against the size before it. */
             s->h = h < 0.999 * s->h && grown < s->h ? s->h : grown;
-            /* Whoever takes a step mostly asks for outputs next; those of a loop want it solved first. */
+            /* After a step outputs are mostly requested next; those of a loop need it solved first. */
             int whole = h == rest, shown = whole && !NG;
             if (shown)
                 outputs_and_indicators(s, target, w->x1, s->v + O, w->z1);
@@ -100,7 +100,7 @@ static int internal_step(Instance *m, double target, int linear, int *event) {
     }
 }
 
-/* Whether the inputs set since the last call make something happen at once; `linear` tells whether the model was
+/* Whether the inputs set since the last call make something happen at once; `linear` says whether the model was
  * linearised to find out. */
 static int input_event(Instance *m, int *linear) {
     State *s = &m->s;

@@ -6,7 +6,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_se
     if (s->phase != RUNNING) return refuse(M, "fmi2DoStep: not initialised, or terminated");
     if (!(h > 0)) return refuse(M, "fmi2DoStep: the step must be positive");
     if (!(fabs(t - s->v[TIME]) <= 1e-6 * h)) {
-        failure(M, "fmi2DoStep: asked for a step from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
+        failure(M, "fmi2DoStep: a step was requested from %.9g s, but this FMU is at %.9g s", t, s->v[TIME]);
         return failed(M, fmi2Error);
     }
     if (advance(M, t + h)) return failed(M, fmi2Discard);

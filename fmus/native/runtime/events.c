@@ -36,7 +36,7 @@ static int consistent(Instance *m, const double *tick, double *d, double *x, dou
     return failure(m, "the relations do not settle at the event at time = %.9g s", s->v[TIME]);
 }
 
-/* Handle everything that happens now. `initial` suppresses edges of when clauses; `jumped` tells of reinit.
+/* Handle everything that happens now. `initial` suppresses edges of when clauses; `jumped` reports a reinit.
  *
  * A change of the discretes that are not `loud`, which only clocked equations read, calls for no further iteration. */
 static int events(Instance *m, int initial, int *jumped) {

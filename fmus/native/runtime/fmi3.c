@@ -126,7 +126,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance c, const fmi3ValueReference
     return (fmi3Status)fmi2GetDirectionalDerivative(c, unknown, n_unknown, known, n_known, along, result);
 }
 
-/* ---- what nobody has: every function is there, so that importers that look for all of them find them ---- */
+/* ---- features that no FMU here has: importers that look for every function of the standard find them ---- */
 #define NO_VALUES(NAME, TYPE, CONST)                                                                               \
     fmi3Status NAME(fmi3Instance c, const fmi3ValueReference vr[], size_t n, CONST TYPE value[], size_t n_values) { \
         (void)vr;                                                                                                   \

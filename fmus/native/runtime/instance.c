@@ -84,7 +84,7 @@ fmi2Status fmi2Terminate(fmi2Component c) {
     return fmi2OK;
 }
 
-/* ---- values that nobody has ---- */
+/* ---- types of values that no FMU here has ---- */
 fmi2Status fmi2GetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, fmi2String value[]) {
     (void)vr;
     (void)value;

@@ -122,7 +122,7 @@ class Plan:
         """Return latitude, longitude [°] and height above the ellipsoid [m], shape (…, 3)."""
         horizontal = self.horizontal_at(distance)
         positions = geodetic(horizontal[..., 0], horizontal[..., 1], np.zeros(horizontal.shape[:-1]), self.track.origin)
-        # The plan lies on the touching plane, the height is told above the ellipsoid.
+        # The plan lies on the touching plane, heights are given above the ellipsoid.
         positions[..., 2] = self.track.height_at(distance)
         return positions
 

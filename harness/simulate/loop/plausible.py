@@ -1,4 +1,4 @@
-"""Checks of a plant's outputs against what was asked and against physics; bounds and their reasons are in plausible.c.
+"""Checks of a plant's outputs against its inputs and against physics; bounds and their reasons are in plausible.c.
 
 What the tolerances leave of an error in the braking distance: 0.2 % by the start speed; 0.2 % by a speed that falls
 faster than adhesion, track force, running resistance and track brakes allow, in any interval of time, and 0.1 % by that

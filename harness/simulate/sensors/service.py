@@ -211,7 +211,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     is r - z.
 
     Raises:
-        ScenarioError: Nobody says where the wheelsets are.
+        ScenarioError: The positions of the wheelsets are not given.
     """
     if table is None:
         return None

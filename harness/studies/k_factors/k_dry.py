@@ -148,7 +148,7 @@ def in_the_loop(
     Classes that the scenario names are imported from the folders `import_from`.
     """
     effort = specification.loop
-    assert effort is not None, "asked before anything was run"
+    assert effort is not None, "requested before anything was run"
     states, neglected = _states(specification, brake.units, _NEGLECT_IN_LOOP * effort.probability)
     nominal = brake.equivalent_deceleration(nominal_distance)
     costs = {p: _cost(specification, brake.units, p) for p in _SCALING}

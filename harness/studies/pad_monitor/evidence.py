@@ -97,7 +97,7 @@ _AROUND = 0.3  # s before and after, in which encoders and pressures lag
 _FREE = 1e4  # (rad/s)²/s: process noise of a locked wheelset, whose equation says nothing
 
 _SLOWEST = 3.0  # m/s; below, encoders lose pulses
-_COASTING = 2.0  # s without brake before the stop, that drag can be told from
+_COASTING = 2.0  # s without brake before the stop, from which drag is estimated
 _RELEASED = 2e4  # Pa; below, a cylinder counts as empty
 _PRESSED = 1500.0  # N on both pads of a unit; below, their torque is within the errors of the other torques
 
@@ -229,7 +229,7 @@ def pressure_spread(
 ) -> Vector:
     """Return the 1σ error that a pressure transducer's offset adds to an estimated pad friction, in its shape.
 
-    The filter cannot know it (see train_service in noises.toml); whoever compares pad friction with a law, as the brake
+    The filter cannot know it (see train_service in noises.toml); a comparison of pad friction with a law, as the brake
     monitor does, adds it to the filter's own deviation, root of the sum of squares. It is the same error in every stop.
 
     Args:
@@ -253,7 +253,7 @@ def _braking_pressure(pressure: Vector, force: Vector) -> float:
 def locked_samples(wheels: Matrix, speed: Vector, radius: float, around: int) -> NDArray[np.bool_]:
     """Return where wheelsets are locked or nearly so, and `around` samples to both sides, shape (k, groups).
 
-    A locked wheelset tells nothing of its pads: they hold it with less than they could.
+    A locked wheelset shows nothing of its pads: they hold it with less than they could.
     """
     slides = slip_of(speed[:, None], radius * wheels) > _LOCKED
     return np.asarray(maximum_filter1d(slides, 2 * around + 1, axis=0, mode="nearest"), dtype=np.bool_)

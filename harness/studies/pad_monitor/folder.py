@@ -14,10 +14,10 @@ from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.samples import evenly
 
 TEMPERATURE = "reading_disc_temperature"
-"""Variable (time, group) of a trace that tells the temperature of the discs [K]; its first sample is used."""
+"""Variable (time, group) of a trace with the temperature of the discs [K]; its first sample is used."""
 
 UNKNOWN_TEMPERATURE = 313.15
-"""What discs are taken to have at the first sample where nobody tells, as the plant does: 40 °C."""
+"""Assumed temperature of the discs at the first sample where it is not given, as in the plant: 40 °C."""
 
 
 def stops_in(

@@ -59,7 +59,7 @@ class Life:
         stuck: Stop from which one group does not release; None never.
         stuck_group: Which.
         residual: Pressure that the stuck group keeps [Pa].
-        testing: Groups are released in turn, so that they can be told apart.
+        testing: Groups are released in turn, so that they can be distinguished.
         pressure_offset: 1σ of what each pressure transducer is off for the whole life [Pa], beside 500 Pa that are new
             in every stop.
     """

@@ -43,10 +43,10 @@ def health_table(history: History, names: Sequence[str]) -> Table:
 def summary_of(history: History, design: Design) -> str:
     """Return a sentence on what the stops could tell, and what more is wanted."""
     count = len(history.index)
-    opening = f"{count} stops, {history.chart_points} of which told the groups apart"
+    opening = f"Stops that distinguish the groups: {history.chart_points} of {count}"
     if history.chart_points == 0:
         return (
-            f"{opening}: their pressures never moved apart enough, so that only the brakes as a whole are judged; make "
+            f"{opening}; the pressures never differed enough, so that only the brakes as a whole are judged; make "
             "testing stops that release one group after the other for two seconds, or stops with wheel-slide "
             "protection at work."
         )

@@ -43,7 +43,7 @@ def lives(seeds: int = SEEDS, stops: int = STOPS, pressure_offset: float = PRESS
 
 
 def evidence_of_life(life: Life) -> list[Evidence]:
-    """Run every stop of a life; return what each told."""
+    """Run every stop of a life; return the evidence of each."""
     return [evidence_of(*stop) for stop in live(life)]
 
 

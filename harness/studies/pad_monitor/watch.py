@@ -85,7 +85,7 @@ class History:
         trend: Change of the index over the last stops, share a stop, shape (groups,).
         trend_sd: Its standard deviation.
         alarms: In the order of stops.
-        chart_points: Stops that told the groups apart.
+        chart_points: Stops that distinguish the groups.
     """
 
     evidence: Matrix
@@ -200,7 +200,7 @@ def _chart(
 def _scatter_by_group(health: Matrix, design: Design) -> Vector:
     """Return how far a group's evidence strays from that of the others, stop to stop, shape (groups,).
 
-    Evidence claims what noise does to it. Latencies and slides do more, and nobody but the stops themselves can tell.
+    Evidence claims what noise does to it. Latencies and slides do more, which only the stops themselves show.
     """
     if len(health) < FEWEST:
         return np.full(health.shape[1], design.least_scatter)
@@ -245,7 +245,7 @@ def _follow(
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Vector, Vector]:
     """Return the slope of health over the last stops and its deviation, share a stop, each shape (groups,).
 
-    A straight line by least squares through the stops that told groups apart; its deviation comes from what they
+    A straight line by least squares through the stops that distinguish the groups; its deviation comes from what they
     scatter about it.
     """
     number = np.flatnonzero(apart)

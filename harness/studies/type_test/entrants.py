@@ -25,7 +25,7 @@ from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases
 LIBRARY = Path(__file__).parent / "library"
 _SCENARIOS = Path(__file__).parents[2] / "scenario"
 _ANY_TRAIN = {"free_wheels": True, "load_deviation": 0.1}
-"""Radars fail, and nobody weighs passengers: they are a fifth of a railcar's mass."""
+"""Radars fail, and passengers, a fifth of a railcar's mass, are not weighed."""
 _FILTER = {"model": "TrainPredictionDisturbed", **_ANY_TRAIN}
 """Of our train, the same for everyone who wants estimates: one that knows of no gradient."""
 _OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
@@ -222,7 +222,7 @@ def campaign_of(
         for name, entrant in taking_part.items():
             task_table = dict(task or {})
             if entrant.role == "bound":
-                task_table.pop("demand", None)  # it brakes with all there is, whatever is asked
+                task_table.pop("demand", None)  # it brakes with all there is, whatever the demand
             scenario = scenario_of(
                 merged(merged(of_case, task_table), entrant.tables),
                 directory=LIBRARY,

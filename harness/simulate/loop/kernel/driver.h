@@ -20,9 +20,9 @@ typedef struct {
     const double *pressures, *slopes;            /* of each phase and group [Pa], [Pa/s] */
     const double *touching, *full;               /* pressures of each group at which pads touch, and at full brake */
     double period, began, force;                 /* began: when the phase did; force: of the traction, now */
-    double pressure[GROUPS];                     /* asked for, now */
+    double pressure[GROUPS];                     /* demanded now */
     long long count, phase, braking;             /* braking: whether the curve to the target has been reached */
-    long long binding;                           /* whether no group is given more than is asked of it */
+    long long binding;                           /* whether no group gets more pressure than demanded */
 } Driver;
 
 void drive(Driver *its, long long sample, const double *truth);

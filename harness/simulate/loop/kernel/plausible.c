@@ -7,7 +7,7 @@
 
 #include "plausible.h"
 
-/* Of the speed asked for; distance goes with its square: 0.2 %. The floor is for starts at rest. */
+/* Of the required speed; distance goes with its square: 0.2 %. The floor is for starts at rest. */
 static const double SPEED_SHARE = 1e-3, SPEED_FLOOR = 1e-3;         /* 1, m/s */
 /* Nothing on a rail pushes by more: friction of 1 on a gradient of 20 %, the steepest that [track] takes. */
 static const double MOST_ACCELERATION = 1.2 * GRAVITY;              /* m/s2 */

@@ -1,4 +1,4 @@
-/* What a plant shows, held against what was asked and against physics. */
+/* Checks of a plant's outputs against its inputs and against physics. */
 #ifndef PLAUSIBLE_H
 #define PLAUSIBLE_H
 

@@ -46,7 +46,7 @@ typedef struct {
     double curve[4 * WHEELSETS];                 /* k_A of each wheelset, k_S, A, B */
     long long points, over_time, sections, section;   /* section: the last one */
     Recovery *recovery;                          /* null: slip leaves friction as it lies */
-    Sand *sand;                                  /* null: nobody lays any */
+    Sand *sand;                                  /* null: no sander */
 } Rail;
 
 void advance_rail(Rail *its, double time, const double *truth);

@@ -2,7 +2,7 @@
 #ifndef VECTORS_H
 #define VECTORS_H
 
-/* Of a sensor that has nothing new, or a quantity that nobody knows. */
+/* Of a sensor that has nothing new, or an unknown quantity. */
 static const double NOTHING = 0.0 / 0.0;
 
 static void copy(double *to, const double *from, long long count)
