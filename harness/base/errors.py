@@ -96,10 +96,11 @@ class FilterDiverged(RailgripError, ArithmeticError):
 
 
 Reason = Literal[
-    "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "excess", "refused"
-]
-"""What went wrong: an FMI status, a number that is none, an FMU that requested the end, a value that is no number, a
-process that died, hung or took too much, or an FMU that would not be instantiated."""
+    "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "excess", "refused",
+    "not_integrated",
+]  # fmt: skip
+"""What went wrong: an FMI status, a number that is none, an FMU that requested the end, a value that is no number, a process
+that died, hung or took too much, an FMU that would not be instantiated, or one that the solver could not integrate."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,17 +129,19 @@ class Failure:
 
     def __str__(self) -> str:
         """Return the sentence for the user."""
+        fmi = self.call[:4] or "fmi2"
         what = {
-            "error": f"{self.call} returned fmi2Error",
-            "discard": f"{self.call} returned fmi2Discard",
-            "fatal": f"{self.call} returned fmi2Fatal",
-            "pending": f"{self.call} returned fmi2Pending, and asynchronous FMUs are not supported",
-            "no_status": f"{self.call} returned a number that is no fmi2Status",
+            "error": f"{self.call} returned {fmi}Error",
+            "discard": f"{self.call} returned {fmi}Discard",
+            "fatal": f"{self.call} returned {fmi}Fatal",
+            "pending": f"{self.call} returned {fmi}Pending, and asynchronous FMUs are not supported",
+            "no_status": f"{self.call} returned a number that is no {fmi}Status",
             "ended": "the FMU requested the end of the simulation",
             "not_finite": f"output '{self.variable}' is not a finite number",
             "crash": "the FMU crashed",
             "timeout": "the FMU did not return",
             "excess": "the FMU was stopped",
+            "not_integrated": "the solver could not integrate the FMU",
             "refused": f"the FMU could not be started: {self.call} gave no instance",
         }[self.reason]
         about = f" ({self.detail})" if self.detail else ""

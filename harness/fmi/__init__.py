@@ -1,7 +1,7 @@
 """The only package that touches an FMU: describes it, maps its names and units to ours, and steps it.
 
 `describe` reads a file into a value, `bind` ties our signals to its variables, and then a plant is stepped
-(`CoSimulation`, or `IsolatedCoSimulation` for a file nobody here vouches for) or a prediction is evaluated
+(`open_plant`; `CoSimulation` where it is Co-Simulation by FMI 2.0 in this process) or a prediction is evaluated
 (`FmuPrediction`). A wrong question is an `FmuError`; an FMU that fails while it runs is a `PlantFailed`.
 """
 

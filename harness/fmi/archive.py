@@ -29,12 +29,14 @@ class Outline:
     Attributes:
         version: Of FMI, as the file says; None when it does not.
         variables: How many there are.
+        references: Value references of all variables, as written.
         relative: Names of Real variables that are differences; FMPy does not see that attribute.
-        indices: Numbers of variables that ModelStructure names, with the line.
+        indices: Variables that ModelStructure names, with the line; by number, in FMI 3.0 by value reference.
     """
 
     version: str | None
     variables: int
+    references: frozenset[str]
     relative: frozenset[str]
     indices: tuple[tuple[str, int], ...]
 
@@ -102,25 +104,30 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
     version: list[str | None] = []
     relative: set[str] = set()
     indices: list[tuple[str, int]] = []
+    references: set[str] = set()
     depth = variables = 0
-    variable = ""
+    section = variable = ""
     parser = expat.ParserCreate()
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        nonlocal depth, variables, variable
+        nonlocal depth, variables, section, variable
         depth += 1
         if depth == 1:
             version.append(attributes.get("fmiVersion"))
         if depth > _DEPTH:
             raise FmuError(f"{path}: {DESCRIPTION} has more than {_DEPTH} elements inside each other.")
-        if name == "ScalarVariable":
+        if depth == 2:
+            section = name
+        if name == "ScalarVariable" or (depth == 3 and section == "ModelVariables"):
             variables, variable = variables + 1, attributes.get("name", "")
+            references.add(attributes.get("valueReference", ""))
             if variables > limits.variables:
                 raise _beyond(path, f"{DESCRIPTION} has more than {limits.variables} variables", limits, "variables")
-        elif name == "Real" and attributes.get("relativeQuantity") in ("true", "1"):
+        if name in ("Real", "Float32", "Float64") and attributes.get("relativeQuantity") in ("true", "1"):
             relative.add(variable)
-        elif name == "Unknown":
-            numbers = (attributes.get("index", ""), *attributes.get("dependencies", "").split())
+        if name == "Unknown" or (depth == 3 and section == "ModelStructure" and "valueReference" in attributes):
+            first = attributes.get("valueReference" if name != "Unknown" else "index", "")
+            numbers = (first, *attributes.get("dependencies", "").split())
             indices.extend((number, parser.CurrentLineNumber) for number in numbers)
 
     def end(_: str) -> None:
@@ -138,7 +145,19 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
             parser.Parse(b"", True)
     except (expat.ExpatError, LookupError) as error:  # LookupError: it names an encoding that nobody knows
         raise FmuError(f"{path}: {DESCRIPTION} is not XML: {error}.") from error
-    return Outline(version=version[0], variables=variables, relative=frozenset(relative), indices=tuple(indices))
+    return Outline(
+        version=version[0],
+        variables=variables,
+        references=frozenset(references),
+        relative=frozenset(relative),
+        indices=tuple(indices),
+    )
+
+
+def copy_of_description(path: Path, folder: Path) -> Path:
+    """Return a copy of an archive's modelDescription.xml in a folder."""
+    with zipfile.ZipFile(path) as archive:
+        return Path(archive.extract(DESCRIPTION, folder))
 
 
 def _mib(size: int) -> str:

@@ -17,8 +17,9 @@ from typing import Final, Literal
 import numpy as np
 
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi.cosimulation import CoSimulation
+from railgrip.fmi.by_fmpy import loaded_plant
 from railgrip.fmi.instance import limit_messages
+from railgrip.fmi.plant import LoadedPlant
 
 Request = Literal["open", "start", "step"]
 _CODES: Final[dict[Request, int]] = {"open": 1, "start": 2, "step": 3}
@@ -67,7 +68,7 @@ def receive(line: socket.socket) -> tuple[int, bytes]:
 def serve(line: socket.socket) -> None:
     """Answer requests until the line ends; then free the FMU."""
     with ExitStack() as stack:
-        plant: CoSimulation | None = None
+        plant: LoadedPlant | None = None
         while True:
             try:
                 code, payload = receive(line)
@@ -77,7 +78,7 @@ def serve(line: socket.socket) -> None:
                 request = _REQUESTS[code]
                 if request == "open":
                     description, binding, options = pickle.loads(payload)
-                    plant = stack.enter_context(CoSimulation(description, binding, **options))
+                    plant = stack.enter_context(loaded_plant(description)(description, binding, **options))
                     answer = b""
                 elif plant is None:
                     raise RuntimeError("the first request opens the plant")

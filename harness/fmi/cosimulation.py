@@ -1,28 +1,22 @@
-"""Steps a co-simulation FMU with as little as possible between the caller's numbers and the FMU's.
+"""Steps a co-simulation FMU 2.0 with as little as possible between the caller's numbers and the FMU's.
 
 A vector of our inputs goes in and a vector of our outputs comes out, both in SI and in the order of the
 binding; conversions are applied only where the FMU's units differ. All buffers and addresses are made once.
 """
 
 import ctypes
-from collections.abc import Generator
-from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from math import isfinite
-from pathlib import Path
-from types import TracebackType
-from typing import Any, Final, Literal, Self
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.fmi.description import Description
-from railgrip.fmi.instance import Instance, unpack
+from railgrip.base.errors import FmuError
+from railgrip.fmi.instance import Instance
 from railgrip.fmi.mapping import Binding, Channel
-from railgrip.fmi.parameters import Values, assignments
+from railgrip.fmi.plant import LoadedPlant
 from railgrip.fmus.native.c_library import CLibrary
 
 Vector = NDArray[np.float64]
@@ -178,114 +172,20 @@ def _cross() -> Any:
     return cross
 
 
-class SteppedPlant:
-    """A plant that is stepped by a co-simulation FMU, wherever that FMU runs: its step count, time and first failure.
-
-    Attributes:
-        sample: Number of steps since the start; −1 before `start`.
-    """
-
-    def __init__(self, description: Description, binding: Binding, period: float, parameters: Values) -> None:
-        """Check period [s] and parameters; see `CoSimulation`."""
-        if not (isfinite(period) and period > 0):
-            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
-        self._description = description
-        self._binding = binding
-        self._period = period
-        self._parameters = dict(parameters)
-        self._assignments = assignments(description, parameters)
-        self._stack = ExitStack()
-        self._failure: PlantFailed | None = None
-        self.sample = -1
-
-    @property
-    def time(self) -> float:
-        """Simulated time [s]."""
-        return max(self.sample, 0) * self._period
-
-
-class CoSimulation(SteppedPlant):
-    """A co-simulation FMU in this process.
-
-        with CoSimulation(description, binding, period=1e-3, parameters={"mass": 84e3}) as plant:
-            outputs = plant.start(inputs)
-            while moving:
-                outputs = plant.step(inputs)
-
-    Vectors are those of `binding.inputs` and `binding.outputs`. After a failed call the instance cannot be used again.
-    """
-
-    def __init__(
-        self,
-        description: Description,
-        binding: Binding,
-        *,
-        period: float,
-        parameters: Values,
-        folder: Path | None = None,
-    ) -> None:
-        """Check the arguments; nothing is loaded before `with`.
-
-        Args:
-            period: Communication step [s].
-            parameters: Values by FMU variable, in the FMU's units.
-            folder: Folder of the unpacked FMU; None unpacks it for the duration of the `with`.
-
-        Raises:
-            FmuError: A parameter is wrong or the period is not positive.
-        """
-        super().__init__(description, binding, period, parameters)
-        self._folder = folder
-        self._instance: Instance | None = None
-        self._ready = False  # started, not failed, not closed
-
-    def __enter__(self) -> Self:
-        """Unpack, load, instantiate and set the parameters."""
-        with ExitStack() as stack:
-            folder = self._folder or stack.enter_context(unpack(self._description))
-            instance = Instance(self._description, "co-simulation", folder, name="plant")
-            stack.callback(instance.close)
-            instance.assign(self._assignments, 0.0)
-            self._instance = instance
-            self._prepare(instance)
-            self._stack = stack.pop_all()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
-        """Free everything, whatever happened."""
-        self._instance = None
-        self._ready = False
-        self._stack.close()
+class CoSimulation(LoadedPlant):
+    """A co-simulation FMU 2.0 in this process, stepped in C."""
 
     def _prepare(self, instance: Instance) -> None:
-        """Make what every step needs."""
-        self._set_step_get = set_step_get = SetStepGet(instance, self._binding, self._period)
-        size = self._binding.outputs.size
-        self._present = set_step_get.present if set_step_get.present.size < size else None
-        self._blank = np.full(size, np.nan)
+        self._set_step_get = SetStepGet(instance, self._binding, self._period)
+        self._is_full = self._places.size == self._blank.size
 
-    def start(self, inputs: Vector) -> Vector:
-        """Initialise with `inputs` applied and return the outputs at the start time.
+    def _send(self, inputs: Vector) -> None:
+        self._set_step_get.inputs[:] = inputs
+        self._require_fine(self._set_step_get.send())
 
-        Raises:
-            PlantFailed: The FMU cannot be initialised.
-        """
-        instance = self._open()
-        if self.sample >= 0:
-            raise RuntimeError("a plant is started once; open another one to start again")
-        if np.shape(inputs) != (self._binding.inputs.size,):
-            raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
-        with self._remembering():
-            instance.enter_initialization()
-            self._set_step_get.inputs[:] = inputs
-            self._require_fine(self._set_step_get.send())
-            instance.exit_initialization()
-            self.sample = 0
-            self._require_fine(self._set_step_get.receive())
-        self._ready = True
-        return self._spread()
+    def _receive(self) -> Vector:
+        self._require_fine(self._set_step_get.receive())
+        return self._set_step_get.outputs
 
     def step(self, inputs: Vector) -> Vector:
         """Hold `inputs` over one period and return the outputs at its end.
@@ -302,7 +202,7 @@ class CoSimulation(SteppedPlant):
         if failure:
             self.note_steps(0, failure)
         self.sample += 1
-        return set_step_get.outputs.copy() if self._present is None else self._spread()
+        return set_step_get.outputs.copy() if self._is_full else self._spread(set_step_get.outputs)
 
     def follow(self, inputs: Vector) -> Vector:
         """Hold each row of inputs, shape (k, nu), over one period; return the outputs that the FMU has, shape (k, ny).
@@ -339,24 +239,6 @@ class CoSimulation(SteppedPlant):
         self.sample += what in ("getting", "not finite")  # the step itself succeeded
         self._require_fine(what)
 
-    def _open(self) -> Instance:
-        if self._failure is not None:
-            raise self._failure
-        if self._instance is None:
-            raise RuntimeError("a CoSimulation is used inside 'with'")
-        return self._instance
-
-    def _not_ready(self) -> Exception:
-        return self._failure or RuntimeError("a CoSimulation is started before it is stepped, inside 'with'")
-
-    def _spread(self) -> Vector:
-        """Return the vector of all signals, NaN where the FMU has none."""
-        if self._present is None:
-            return self._set_step_get.outputs.copy()
-        everything = self._blank.copy()
-        everything[self._present] = self._set_step_get.outputs
-        return everything
-
     def _require_fine(self, outcome: Outcome) -> None:
         """Raise the failure that ended a communication step early, if one did."""
         if outcome == "fine":
@@ -364,17 +246,6 @@ class CoSimulation(SteppedPlant):
         set_step_get, instance = self._set_step_get, self._open()
         with self._remembering():
             if outcome == "not finite":
-                name = self._binding.outputs.elements[set_step_get.present[set_step_get.worst]]
-                value = f"{set_step_get.outputs[set_step_get.worst]}"
-                raise PlantFailed(instance.failure("not_finite", "", self.time, variable=name, doing=value))
+                raise self._not_finite(instance, set_step_get.worst, set_step_get.outputs[set_step_get.worst])
             doing = {"setting": "setting inputs", "getting": "reading outputs"}.get(outcome, "")
             instance.check(set_step_get.status, set_step_get.call(outcome), self.time, doing)
-
-    @contextmanager
-    def _remembering(self) -> Generator[None]:
-        """Keep a failure that passes: the plant is spent and repeats it from then on."""
-        try:
-            yield
-        except PlantFailed as error:
-            self._failure, self._ready = error, False
-            raise

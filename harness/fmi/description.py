@@ -2,36 +2,51 @@
 
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal, cast, get_args
 
 import fmpy
+import numpy as np
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
 
 from railgrip.base.errors import FmuError, UnitError
+from railgrip.base.files import scratch
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
 from railgrip.base.units import BASE, Exponents, Unit, unit
-from railgrip.fmi.archive import Outline, digest, members, outline
+from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
 
 PLATFORM: Final = cast(str, fmpy.platform)
-"""Folder of the binaries that this machine loads."""
+"""FMI 2.0's name of this platform, the folder of the binaries that this machine loads."""
+PLATFORMS: Final[dict[int, str]] = {2: PLATFORM, 3: fmpy.platform_tuple}
+"""That folder by version of FMI."""
 
-Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration"]
-Causality = Literal["parameter", "calculatedParameter", "input", "output", "local", "independent"]
+Version = Literal[2, 3]
+Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration", "Binary"]
+Causality = Literal[
+    "parameter", "calculatedParameter", "structuralParameter", "input", "output", "local", "independent"
+]
+_KINDS: Final[dict[str, Kind]] = {
+    "Real": "Real", "Float32": "Real", "Float64": "Real", "Boolean": "Boolean", "String": "String",
+    "Enumeration": "Enumeration", "Binary": "Binary",
+}  # fmt: skip
+"""Kinds of FMI's types; all others are integers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variable:
-    """One scalar variable of an FMU.
+    """One scalar variable of an FMU, or one element of an array of FMI 3.0.
 
     Attributes:
-        name: As in the FMU, `brake[2].torque`.
-        reference: FMI value reference.
-        kind: Its FMI type.
+        name: As in the FMU, `brake[2].torque`; of an element `slip[2]` or `stiffness[1,3]`.
+        reference: FMI value reference, the same for all elements of an array.
+        kind: What it holds.
+        carrier: Type in the names of the functions that set and get it: Real, or Float64.
+        element: Place in its array, row by row, from 0; 0 for a scalar.
+        elements: Size of its array; 1 for a scalar.
         causality: What it is to whoever runs the FMU.
         settable: It may be given a value before initialisation.
         unit: None when the FMU does not say.
@@ -47,6 +62,9 @@ class Variable:
     name: str
     reference: int
     kind: Kind
+    carrier: str
+    element: int
+    elements: int
     causality: Causality
     settable: bool
     unit: Unit | None
@@ -60,18 +78,26 @@ class Variable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interface:
-    """One of the two ways to run an FMU, and what it can do that way."""
+    """One of the two ways to run an FMU, and what it can do that way.
+
+    Attributes:
+        identifier: Of its library.
+        directional_derivatives: It offers them by FMI 2.0.
+        completed_steps: A solver has to call completedIntegratorStep after each of its steps.
+    """
 
     identifier: str
     directional_derivatives: bool
+    completed_steps: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Description:
-    """An FMI 2.0 FMU as it describes itself.
+    """An FMU as it describes itself.
 
     Attributes:
         file: Where it is.
+        fmi: Major version of FMI.
         digest: SHA-256 of the file, hexadecimal.
         model: Name of the model inside.
         guid: Identifies the model; the binary checks it.
@@ -79,7 +105,8 @@ class Description:
         variables: By name, in the FMU's order.
         states: Continuous states, in the order of fmi2GetContinuousStates.
         derivatives: Their derivatives, same order.
-        dependencies: The states and inputs on which a derivative or output depends, where ModelStructure says so.
+        dependencies: The states and inputs on which a derivative or output depends, where ModelStructure of FMI 2.0
+            says so.
         event_indicators: How many.
         log_categories: Names it can log under.
         co_simulation: None when not offered.
@@ -88,6 +115,7 @@ class Description:
     """
 
     file: Path
+    fmi: Version
     digest: str
     model: str
     guid: str
@@ -138,8 +166,8 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """Read an FMU's own description.
 
     Raises:
-        FmuError: It is missing, not an FMU, beyond the limits, not FMI 2.0, has no binary for this platform, or its
-            description can be understood in two ways or none.
+        FmuError: It is missing, not an FMU, beyond the limits, neither FMI 2.0 nor 3.0, has clocks, no binary for this
+            platform, or its description can be understood in two ways or none.
     """
     path = Path(file)
     if not path.is_file():
@@ -150,34 +178,61 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
         raise FmuError(f"{path}: the FMU cannot be read: {error.strerror}.") from error
     inside = members(path, limits)
     first = outline(path, limits)
-    if first.version != "2.0":
-        version = f"FMI {first.version}" if first.version else "no fmiVersion"
-        raise FmuError(f"{path}: railgrip runs FMI 2.0, this is {version}; export it again as FMI 2.0.")
-    for number, line in first.indices:
-        if not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
-            raise FmuError(
-                f"{path}: ModelStructure (line {line} of modelDescription.xml) names variable number '{number}', but "
-                f"there are {first.variables}, from 1; ask the tool that made the FMU."
-            )
-    blemishes = ""
+    fmi = _version(path, first)
+    _require_known_unknowns(path, fmi, first)
+    blemishes, read = _read(path, fmi)
     try:
-        read = read_model_description(str(path), validate=True)
-    except ValidationError as error:
-        blemishes, read = _leniently(path, [str(p) for p in cast(list[object], error.problems)])
-    except Exception as error:  # FMPy raises bare Exception for what its schema does not catch
-        raise FmuError(f"{path}: modelDescription.xml cannot be understood: {error}") from error
-    try:
-        description = _description(path, content, read, first, blemishes, limits)
+        description = _description(path, fmi, content, read, first, blemishes, limits)
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         if isinstance(error, FmuError):
             raise
         # What the schema would not have let through, in an FMU that is read all the same.
-        raise FmuError(f"{path}: {blemishes or 'modelDescription.xml cannot be understood'}: {error}.") from error
+        raise FmuError(f"{path}: {blemishes or f'{DESCRIPTION} cannot be understood'}: {error}.") from error
     _require_binary(description, inside)
     return description
 
 
-def _leniently(path: Path, problems: list[str]) -> tuple[str, ModelDescription]:
+def _version(path: Path, first: Outline) -> Version:
+    """Return the major version of FMI; `FmuError` for one that is not run."""
+    if first.version == "2.0":
+        return 2
+    if first.version and re.fullmatch(r"3\.0(\.\d+)?", first.version):
+        return 3
+    version = f"FMI {first.version}" if first.version else "no fmiVersion"
+    raise FmuError(f"{path}: railgrip runs FMI 2.0 and 3.0, this is {version}; export it again as one of these.")
+
+
+def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
+    """Refuse a ModelStructure that names variables which are not there; FMPy would take others, or stumble."""
+    for number, line in first.indices:
+        if fmi == 2 and not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
+            raise FmuError(
+                f"{path}: ModelStructure (line {line} of {DESCRIPTION}) names variable number '{number}', but "
+                f"there are {first.variables}, from 1; ask the tool that made the FMU."
+            )
+        if fmi == 3 and number not in first.references:
+            raise FmuError(
+                f"{path}: ModelStructure (line {line} of {DESCRIPTION}) names value reference '{number}', which no "
+                "variable has; ask the tool that made the FMU."
+            )
+
+
+def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
+    """Return what is not valid in a description, as a clause, and the description by FMPy.
+
+    FMPy is shown that file alone: of an archive it would read more XML, which nobody has looked through.
+    """
+    with scratch("fmu") as folder:
+        file = str(copy_of_description(path, folder))
+        try:
+            return "", read_model_description(file, validate=True)
+        except ValidationError as error:
+            return _leniently(path, fmi, file, [str(p) for p in cast(list[object], error.problems)])
+        except Exception as error:  # FMPy raises bare Exception for what its schema does not catch
+            raise FmuError(f"{path}: {DESCRIPTION} cannot be understood: {error}") from error
+
+
+def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tuple[str, ModelDescription]:
     """Return what is not valid, as a clause, and the description all the same, where it has only one meaning.
 
     Other tools' FMUs often run well in spite of a missing start value or an attribute that FMI does not know. Where a
@@ -187,10 +242,10 @@ def _leniently(path: Path, problems: list[str]) -> tuple[str, ModelDescription]:
         FmuError: It cannot be understood, or two variables share a name.
     """
     more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
-    clause = f"modelDescription.xml is not valid FMI 2.0: {'; '.join(p.rstrip('.') for p in problems[:3])}{more}"
+    clause = f"{DESCRIPTION} is not valid FMI {fmi}.0: {'; '.join(p.rstrip('.') for p in problems[:3])}{more}"
     refusal = f"{path}: {clause}. Correct it or ask the tool that made the FMU."
     try:
-        read = read_model_description(str(path), validate=False)
+        read = read_model_description(file, validate=False)
         xml: Any = read
         names = [v.name for v in xml.modelVariables]
         complete = xml.guid and all(names) and len(set(names)) == len(names)
@@ -207,25 +262,31 @@ def _require_binary(description: Description, inside: frozenset[str]) -> None:
     for interface in (description.co_simulation, description.model_exchange):
         if interface is None:
             continue
-        binary = f"binaries/{PLATFORM}/{interface.identifier}{suffix}"
+        binary = f"binaries/{PLATFORMS[description.fmi]}/{interface.identifier}{suffix}"
         if binary not in inside:
             # Files: folders, which may be empty, are not among them.
             others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
             platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
             raise FmuError(
                 f"{description.file}: no binary for this platform, {binary} is missing; {platforms}. "
-                f"Export it for {PLATFORM}."
+                f"Export it for {PLATFORMS[description.fmi]}."
             )
 
 
 def _description(
-    path: Path, digest: str, read: ModelDescription, first: Outline, blemishes: str, limits: FmuLimits
+    path: Path, fmi: Version, digest: str, read: ModelDescription, first: Outline, blemishes: str, limits: FmuLimits
 ) -> Description:
     xml: Any = read  # FMPy's classes annotate their fields loosely
     units = {u.name: _unit(path, u) for u in xml.unitDefinitions}
-    variables: dict[str, Variable] = {}
-    for entry in xml.modelVariables:
-        variables[entry.name] = _variable(path, entry, units, first.relative)
+    _require_steppable(path, xml)
+    count = sum(math.prod(entry.shape) for entry in xml.modelVariables)
+    if count > limits.variables or any(size < 0 for entry in xml.modelVariables for size in entry.shape):
+        raise FmuError(
+            f"{path}: {DESCRIPTION} has {count} variables, elements of arrays counted; allowed are {limits.variables}, "
+            "variables under [limits.fmu]."
+        )
+    elements = {v.name: [*_elements(path, fmi, v, units, first.relative)] for v in xml.modelVariables}
+    variables = {variable.name: variable for array in elements.values() for variable in array}
     derivatives = tuple(unknown.variable for unknown in xml.derivatives)
     for d in derivatives:
         if d.derivative is None:
@@ -235,7 +296,7 @@ def _description(
     event_indicators = int(xml.numberOfEventIndicators or 0)
     if not 0 <= event_indicators <= limits.variables:
         raise FmuError(
-            f"{path}: numberOfEventIndicators is {event_indicators} in modelDescription.xml; allowed are 0 to "
+            f"{path}: numberOfEventIndicators is {event_indicators} in {DESCRIPTION}; allowed are 0 to "
             f"{limits.variables}, variables under [limits.fmu]."
         )
     tools = [e for e in (xml.coSimulation, xml.modelExchange) if e is not None and e.needsExecutionTool]
@@ -244,17 +305,18 @@ def _description(
         blemishes += f"it needs {xml.generationTool or 'the tool that made it'} on this machine (needsExecutionTool)"
     return Description(
         file=path,
+        fmi=fmi,
         digest=digest,
         model=xml.modelName,
         guid=xml.guid,
         generator=xml.generationTool or "an unnamed tool",
         variables=MappingProxyType(variables),
-        states=tuple(d.derivative.name for d in derivatives),
-        derivatives=tuple(d.name for d in derivatives),
+        states=tuple(v.name for d in derivatives for v in elements[d.derivative.name]),
+        derivatives=tuple(v.name for d in derivatives for v in elements[d.name]),
         dependencies={
             unknown.variable.name: frozenset(known.name for known in unknown.dependencies)
             for unknown in (*xml.derivatives, *xml.outputs)
-            if unknown.dependencies is not None
+            if unknown.dependencies is not None and fmi == 2
         },
         event_indicators=event_indicators,
         log_categories=tuple(c.name for c in xml.logCategories),
@@ -262,6 +324,20 @@ def _description(
         model_exchange=_interface(xml.modelExchange),
         blemishes=blemishes,
     )
+
+
+def _require_steppable(path: Path, xml: Any) -> None:
+    """Refuse an FMU that is run by clocks."""
+    clocks = [entry.name for entry in xml.modelVariables if entry.type == "Clock"]
+    if clocks:
+        raise FmuError(
+            f"{path}: '{clocks[0]}' is a clock ({len(clocks)} in all), and railgrip steps FMUs without clocks; export "
+            "it without them."
+        )
+    if xml.coSimulation is None and xml.modelExchange is None:
+        raise FmuError(
+            f"{path}: it offers neither Co-Simulation nor Model Exchange; export it with one of these interfaces."
+        )
 
 
 def _unit(path: Path, element: Any) -> Unit | None:
@@ -304,52 +380,90 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
     Raises:
         FmuError: It is no value of the variable's type.
     """
-    if text is None or element.type == "String":
+    kind = _KINDS.get(element.type, "Integer")
+    if text is None or kind in ("String", "Binary"):
         return None
-    kind = "Integer" if element.type == "Enumeration" else element.type
+    kind = "Integer" if kind == "Enumeration" else kind
     value = {"true": 1.0, "false": 0.0, "1": 1.0, "0": 0.0}.get(text.strip()) if kind == "Boolean" else None
     if kind != "Boolean" and _REAL.fullmatch(text):
         value = float(text)
-        is_whole = math.isfinite(value) and value == int(value) and abs(value) < 1 << 31
+        most = 1 << (64 if "64" in element.type else 32 if element.type == "UInt32" else 31)
+        is_whole = math.isfinite(value) and value == int(value) and abs(value) < most
         if (attribute == "start" and not math.isfinite(value)) or (kind == "Integer" and not is_whole):
             value = None
     if value is None:
         raise FmuError(
-            f"{path}: '{element.name}' has {attribute}={text[:40]!r} in modelDescription.xml, which is no {kind}; "
+            f"{path}: '{element.name}' has {attribute}={text[:40]!r} in {DESCRIPTION}, which is no {kind}; "
             "correct it or ask the tool that made the FMU."
         )
     return value
 
 
-def _variable(path: Path, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]) -> Variable:
+def _elements(
+    path: Path, fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
+) -> Iterator[Variable]:
+    """Yield a variable, or the elements of an array in the order in which FMI 3.0 carries them."""
+    is_text = element.type in ("String", "Binary")
+    texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
+    first = _variable(path, fmi, element, units, relatives, texts)
+    if not element.shape:
+        yield first
+        return
+    count = math.prod(element.shape)
+    if len(texts) not in (1, count):
+        raise FmuError(
+            f"{path}: '{element.name}' has {len(texts)} start values in {DESCRIPTION} and {count} elements; correct it "
+            "or ask the tool that made the FMU."
+        )
+    for place, index in enumerate(np.ndindex(element.shape)):
+        name = f"{element.name}[{','.join(str(i + 1) for i in index)}]"
+        yield replace(first, name=name, element=place, elements=count, start=texts[place % len(texts)])
+
+
+def _variable(
+    path: Path,
+    fmi: Version,
+    element: Any,
+    units: Mapping[str, Unit | None],
+    relatives: frozenset[str],
+    texts: Sequence[str | None],
+) -> Variable:
     reference = int(element.valueReference)
     if not 0 <= reference < _REFERENCES:
         raise FmuError(
-            f"{path}: '{element.name}' has valueReference {reference} in modelDescription.xml; it is a whole number "
+            f"{path}: '{element.name}' has valueReference {reference} in {DESCRIPTION}; it is a whole number "
             f"from 0 to {_REFERENCES - 1}. Ask the tool that made the FMU."
         )
     if element.causality not in get_args(Causality):
         raise FmuError(
-            f"{path}: '{element.name}' has causality={element.causality!r} in modelDescription.xml; it is one of "
+            f"{path}: '{element.name}' has causality={element.causality!r} in {DESCRIPTION}; it is one of "
             f"{', '.join(get_args(Causality))}."
         )
     declaration = element.declaredType
     unit_name = element.unit or (declaration.unit if declaration is not None else None) or ""
     least = element.min if element.min is not None or declaration is None else declaration.min
     most = element.max if element.max is not None or declaration is None else declaration.max
-    _value_of(path, element, "start", element.start)
+    for text in texts:
+        _value_of(path, element, "start", text)
     relative = element.name in relatives or bool(declaration is not None and declaration.relativeQuantity)
     return Variable(
         name=element.name,
         reference=reference,
-        kind=element.type,
+        kind=_KINDS.get(element.type, "Integer"),
+        carrier={2: "Integer", 3: "Int64"}[fmi] if element.type == "Enumeration" else element.type,
+        element=0,
+        elements=1,
         causality=element.causality,
-        # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never.
-        settable=element.initial in ("exact", "approx") and element.variability != "constant",
+        # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never. Structural
+        # parameters of FMI 3.0 would take another mode, and decide how many variables there are.
+        settable=element.initial in ("exact", "approx")
+        and element.variability != "constant"
+        and element.causality != "structuralParameter"
+        and element.type != "Binary",
         unit=units.get(unit_name),
         unit_name=unit_name,
         relative=relative,
-        start=element.start,
+        start=texts[0],
         minimum=_value_of(path, element, "min", least),
         maximum=_value_of(path, element, "max", most),
         description=element.description or "",
@@ -362,4 +476,5 @@ def _interface(element: Any) -> Interface | None:
     return Interface(
         identifier=element.modelIdentifier,
         directional_derivatives=bool(element.providesDirectionalDerivative),
+        completed_steps=bool(getattr(element, "needsCompletedIntegratorStep", False)),
     )

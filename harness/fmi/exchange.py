@@ -114,6 +114,10 @@ class FmuPrediction:
             FmuError: A parameter is wrong, the FMU has other states, lacks a variable or has one that is not Real, has
                 events, or is not in SI.
         """
+        if description.fmi != 2:
+            raise FmuError(
+                f"{description.file}: a prediction is evaluated by FMI 2.0, this is FMI 3.0; export it again."
+            )
         if sorted(states) != sorted(description.states):
             lacks = [s for s in states if s not in description.states]
             extra = [s for s in description.states if s not in states]

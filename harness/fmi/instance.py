@@ -28,17 +28,23 @@ from fmpy.fmi2 import (
     fmi2CallbackFunctions,
     fmi2CallbackLoggerTYPE,
 )
+from fmpy.fmi3 import FMU3Model, FMU3Slave
 
 from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.files import scratch
 from railgrip.fmi.archive import digest
-from railgrip.fmi.description import Description, Interface
+from railgrip.fmi.description import PLATFORMS, Description, Interface
 from railgrip.fmi.parameters import Assignment
 
 Way = Literal["co-simulation", "model exchange"]
+_CLASSES: Final = {
+    (2, "co-simulation"): FMU2Slave, (2, "model exchange"): FMU2Model,
+    (3, "co-simulation"): FMU3Slave, (3, "model exchange"): FMU3Model,
+}  # fmt: skip
+"""FMPy's interface by version of FMI and way to run it."""
 
 OK_OR_WARNING: Final = (0, 1)
-"""The fmi2Status after which results are valid; a number that is none of the six is an error."""
+"""The status after which results are valid; a number that is none of FMI's is an error."""
 _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
@@ -100,7 +106,7 @@ def unpack(description: Description) -> Generator[Path]:
     Raises:
         FmuError: The file changed since it was described, or cannot be unpacked.
     """
-    here = f"binaries/{fmpy.platform}/"
+    here = f"binaries/{PLATFORMS[description.fmi]}/"
     with scratch("fmu") as folder:
         try:
             if digest(description.file) != description.digest:
@@ -165,11 +171,10 @@ class Instance:
         """
         self.description = description
         interface = _interface(description, way)
-        maker = FMU2Slave if way == "co-simulation" else FMU2Model
         try:
             # FMPy loads from the folder of the library, and stays there when loading fails.
             with chdir(Path.cwd()):
-                instance: Any = maker(
+                instance: Any = _CLASSES[description.fmi, way](
                     guid=description.guid,
                     unzipDirectory=str(folder),
                     modelIdentifier=interface.identifier,
@@ -178,29 +183,38 @@ class Instance:
         except Exception as error:  # FMPy: bare for the loader, AttributeError for a missing function
             raise FmuError(
                 f"{description.file}: its binary does not load on this machine: {error}. "
-                "Export the FMU again for this platform, with all functions of FMI 2.0."
+                f"Export the FMU again for this platform, with all functions of FMI {description.fmi}.0."
             ) from error
         self._library: Any = instance.dll
         self._environment = next(_environments)
         self._log: Log = deque(maxlen=50)
         _logs[self._environment] = self._log
-        self._model = instance  # keeps the callbacks
+        self.fmpy = instance
         self._running = False
         self._defect: Reason | None = None
         with _without_solver_lines(description):
             try:
-                instance.instantiate(callbacks=_callbacks(self._environment), loggingOn=True)
+                if description.fmi == 2:
+                    instance.instantiate(callbacks=_callbacks(self._environment), loggingOn=True)
+                else:
+                    instance.instantiate(logMessage=self._hear, loggingOn=True)
             except Exception:  # FMPy raises bare Exception when there is no component
                 self.component = 0
             else:
                 self.component = cast(int, instance.component)
         if not self.component:
-            failure = self.failure("refused", "fmi2Instantiate", 0.0)
+            kind = "CoSimulation" if way == "co-simulation" else "ModelExchange"
+            call = "fmi2Instantiate" if description.fmi == 2 else f"fmi3Instantiate{kind}"
+            failure = self.failure("refused", call, 0.0)
             self.close()
             raise PlantFailed(failure)
         with suppress(FMICallException):  # an FMU without such logging still works
             categories = [c for c in description.log_categories if c in _PROBLEMS]
             instance.setDebugLogging(bool(categories), categories)
+
+    def _hear(self, _: object, status: int, category: bytes, message: bytes) -> None:
+        """Keep what an FMU of FMI 3.0 says."""
+        _hear(self._environment, b"", status, category, message)
 
     def address(self, name: str) -> int:
         """Return where an FMI function is, for a caller in C."""
@@ -231,6 +245,18 @@ class Instance:
         self._defect = None if reason == "discard" else reason
         raise PlantFailed(failure)
 
+    @contextmanager
+    def calling(self, time: float, doing: str = "") -> Generator[Any]:
+        """Yield FMPy's interface of this instance, for calls of FMI functions.
+
+        Raises:
+            PlantFailed: One of them returned anything but OK or a warning.
+        """
+        try:
+            yield self.fmpy
+        except FMICallException as error:
+            self.check(error.status, error.function, time, doing)
+
     def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
         """Return a failure of this FMU with what it said about it."""
         worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s != 0]
@@ -257,28 +283,21 @@ class Instance:
 
     def assign(self, assignments: tuple[Assignment, ...], time: float) -> None:
         """Set checked parameter values."""
-        types = {
-            "Real": ctypes.c_double,
-            "Integer": ctypes.c_int,
-            "Boolean": ctypes.c_int,
-            "String": ctypes.c_char_p,
-        }
-        for a in assignments:
-            n = len(a.references)
-            values = [v.encode() if isinstance(v, str) else v for v in a.values]
-            references = (ctypes.c_uint * n)(*a.references)
-            buffer = (types[a.carrier] * n)(*values)
-            self.call(f"fmi2Set{a.carrier}", references, n, buffer, time=time, doing="setting parameters")
+        with self.calling(time, "setting parameters") as fmu:
+            for a in assignments:
+                getattr(fmu, f"set{a.carrier}")(a.references, a.values)
 
     def enter_initialization(self) -> None:
         """Set the experiment up and enter initialisation mode."""
-        with _without_solver_lines(self.description):
-            self.call("fmi2SetupExperiment", 0, 0.0, 0.0, 0, 0.0, time=0.0)
-            self.call("fmi2EnterInitializationMode", time=0.0)
+        with _without_solver_lines(self.description), self.calling(0.0) as fmu:
+            if self.description.fmi == 2:
+                fmu.setupExperiment(startTime=0.0)
+            fmu.enterInitializationMode()
 
     def exit_initialization(self) -> None:
         """Leave initialisation mode; the simulation runs."""
-        self.call("fmi2ExitInitializationMode", time=0.0)
+        with self.calling(0.0) as fmu:
+            fmu.exitInitializationMode()
         self._running = True
 
     def close(self) -> None:
@@ -290,9 +309,10 @@ class Instance:
             return
         if self.component:
             component, self.component = self.component, 0
+            prefix = f"fmi{self.description.fmi}"
             if self._running and self._defect is None:
-                self._library.fmi2Terminate(component)
-            self._library.fmi2FreeInstance(component)
+                getattr(self._library, f"{prefix}Terminate")(component)
+            getattr(self._library, f"{prefix}FreeInstance")(component)
         if self._library is not None:
             fmpy.freeLibrary(self._library._handle)
             self._library = None

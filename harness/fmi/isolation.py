@@ -27,13 +27,14 @@ from pydantic import TypeAdapter, ValidationError
 from railgrip.base.errors import Failure, FmuError, PlantFailed, Reason
 from railgrip.base.interrupted import ignore_sigint
 from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
+from railgrip.fmi.by_fmpy import loaded_plant
 from railgrip.fmi.child import ANSWER, FAILED, REFUSED, TALKATIVE, UNREACHABLE, Request, receive, send
-from railgrip.fmi.cosimulation import CoSimulation, SteppedPlant
 from railgrip.fmi.description import Description
 from railgrip.fmi.instance import unpack
 from railgrip.fmi.keeper import REPORT
 from railgrip.fmi.mapping import Binding
 from railgrip.fmi.parameters import Values
+from railgrip.fmi.plant import LoadedPlant, SteppedPlant
 
 Vector = NDArray[np.float64]
 
@@ -46,7 +47,7 @@ _TOKEN: Final = "RAILGRIP_ISOLATED"
 
 
 class IsolatedCoSimulation(SteppedPlant):
-    """A co-simulation FMU in a child process, with the interface of `CoSimulation`."""
+    """An FMU in a child process, with the interface of a `LoadedPlant`."""
 
     def __init__(
         self,
@@ -281,7 +282,7 @@ def open_plant(
     notify: Callable[[str], None],
     limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
-) -> CoSimulation | IsolatedCoSimulation:
+) -> LoadedPlant | IsolatedCoSimulation:
     """Return a plant to use in `with`: in this process when it is trusted, else in one of its own.
 
     Args:
@@ -295,7 +296,7 @@ def open_plant(
     if description.blemishes:
         notify(f"{description.file.name}: {description.blemishes}; it runs all the same.")
     if trusted:
-        return CoSimulation(description, binding, period=period, parameters=parameters)
+        return loaded_plant(description)(description, binding, period=period, parameters=parameters)
     notify(notice(description, table))
     return IsolatedCoSimulation(
         description, binding, period=period, parameters=parameters, limits=limits, table=table, notify=notify

@@ -18,7 +18,7 @@ may be `rev/min` or `rad/min`.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,9 +26,6 @@ from numpy.typing import NDArray
 from railgrip.base.errors import FmuError, UnitError
 from railgrip.base.units import Unit, conversion, turning_of, unit
 from railgrip.fmi.description import Causality, Description, Variable
-
-Carrier = Literal["Real", "Integer", "Boolean"]
-"""The FMI calls that carry a number; enumerations travel as integers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,16 +57,18 @@ class Channel:
     """The variables of one FMI type on one side, ready for a single call.
 
     Attributes:
-        carrier: Which pair of fmi2Get…/fmi2Set… functions.
+        carrier: Which pair of fmi2Get…/fmi2Set… functions, or of those of FMI 3.0; enumerations travel as integers.
         references: Value references, shape (n,), uint32.
+        elements: Place of each in its array of FMI 3.0, shape (n,); 0 for scalars.
         positions: Where each belongs in our vector, shape (n,).
         gain: Of the conversion in the direction of travel, shape (n,).
         shift: Added after the gain, shape (n,).
         variables: Names in the FMU, for sentences.
     """
 
-    carrier: Carrier
+    carrier: str
     references: NDArray[np.uint32]
+    elements: NDArray[np.intp]
     positions: NDArray[np.intp]
     gain: NDArray[np.float64]
     shift: NDArray[np.float64]
@@ -197,7 +196,7 @@ def _side(
     elements: list[str] = []
     absent: list[str] = []
     missing: list[str] = []
-    rows: dict[Carrier, list[tuple[int, Variable, float, float]]] = {"Real": [], "Integer": [], "Boolean": []}
+    rows: dict[str, list[tuple[int, Variable, float, float]]] = {}
     for signal in signals:
         targets = _targets(signal, entries, where)
         lack = [t.variable for t in targets if t.variable not in description.variables]
@@ -215,21 +214,22 @@ def _side(
         layout[signal.name] = slice(first, len(elements))
         for position, (element, target) in enumerate(zip(signal.elements, targets, strict=False), start=first):
             row = _tie(description, signal, element, target, where, causality, into_fmu=into_fmu)
-            rows[_carrier(row[0])].append((position, *row))
+            rows.setdefault(row[0].carrier, []).append((position, *row))
     if missing:
         raise FmuError(_all_missing(description, missing, causality, where))
     return Side(
         layout=layout,
         elements=tuple(elements),
         absent=tuple(absent),
-        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items() if ties),
+        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items()),
     )
 
 
-def _channel(carrier: Carrier, ties: Sequence[tuple[int, Variable, float, float]]) -> Channel:
+def _channel(carrier: str, ties: Sequence[tuple[int, Variable, float, float]]) -> Channel:
     return Channel(
         carrier=carrier,
         references=np.array([v.reference for _, v, _, _ in ties], dtype=np.uint32),
+        elements=np.array([v.element for _, v, _, _ in ties], dtype=np.intp),
         positions=np.array([position for position, _, _, _ in ties], dtype=np.intp),
         gain=np.array([gain for _, _, gain, _ in ties]),
         shift=np.array([shift for _, _, _, shift in ties]),
@@ -281,8 +281,8 @@ def _tie(
             f"{where} {element}: '{variable.name}' of {file} is {_article(variable.causality)}, "
             f"{_article(causality)} is wanted; map '{signal.name}' to another variable."
         )
-    if variable.kind == "String":
-        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a String, a number is wanted.")
+    if variable.kind in ("String", "Binary"):
+        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a {variable.kind}, a number is wanted.")
     ours = unit(signal.unit)
     theirs = _unit_of(variable, target, ours, file, f"{where} {element}")
     try:
@@ -381,12 +381,6 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
     )
 
 
-def _carrier(variable: Variable) -> Carrier:
-    if variable.kind == "Real" or variable.kind == "Boolean":
-        return variable.kind
-    return "Integer"
-
-
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
     """Return the sentence that lists everything missing at once, so that one correction suffices."""
     candidates = description.names(causality)
@@ -413,6 +407,7 @@ def _article(causality: Causality) -> str:
     names = {
         "parameter": "a parameter",
         "calculatedParameter": "a calculated parameter",
+        "structuralParameter": "a structural parameter",
         "input": "an input",
         "output": "an output",
         "local": "a local variable",

@@ -5,9 +5,9 @@ harness itself sets in SI goes through `Binding.translated` first.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import cast
 
 from railgrip.base.errors import FmuError
 from railgrip.fmi.description import Description, Variable
@@ -19,9 +19,9 @@ Values = Mapping[str, object]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assignment:
-    """Checked values of one FMI type, for one call."""
+    """Checked values of one FMI type, for one call; arrays of FMI 3.0 are there with all their elements."""
 
-    carrier: Literal["Real", "Integer", "Boolean", "String"]
+    carrier: str
     references: tuple[int, ...]
     values: tuple[Scalar, ...]
 
@@ -33,7 +33,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
         FmuError: A name that the FMU does not have, a variable that cannot be set, a value of the wrong type
             or outside its bounds.
     """
-    by_type: dict[Literal["Real", "Integer", "Boolean", "String"], list[tuple[int, Scalar]]] = {}
+    by_type: dict[str, dict[int, list[Scalar]]] = {}
     for name, value in _flat(values):
         variable = description.variable(name, "parameters")
         if not variable.settable or variable.causality == "input":
@@ -43,12 +43,27 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
                 f"leave it out. Its parameters: {_some(description)}."
             )
         scalar = _check(variable, value, description.file.name)
-        carrier = "Integer" if variable.kind == "Enumeration" else variable.kind
-        by_type.setdefault(carrier, []).append((variable.reference, scalar))
+        arrays = by_type.setdefault(variable.carrier, {})
+        if variable.reference not in arrays:
+            arrays[variable.reference] = start_values(description, variable)
+        arrays[variable.reference][variable.element] = scalar
     return tuple(
-        Assignment(carrier=carrier, references=tuple(r for r, _ in rows), values=tuple(v for _, v in rows))
-        for carrier, rows in by_type.items()
+        Assignment(carrier=carrier, references=tuple(arrays), values=tuple(v for own in arrays.values() for v in own))
+        for carrier, arrays in by_type.items()
     )
+
+
+def start_values(description: Description, variable: Variable) -> list[Scalar]:
+    """Return the start values of all elements of a variable's array; zeros where it has none, one for a scalar."""
+    plain: dict[str, Callable[[str], Scalar]] = {
+        "Real": float, "Boolean": lambda text: text in ("true", "1"), "String": str, "Binary": str,
+    }  # fmt: skip
+    number = plain.get(variable.kind, lambda text: int(float(text)))
+    values = [number("0")] * variable.elements
+    for own in description.variables.values():
+        if own.reference == variable.reference and own.carrier == variable.carrier and own.start is not None:
+            values[own.element] = number(own.start.strip())
+    return values
 
 
 def _flat(values: Values) -> Iterator[tuple[str, object]]:

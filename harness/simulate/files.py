@@ -110,9 +110,9 @@ def plant_description(scenario: Scenario) -> Description:
             return description_of(file.path, scenario.limits.fmu.limits())
         case PythonClass(name):
             return Description(
-                file=Path(name), digest="", model=name, guid="", generator="", variables={}, states=(), derivatives=(),
-                dependencies={}, event_indicators=0, log_categories=(), co_simulation=None, model_exchange=None,
-                blemishes="",
+                file=Path(name), fmi=2, digest="", model=name, guid="", generator="", variables={}, states=(),
+                derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
+                model_exchange=None, blemishes="",
             )  # fmt: skip
 
 

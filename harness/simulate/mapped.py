@@ -14,7 +14,7 @@ from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import drafted, sizes_of
 from railgrip.simulate.files import parameters_of
 from railgrip.simulate.loop.plausible import slowing_of
-from railgrip.simulate.plant import only_model_exchange, plant_signals
+from railgrip.simulate.plant import plant_signals
 from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, Finding, Trial, findings, tried
 from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
@@ -117,11 +117,9 @@ def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], sp
         period: Communication period of it [s].
 
     Raises:
-        FmuError: It is no co-simulation FMU.
+        FmuError: It does not fit.
         PlantFailed: The run ended before its time.
     """
-    if description.co_simulation is None:
-        raise only_model_exchange(description)
     draft = _drafted(description, wheelsets_per_group)
     if draft.missing:
         return draft

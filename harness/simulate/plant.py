@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.errors import FmuError, PlantFailed, ScenarioError
+from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.fmi import Binding, Description, Signal, bind, open_plant
 from railgrip.scenario.seed import generator
@@ -93,14 +93,6 @@ def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
     return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
 
 
-def only_model_exchange(description: Description) -> FmuError:
-    """Return the refusal of a plant that cannot be stepped."""
-    return FmuError(
-        f"{description.file}: a plant is stepped through Co-Simulation, this FMU offers only Model Exchange; export it "
-        "as Co-Simulation."
-    )
-
-
 def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
     """Open the plant of a scenario that is an FMU; one from outside makes two short runs before.
 
@@ -111,8 +103,6 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
     scenario, description = vehicle.scenario, vehicle.file
     table = scenario.vehicle
     _refuse_steep_track(vehicle)
-    if description.co_simulation is None:
-        raise only_model_exchange(description)
     source, binding = table.source, binding_of(vehicle)
     values = values_of(vehicle, binding)
     opening = partial(

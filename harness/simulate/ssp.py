@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
 from railgrip.fmi import Side
 from railgrip.fmus.native.package import Source, archive_bytes, zipped
@@ -75,6 +76,11 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
 def _components(scenario: Scenario, vehicle: VehicleData, platforms: Sequence[str]) -> Iterator[_Component]:
     if isinstance(scenario.vehicle.source, FmuFile):
         file = vehicle.file.file
+        if vehicle.file.fmi != 2 or vehicle.file.co_simulation is None:
+            raise ScenarioError(
+                f"{scenario.name}: all components of a system are Co-Simulation by FMI 2.0, the plant {file.name} is "
+                "not; export it as that"
+            )
         with zipfile.ZipFile(file) as archive:
             yield _Component("plant", file.read_bytes(), ET.fromstring(archive.read("modelDescription.xml")))
         sources: dict[str, Source | None] = {}

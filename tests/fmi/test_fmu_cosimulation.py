@@ -204,12 +204,6 @@ def test_a_library_that_does_not_load_is_told(foundry: Path, tmp_path: Path):
         opened(path).__enter__()
 
 
-def test_a_plant_needs_co_simulation(foundry: Path):
-    file = tiny(foundry, description=xml(ways=("ModelExchange",)))
-    with pytest.raises(FmuError, match="this FMU offers only Model Exchange; export it as Co-Simulation"):
-        opened(file).__enter__()
-
-
 # --- parameters ------------------------------------------------------------------------------------------------
 
 

@@ -27,11 +27,13 @@ def described(**causalities) -> Description:
     for causality, names in causalities.items():
         for name in names:
             variables[name] = Variable(
-                name=name, reference=len(variables), kind="Real", causality=causality, settable=causality != "output",
-                unit=None, unit_name="", relative=False, start="0", minimum=None, maximum=None, description="",
+                name=name, reference=len(variables), kind="Real", carrier="Real", element=0, elements=1,
+                causality=causality, settable=causality != "output", unit=None, unit_name="", relative=False, start="0",
+                minimum=None, maximum=None, description="",
             )  # fmt: skip
     return Description(
-        file=Path("Train.fmu"), digest="", model="", guid="", generator="", variables=MappingProxyType(variables),
+        file=Path("Train.fmu"), fmi=2, digest="", model="", guid="", generator="",
+        variables=MappingProxyType(variables),
         states=(), derivatives=(), dependencies={}, event_indicators=0, log_categories=(), co_simulation=None,
         model_exchange=None, blemishes="",
     )  # fmt: skip
@@ -215,13 +217,7 @@ def test_what_is_not_found_is_told_with_its_unit(foundry: Path):
     assert "# speed = ?  # needed, in m/s: nothing like it was found" in lines
 
 
-def test_a_model_exchange_fmu_is_refused_as_one(foundry: Path):
-    file = tiny(foundry, description=xml(ways=("ModelExchange",)))
-    with pytest.raises(FmuError, match="this FMU offers only Model Exchange; export it as Co-Simulation"):
-        mapped(describe(file), wheelsets_per_group=(), speed=20.0, period=1e-3)
-
-
-@pytest.mark.parametrize("version", ["1.0", "3.0"])
+@pytest.mark.parametrize("version", ["1.0", "3.1"])
 def test_another_version_of_fmi_is_refused_as_one(foundry: Path, version: str):
-    with pytest.raises(FmuError, match=f"railgrip runs FMI 2.0, this is FMI {version}; export it again as FMI 2.0"):
+    with pytest.raises(FmuError, match=f"this is FMI {version}"):
         describe(tiny(foundry, description=xml(version=version)))

@@ -1,0 +1,260 @@
+"""Steps FMUs through FMPy: Co-Simulation by FMI 3.0, and Model Exchange by FMI 2.0 or 3.0, integrated by CVODE."""
+
+from abc import abstractmethod
+from collections.abc import Callable
+from importlib import import_module
+from math import isclose
+from typing import Any, ClassVar, Final
+
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from numpy.typing import NDArray
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi.cosimulation import CoSimulation
+from railgrip.fmi.description import Description
+from railgrip.fmi.instance import Instance, Way
+from railgrip.fmi.mapping import Channel
+from railgrip.fmi.parameters import start_values
+from railgrip.fmi.plant import LoadedPlant
+
+Vector = NDArray[np.float64]
+
+TOLERANCE: Final = 1e-6
+"""Relative error of a step of CVODE, that of the plants of this project; the absolute one is that times nominals."""
+_MOST_STEPS: Final = 5000  # of CVODE between two communication points
+_MOST_ITERATIONS: Final = 100  # of an event; far more than any model needs
+_DISCARD: Final = 2  # status of FMI
+
+
+class _Block:
+    """The variables of a channel as one call of FMPy carries them: arrays of FMI 3.0 with all of their elements."""
+
+    def __init__(self, channel: Channel, description: Description) -> None:
+        variables = {v.reference: v for v in description.variables.values() if v.carrier == channel.carrier}
+        self.references: list[int] = [int(r) for r in np.unique(channel.references)]
+        starts = [start_values(description, variables[r]) for r in self.references]
+        first = dict(zip(self.references, np.cumsum([0, *map(len, starts)]), strict=False))
+        self.places = np.array([first[int(r)] for r in channel.references], dtype=np.intp) + channel.elements
+        self.values = np.array([float(value) for array in starts for value in array])
+        self.channel = channel
+        self._whole: Callable[[float], object] | None = None
+        if not channel.carrier.startswith(("Real", "Float")):
+            self._whole = bool if channel.carrier == "Boolean" else int
+
+    def plain(self) -> list[Any]:
+        """Return the values as the FMU's type."""
+        if self._whole is None:
+            return self.values.tolist()
+        return [self._whole(value) for value in np.rint(self.values).tolist()]
+
+
+class _ByFmpy(LoadedPlant):
+    """What all plants that are stepped through FMPy share."""
+
+    def _prepare(self, instance: Instance) -> None:
+        self._senders, self._receivers = (
+            [_Block(channel, self._description) for channel in side.channels]
+            for side in (self._binding.inputs, self._binding.outputs)
+        )
+
+    def _send(self, inputs: Vector) -> None:
+        with self._open().calling(self.time, "setting inputs") as fmu:
+            for block in self._senders:
+                channel = block.channel
+                block.values[block.places] = inputs[channel.positions] * channel.gain + channel.shift
+                getattr(fmu, f"set{channel.carrier}")(block.references, block.plain())
+
+    def _receive(self) -> Vector:
+        instance, outputs = self._open(), np.zeros(self._places.size)
+        with instance.calling(self.time, "reading outputs") as fmu:
+            for block in self._receivers:
+                channel, size = block.channel, block.values.size
+                sizes = () if size == len(block.references) else (size,)  # FMI 2.0 has no arrays
+                values = np.array(getattr(fmu, f"get{channel.carrier}")(block.references, *sizes), dtype=np.float64)
+                at = np.searchsorted(self._places, channel.positions)
+                outputs[at] = values[block.places] * channel.gain + channel.shift
+        bad = np.flatnonzero(~np.isfinite(outputs))
+        if bad.size:
+            raise self._not_finite(instance, int(bad[0]), float(outputs[bad[0]]))
+        return outputs
+
+    def step(self, inputs: Vector) -> Vector:
+        """Hold `inputs` over one period and return the outputs at its end.
+
+        Raises:
+            PlantFailed: The FMU did not return OK, asked to end, could not be integrated, or an output is not finite.
+        """
+        if not self._ready:
+            raise self._not_ready()
+        with self._remembering():
+            self._advance(self._open(), inputs)
+            self.sample += 1
+            return self._spread(self._receive())
+
+    @abstractmethod
+    def _advance(self, instance: Instance, inputs: Vector) -> None:
+        """Hold the inputs over one period."""
+
+
+class SlaveOfFmi3(_ByFmpy):
+    """A co-simulation FMU 3.0 in this process, without event mode and early return: it handles events inside a step."""
+
+    def _advance(self, instance: Instance, inputs: Vector) -> None:
+        self._send(inputs)
+        with instance.calling(self.time) as fmu:
+            _, ended, early, reached = fmu.doStep(self.time, self._period)
+        if ended:
+            raise PlantFailed(instance.failure("ended", "fmi3DoStep", self.time))
+        if early and not isclose(reached, self.time + self._period):
+            doing = f"it returned early, at {reached:.9g} s, which it was not allowed to"
+            raise PlantFailed(instance.failure("not_integrated", "fmi3DoStep", self.time, doing=doing))
+
+
+class IntegratedModel(_ByFmpy):
+    """A Model Exchange FMU in this process, which CVODE integrates, with state, time and step events.
+
+    A change of the inputs is an event: they are set in event mode, and CVODE starts anew.
+    """
+
+    _way: ClassVar[Way] = "model exchange"
+
+    def _begin(self, instance: Instance) -> None:
+        super()._begin(instance)
+        self._sent: Vector | None = None
+        self._next_event = self._settled(instance, 0.0)
+        self._solver = _solver(instance, self._period)
+
+    def _advance(self, instance: Instance, inputs: Vector) -> None:
+        time, end = self.time, (self.sample + 1) * self._period
+        interface = self._description.model_exchange
+        if self._sent is None or not np.array_equal(self._sent, inputs):
+            self._sent = inputs.copy()
+            self._event(instance, time, inputs)
+        while time < end and not isclose(time, end):
+            until = end if self._next_event is None else min(end, self._next_event)
+            with instance.calling(time) as fmu:
+                is_event, time = self._integrated(instance, time, until)
+                fmu.setTime(time)
+                if interface is not None and interface.completed_steps:
+                    is_step_event, ended = fmu.completedIntegratorStep()
+                    is_event = is_event or is_step_event
+                    if ended:
+                        raise PlantFailed(instance.failure("ended", "", time))
+            is_due = self._next_event is not None and (time > self._next_event or isclose(time, self._next_event))
+            if is_event or is_due:
+                self._event(instance, time)
+
+    def _integrated(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
+        """Return whether a state event ended the integration, and when."""
+        self._solver.failure = None
+        try:
+            is_event, _, time = self._solver.step(time, until)
+        except RuntimeError as error:
+            if self._solver.failure is not None:
+                raise self._solver.failure from error
+            raise PlantFailed(instance.failure("not_integrated", "", time, doing=str(error))) from error
+        return is_event, time
+
+    def _event(self, instance: Instance, time: float, inputs: Vector | None = None) -> None:
+        """Go through event mode, with inputs that have changed, and start the solver anew."""
+        with instance.calling(time, "at an event") as fmu:
+            fmu.enterEventMode()
+            if inputs is not None:
+                self._send(inputs)
+            self._next_event = self._settled(instance, time)
+            self._solver.reset(time)
+
+    def _settled(self, instance: Instance, time: float) -> float | None:
+        """Iterate an event, enter continuous time and return when the next time event is, if there is one."""
+        with instance.calling(time, "at an event") as fmu:
+            update = fmu.newDiscreteStates if self._description.fmi == 2 else fmu.updateDiscreteStates
+            for _ in range(_MOST_ITERATIONS):
+                goes_on, ended, _, _, is_defined, next_time = update()
+                if ended:
+                    raise PlantFailed(instance.failure("ended", "", time))
+                if not goes_on:
+                    fmu.enterContinuousTimeMode()
+                    return next_time if is_defined else None
+        raise PlantFailed(instance.failure("not_integrated", "", time, doing="its events never settle"))
+
+
+def loaded_plant(description: Description) -> type[CoSimulation | SlaveOfFmi3 | IntegratedModel]:
+    """Return the class that steps an FMU in this process: Co-Simulation where it offers both."""
+    if description.co_simulation is None:
+        return IntegratedModel
+    return CoSimulation if description.fmi == 2 else SlaveOfFmi3
+
+
+class _HeldInputs:
+    """Inputs as CVodeSolver wants them; they are held, and set at events."""
+
+    def apply(self, time: float) -> None:
+        """Do nothing."""
+
+
+def _solver(instance: Instance, period: float) -> Any:
+    """Return FMPy's interface to CVODE for an FMU in continuous-time mode.
+
+    Raises:
+        FmuError: FMPy has no CVODE for this platform.
+    """
+    # FMPy ships CVODE for some platforms only, and loads it with this module.
+    try:
+        sundials: Any = import_module("fmpy.sundials")
+    except (OSError, AttributeError) as error:
+        raise FmuError(
+            f"{instance.description.file}: Model Exchange is integrated by CVODE, which FMPy does not have for this "
+            f"platform ({error}); export the FMU as Co-Simulation."
+        ) from error
+
+    class Solver(sundials.CVodeSolver):
+        """CVODE, which is told when an FMI function fails: FMPy's callbacks would go on with what there is."""
+
+        failure: FMICallException | None = None
+
+        def __init__(self, **arguments: Any) -> None:
+            super().__init__(**arguments)
+            # SUNDIALS would print what becomes a sentence here.
+            sundials.sundials_core.SUNContext_ClearErrHandlers(self.sunctx)
+            sundials.SUNContext_PushErrHandler(self.sunctx, self.ehfun_, None)
+
+        def f(self, *arguments: Any) -> int:
+            return self._guarded(super().f, arguments)
+
+        def g(self, *arguments: Any) -> int:
+            return self._guarded(super().g, arguments)
+
+        def _guarded(self, function: Callable[..., int], arguments: tuple[Any, ...]) -> int:
+            """Return what CVODE takes for success, a step that is too long, or the end."""
+            try:
+                return function(*arguments)
+            except FMICallException as error:
+                self.failure = error
+                return 1 if error.status == _DISCARD else -1
+
+    fmu, description = instance.fmpy, instance.description
+
+    def nominals(pointer: Any, size: int) -> None:
+        fmu.getNominalsOfContinuousStates(pointer, size)
+        values = np.ctypeslib.as_array(pointer, (size,))
+        values[~(np.isfinite(values) & (values > 0))] = 1.0
+
+    is_fmi_2 = description.fmi == 2
+    with instance.calling(0.0, "starting the solver"):
+        return Solver(
+            nx=len(description.states) if is_fmi_2 else fmu.getNumberOfContinuousStates(),
+            nz=description.event_indicators if is_fmi_2 else fmu.getNumberOfEventIndicators(),
+            get_x=fmu.getContinuousStates,
+            set_x=fmu.setContinuousStates,
+            get_dx=fmu.getDerivatives if is_fmi_2 else fmu.getContinuousStateDerivatives,
+            get_z=fmu.getEventIndicators,
+            get_nominals=nominals,
+            set_time=fmu.setTime,
+            input=_HeldInputs(),
+            startTime=0.0,
+            # State events are looked for at least once in each period.
+            maxStep=period,
+            relativeTolerance=TOLERANCE,
+            maxNumSteps=_MOST_STEPS,
+        )

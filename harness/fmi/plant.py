@@ -1,0 +1,184 @@
+"""A plant that is an FMU: its life from `with` over start and steps to the first failure, however it is stepped."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Generator
+from contextlib import ExitStack, contextmanager
+from math import isfinite
+from pathlib import Path
+from types import TracebackType
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi.description import Description
+from railgrip.fmi.instance import Instance, Way, unpack
+from railgrip.fmi.mapping import Binding
+from railgrip.fmi.parameters import Values, assignments
+
+Vector = NDArray[np.float64]
+
+
+class SteppedPlant:
+    """A plant that is stepped by an FMU, wherever that FMU runs: its step count, time and first failure.
+
+    Attributes:
+        sample: Number of steps since the start; −1 before `start`.
+    """
+
+    def __init__(self, description: Description, binding: Binding, period: float, parameters: Values) -> None:
+        """Check period [s] and parameters; see `LoadedPlant`."""
+        if not (isfinite(period) and period > 0):
+            raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
+        self._description = description
+        self._binding = binding
+        self._period = period
+        self._parameters = dict(parameters)
+        self._assignments = assignments(description, parameters)
+        self._stack = ExitStack()
+        self._failure: PlantFailed | None = None
+        self.sample = -1
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return max(self.sample, 0) * self._period
+
+
+class LoadedPlant(SteppedPlant, ABC):
+    """An FMU in this process.
+
+        with CoSimulation(description, binding, period=1e-3, parameters={"mass": 84e3}) as plant:
+            outputs = plant.start(inputs)
+            while moving:
+                outputs = plant.step(inputs)
+
+    Vectors are those of `binding.inputs` and `binding.outputs`. After a failed call the instance cannot be used again.
+    """
+
+    _way: ClassVar[Way] = "co-simulation"
+
+    def __init__(
+        self,
+        description: Description,
+        binding: Binding,
+        *,
+        period: float,
+        parameters: Values,
+        folder: Path | None = None,
+    ) -> None:
+        """Check the arguments; nothing is loaded before `with`.
+
+        Args:
+            period: Communication step [s].
+            parameters: Values by FMU variable, in the FMU's units.
+            folder: Folder of the unpacked FMU; None unpacks it for the duration of the `with`.
+
+        Raises:
+            FmuError: A parameter is wrong or the period is not positive.
+        """
+        super().__init__(description, binding, period, parameters)
+        self._folder = folder
+        self._instance: Instance | None = None
+        self._ready = False  # started, not failed, not closed
+        # Outputs that the FMU has, by their places among all of the binding's.
+        channels = binding.outputs.channels
+        self._places = np.sort(np.concatenate([[], *(c.positions for c in channels)])).astype(np.intp)
+        self._blank = np.full(binding.outputs.size, np.nan)
+
+    def __enter__(self) -> Self:
+        """Unpack, load, instantiate and set the parameters."""
+        with ExitStack() as stack:
+            folder = self._folder or stack.enter_context(unpack(self._description))
+            instance = Instance(self._description, self._way, folder, name="plant")
+            stack.callback(instance.close)
+            instance.assign(self._assignments, 0.0)
+            self._instance = instance
+            self._prepare(instance)
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
+    ) -> None:
+        """Free everything, whatever happened."""
+        self._instance = None
+        self._ready = False
+        self._stack.close()
+
+    def start(self, inputs: Vector) -> Vector:
+        """Initialise with `inputs` applied and return the outputs at the start time.
+
+        Raises:
+            PlantFailed: The FMU cannot be initialised.
+        """
+        instance = self._open()
+        if self.sample >= 0:
+            raise RuntimeError("a plant is started once; open another one to start again")
+        if np.shape(inputs) != (self._binding.inputs.size,):
+            raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
+        with self._remembering():
+            instance.enter_initialization()
+            self._send(inputs)
+            self._begin(instance)
+            self.sample = 0
+            outputs = self._receive()
+        self._ready = True
+        return self._spread(outputs)
+
+    @abstractmethod
+    def step(self, inputs: Vector) -> Vector:
+        """Hold `inputs` over one period and return the outputs at its end.
+
+        Raises:
+            PlantFailed: The FMU did not return OK, or an output is not finite.
+        """
+
+    @abstractmethod
+    def _prepare(self, instance: Instance) -> None:
+        """Make what every step needs."""
+
+    @abstractmethod
+    def _send(self, inputs: Vector) -> None:
+        """Set the inputs."""
+
+    def _begin(self, instance: Instance) -> None:
+        """Leave initialisation mode."""
+        instance.exit_initialization()
+
+    @abstractmethod
+    def _receive(self) -> Vector:
+        """Return the outputs that the FMU has."""
+
+    def _open(self) -> Instance:
+        if self._failure is not None:
+            raise self._failure
+        if self._instance is None:
+            raise RuntimeError(f"a {type(self).__name__} is used inside 'with'")
+        return self._instance
+
+    def _not_ready(self) -> Exception:
+        return self._failure or RuntimeError(f"a {type(self).__name__} is started before it is stepped, inside 'with'")
+
+    def _spread(self, outputs: Vector) -> Vector:
+        """Return the vector of all signals, NaN where the FMU has none."""
+        if outputs.size == self._blank.size:
+            return outputs.copy()
+        everything = self._blank.copy()
+        everything[self._places] = outputs
+        return everything
+
+    def _not_finite(self, instance: Instance, place: int, value: float) -> PlantFailed:
+        """Return the failure of the output at a place among those that the FMU has."""
+        name = self._binding.outputs.elements[self._places[place]]
+        return PlantFailed(instance.failure("not_finite", "", self.time, variable=name, doing=f"{value}"))
+
+    @contextmanager
+    def _remembering(self) -> Generator[None]:
+        """Keep a failure that passes: the plant is spent and repeats it from then on."""
+        try:
+            yield
+        except PlantFailed as error:
+            self._failure, self._ready = error, False
+            raise

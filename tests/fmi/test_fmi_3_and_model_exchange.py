@@ -1,0 +1,238 @@
+"""Plants by FMI 3.0 and by Model Exchange: the same numbers as by Co-Simulation 2.0, and as closed forms."""
+
+import re
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from tiny_fmu import tied, tiny, xml
+
+from railgrip.base.errors import FmuError, PlantFailed
+from railgrip.fmi import Binding, Description, IsolatedCoSimulation, Signal, bind, describe, open_plant
+from railgrip.fmi.by_fmpy import IntegratedModel
+from railgrip.fmi.plant import LoadedPlant
+from railgrip.fmus.native import package
+from railgrip.fmus.native.dae import read
+from railgrip.fmus.native.fmi3 import as_fmi_3
+from railgrip.fmus.native.system import System, explicit
+from railgrip.fmus.native.toolchain import shared_library
+from railgrip.report.stop import Stop
+from railgrip.scenario.load import load
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.mapped import mapped
+from railgrip.simulate.run import run_stop
+
+ROOT = Path(__file__).parents[2]
+HERE = Path(__file__).parent
+SCENARIO = ROOT / "harness" / "scenario" / "library" / "foreign_train.toml"
+PERIOD = 1e-3
+BALL = (HERE / "bouncing_ball.xml").read_text()
+G, BOUNCE = 9.81, 0.7
+
+
+def ball(folder: Path, description: str = BALL) -> Path:
+    """Build the FMU of bouncing_ball.c in `folder` and return its file."""
+    source = {"bouncing_ball.c": (HERE / "bouncing_ball.c").read_text()}
+    library = shared_library(source, "bouncing_ball", flags=("-fvisibility=default",))
+    file = folder / "ball.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", description)
+        archive.write(library, f"binaries/{fmpy.platform_tuple}/bouncing_ball{fmpy.sharedLibraryExtension}")
+    return file
+
+
+def ball_binding(description: Description) -> Binding:
+    return bind(
+        description,
+        inputs=[Signal(name="lift", unit="m/s2", size=0, needed=True)],
+        outputs=[
+            Signal(name="x", unit="1", size=2, needed=True),
+            Signal(name="bounces", unit="1", size=0, needed=True),
+        ],
+        table={"x": {"variable": "x[{i}]", "unit": "1"}},
+    )
+
+
+def flight(plant: LoadedPlant | IsolatedCoSimulation, lift: np.ndarray) -> np.ndarray:
+    """Return height, speed and bounces at the start and after each period."""
+    with plant:
+        rows = [plant.start(np.zeros(1))]
+        rows += [plant.step(np.array([value])) for value in lift]
+    return np.array(rows)
+
+
+def bouncing(time: np.ndarray) -> np.ndarray:
+    """Return height, speed and bounces of a ball dropped from 1 m."""
+    at, speed, count = np.sqrt(2 / G), BOUNCE * np.sqrt(2 * G), 1
+    rows = np.stack([1 - G * time**2 / 2, -G * time, 0 * time], axis=1)
+    while at < time[-1]:
+        since, later = time - at, time >= at
+        rows[later] = np.stack([speed * since - G * since**2 / 2, speed - G * since, 0 * time + count], axis=1)[later]
+        at, speed, count = at + 2 * speed / G, BOUNCE * speed, count + 1
+    return rows
+
+
+# ---- Model Exchange against closed forms -------------------------------------------------------------------------
+
+
+def test_cvode_follows_inputs_that_change_at_each_period(foundry: Path):
+    """x' = −rate x + gain u, with u held over each period, is stepped exactly by an exponential."""
+    description = describe(tiny(foundry, description=xml(ways=("ModelExchange",))))
+    held = np.repeat(np.random.default_rng(3).normal(size=20), 5)
+    with open_plant(
+        description, tied(description), period=0.01, parameters={"rate": 5.0}, trusted=True, notify=lambda _: None
+    ) as plant:
+        assert isinstance(plant, IntegratedModel)
+        rows = [plant.start(held[:1])]
+        rows += [plant.step(np.array([u])) for u in held]
+    x = 1.0
+    for k, u in enumerate(held):
+        x = 3 * u / 5 + (x - 3 * u / 5) * np.exp(-5.0 * 0.01)
+        # 1e-6 is allowed for each of CVODE's steps, of which there are about ten in a period; errors decay with 5/s.
+        assert rows[k + 1][0] == pytest.approx(x, abs=1e-4)
+        assert rows[k + 1][1] == pytest.approx(2 * rows[k + 1][0] + u, rel=1e-12), "y = 2 x + u at the end of the step"
+
+
+def test_bounces_are_found_where_they_are(foundry: Path):
+    """State events: a ball's flights are parabolas, each by the factor of the bounce shorter."""
+    description = describe(ball(foundry))
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={})
+    rows = flight(plant, np.zeros(2000))
+    exact = bouncing(np.arange(2001) * PERIOD)
+    assert rows[-1, 2] == exact[-1, 2] == 4
+    # 1e-6 is allowed for each step, and the hundred steps of a flight delay its end by up to as much of its speed.
+    far = np.abs(exact[:, 0]) > 1e-3
+    np.testing.assert_allclose(rows[far, :2], exact[far, :2], atol=1e-4)
+
+
+def test_a_time_event_is_taken_when_it_is_due(foundry: Path):
+    """From `gust_at` on, between two communication points, there is 1 m/s² more."""
+    description, at = describe(ball(foundry)), 0.1234567
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"gust_at": at})
+    rows = flight(plant, np.zeros(300))
+    time = np.arange(301) * PERIOD
+    exact = 1 - G * time**2 / 2 + np.maximum(time - at, 0) ** 2 / 2
+    np.testing.assert_allclose(rows[:, 0], exact, atol=1e-5)  # 300 steps of 1e-6 at most; the gust makes 0.016 m
+    np.testing.assert_allclose(rows[:, 1], -G * time + np.maximum(time - at, 0), atol=1e-5)
+
+
+def test_an_element_of_an_array_is_a_parameter_and_the_others_keep_their_start_values(foundry: Path):
+    description = describe(ball(foundry))
+    assert [description.variables[f"x[{i}]"].reference for i in (1, 2)] == [1, 1]
+    assert description.states == ("x[1]", "x[2]")
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"constants[1]": 1.62})
+    rows = flight(plant, np.zeros(1300))  # on the moon the ball lands after 1.111 s
+    assert rows[-1, 2] == 1
+    assert rows[1200, 1] == pytest.approx(BOUNCE * np.sqrt(2 * 1.62) - 1.62 * (1.2 - np.sqrt(2 / 1.62)), abs=1e-4)
+
+
+def test_it_is_the_same_in_a_process_of_its_own(foundry: Path):
+    description, lift = describe(ball(foundry)), np.random.default_rng(5).normal(size=50)
+    binding = ball_binding(description)
+    plants = [
+        kind(description, binding, period=PERIOD, parameters={}) for kind in (IntegratedModel, IsolatedCoSimulation)
+    ]
+    here, apart = (flight(plant, lift) for plant in plants)
+    np.testing.assert_array_equal(here, apart)
+
+
+def test_an_error_in_the_derivatives_ends_in_the_fmus_own_words(foundry: Path):
+    description = describe(ball(foundry))
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"constants[2]": -1.0})
+    with plant:
+        plant.start(np.zeros(1))
+        with pytest.raises(PlantFailed) as failed:
+            plant.step(np.zeros(1))
+        with pytest.raises(PlantFailed):  # it is spent
+            plant.step(np.zeros(1))
+    text = str(failed.value)
+    assert "fmi3GetContinuousStateDerivatives returned fmi3Error" in text
+    assert "the ball is no ball" in text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fact"),
+    [
+        ('<Float64 name="indicator"', '<Clock intervalVariability="triggered" name="indicator"', "is a clock"),
+        ('start="9.81 0.7"><Dimension start="2"/>', 'start="9.81"><Dimension start="99999999"/>', "variables under"),
+        ('<Output valueReference="6"/>', '<Output valueReference="66"/>', "value reference '66'"),
+        ('start="9.81 0.7"', 'start="9.81 0.7 3"', "'constants' has 3 start values"),
+        ('start="9.81 0.7"', 'start="9.81 much"', "'constants' has start='much'"),
+        ("ModelExchange ", "ScheduledExecution ", "neither Co-Simulation nor Model Exchange"),
+        ('fmiVersion="3.0"', 'fmiVersion="3.0-beta.2"', "this is FMI 3.0-beta.2"),
+    ],
+    ids=["clock", "size", "reference", "starts", "start", "interface", "version"],
+)  # fmt: skip
+def test_what_cannot_be_stepped_is_refused_with_the_reason(foundry: Path, old: str, new: str, fact: str):
+    assert old in BALL
+    with pytest.raises(FmuError, match=re.escape(fact)):
+        describe(ball(foundry, BALL.replace(old, new)))
+
+
+def test_a_structural_parameter_cannot_be_set(foundry: Path):
+    description = describe(ball(foundry))
+    with pytest.raises(FmuError, match="'n'"):
+        IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"n": 3})
+
+
+# ---- the same train by every interface ---------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def system() -> System:
+    return explicit(read("ForeignTrain.Train", ROOT / "modelica" / "ForeignTrain"))
+
+
+def stop_of(system: System, folder: Path, way: str) -> Stop:
+    """Return the stop of the foreign train's scenario from 20 km/h, with its plant by one of the interfaces."""
+    interface = "me" if way == "ME 2.0" else "cs"
+    source = package.sources(system, interfaces=(interface,), solver="rodas4", tolerance=1e-6, step=PERIOD)
+    file = package.pack(as_fmi_3(source) if way == "CS 3.0" else source, folder / f"{way}.fmu")
+    path = folder / f"{way}.toml"
+    path.write_text(re.sub(r'plant = ".*"', f'plant = "{file}"', SCENARIO.read_text()))
+    return run_stop(load(path, ["vehicle.trust=true", "start.speed=20 km/h"]))
+
+
+def test_a_train_stops_where_it_does_by_whatever_interface(system: System, tmp_path: Path):
+    stops = {way: stop_of(system, tmp_path, way) for way in ("CS 2.0", "CS 3.0", "ME 2.0")}
+    assert {stop.outcome for stop in stops.values()} == {Outcome.STANDSTILL}
+    # The solver is the FMU's own, and the same, by FMI 2.0 and 3.0.
+    np.testing.assert_array_equal(stops["CS 3.0"].trace["speed"], stops["CS 2.0"].trace["speed"])
+    # CVODE and the FMU's Rosenbrock method differ by 1e-6 in each step, which moves the switching of slip control by a
+    # sample now and then: by less than the way of one sample in all.
+    distance = stops["CS 2.0"].metrics.distance
+    assert stops["ME 2.0"].metrics.distance == pytest.approx(distance, abs=20 / 3.6 * PERIOD)
+
+
+def test_a_train_of_arrays_by_fmi_3_is_mapped_and_stops(tmp_path: Path):
+    """Elements of the arrays of PythonFMU3's train are wheelsets, by Co-Simulation as by Model Exchange."""
+    builder = pytest.importorskip("pythonfmu3.builder")
+    text, distances = (HERE / "array_train.py").read_text(), list[float]()
+    for way in ("CoSimulation", "ModelExchange"):
+        folder = tmp_path / way
+        folder.mkdir()
+        script = folder / f"array_train_{way.lower()}.py"
+        script.write_text(text.replace("CoSimulation as Interface", f"{way} as Interface"))
+        file = builder.FmuBuilder.build_FMU(script, folder, needsExecutionTool=False)
+        description = describe(file)
+        assert (description.fmi, description.co_simulation is None) == (3, way == "ModelExchange")
+        draft = mapped(description, wheelsets_per_group=(), speed=20.0, period=PERIOD)
+        table = {name: entry.plain for name, entry in draft.table.items()}
+        assert table["wheelset_speed"] == "wheel_speed[{i}]"
+        assert all(finding.good for finding in draft.findings)
+        scenario = folder / "train.toml"
+        rest = SCENARIO.read_text()
+        vehicle = f'[vehicle]\nplant = "{file}"\n\n' + "\n".join(draft.lines()) + "\n\n"
+        scenario.write_text(rest[: rest.index("[vehicle]")] + vehicle + rest[rest.index("[start]") :])
+        brakes = [
+            "vehicle.formation.brakes.p_max=3 bar",
+            "vehicle.formation.wheelset_load=[98.1e3, 98.1e3, 98.1e3, 98.1e3]",
+        ]
+        dry = ["adhesion.mu0=0.3", "start.speed=10 km/h", "controller.kind=full_brake"]
+        stop = run_stop(load(scenario, [*brakes, *dry]))
+        assert stop.outcome is Outcome.STANDSTILL, stop.reason
+        distances.append(stop.metrics.distance)
+    # Heun's method with 0.1 ms in the one, CVODE with 1e-6 in the other: both know their train far better than to 1e-4.
+    assert distances[0] == pytest.approx(distances[1], rel=1e-4)
