@@ -152,6 +152,31 @@ def binary(
         return (folder / output).read_bytes()
 
 
+def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str], flags: Sequence[str] = ()) -> bytes:
+    """Return C sources as a static library for this machine; arguments and errors are those of `shared_library`.
+
+    Raises:
+        CompilerMissing: There is no C compiler, or no `ar` beside it.
+    """
+    cc = compiler()
+    archiver = (*cc.command[:-1], "ar") if cc.command[-1:] == _ZIG[-1:] else (shutil.which("ar") or "",)
+    if not archiver[0]:
+        raise CompilerMissing("a static library takes the program `ar`, which comes with the C compiler (binutils).")
+    with scratch("build") as folder:
+        for file, text in sources.items():
+            (folder / file).write_text(text, encoding="utf-8")
+        options = [option for option in _options((), flags) if option != "-shared"]
+        objects = [f"{Path(unit).stem}.o" for unit in units]
+        for command in (
+            [*cc.command, *options, "-c", *units],
+            [*archiver, "rcs", f"lib{name}.a", *objects],
+        ):
+            code, words = _run(command, folder, name)
+            if code:
+                raise BuildFailed(f"{' '.join(command[:1])} could not make lib{name}.a:\n{_head(words)}")
+        return (folder / f"lib{name}.a").read_bytes()
+
+
 def _compiler_for(target: Target) -> Compiler:
     if importlib.util.find_spec("ziglang") is None:
         raise CompilerMissing(

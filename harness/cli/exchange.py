@@ -17,6 +17,7 @@ from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
+from railgrip.simulate.library import write_library
 from railgrip.simulate.mapped import mapped
 from railgrip.simulate.parts_in_c import part_fmu
 from railgrip.simulate.plant_fmu import plant_fmu
@@ -59,6 +60,12 @@ def export(
             "--platforms", metavar="NAME", help=f"{', '.join(TARGETS)}, or all; repeatable. This one unless given."
         ),
     ] = None,
+    library: Annotated[
+        bool,
+        typer.Option(
+            "--library", help="In place of an FMU: a folder with static library, header and C of the onboard part."
+        ),
+    ] = False,
     ssp: Annotated[
         Path | None, typer.Option(help="In place of an FMU: the whole loop as a system of FMUs, SSP 1.0.")
     ] = None,
@@ -66,10 +73,22 @@ def export(
     """Make FMUs of a scenario for another tool: a part or the whole loop."""
     scenario, targets = load(file, overrides or [], equipment or []), _targets(platforms or [])
     if ssp is not None:
-        if out is not None or fmi == 3 or part != Part.ONBOARD:
-            raise InputError("--ssp writes all parts by FMI 2 into one file; leave out --out, --part and --fmi.")
+        if out is not None or fmi == 3 or part != Part.ONBOARD or library:
+            raise InputError(
+                "--ssp writes all parts by FMI 2 into one file; leave out --out, --part, --fmi and --library."
+            )
         make_folder(ssp.parent, ssp.name)
         say(str(write_ssp(scenario, ssp, targets)))
+        return
+    if library:
+        if fmi == 3 or targets or part != Part.ONBOARD:
+            raise InputError(
+                "--library compiles the onboard part for this machine; leave out --part, --fmi and --platforms."
+            )
+        folder = out or Path("build") / f"{scenario.name}-library"
+        make_folder(folder, "library")
+        for file in write_library(scenario, folder):
+            say(str(file))
         return
     place = out or Path("build") / f"{scenario.name}-{part}.fmu"
     make_folder(place.parent, place.name)

@@ -68,7 +68,12 @@ class _Role:
 
 
 def part_fmu(scenario: Scenario, kind: Kind) -> Source:
-    """Return C code and modelDescription.xml of a part of a scenario's stop.
+    """Return C code and modelDescription.xml of a part of a scenario's stop; errors are those of `part_in_c`."""
+    return sources(part_in_c(scenario, kind))
+
+
+def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
+    """Return a part of a scenario's stop as a system of its own.
 
     A step is one communication period. Readings are NaN where a sensor has nothing new.
 
@@ -80,7 +85,19 @@ def part_fmu(scenario: Scenario, kind: Kind) -> Source:
     with assembled(scenario) as opened:
         parts, struct = opened.parts, Loop(opened.parts).struct
         role = {"onboard": _onboard, "estimator": _estimator, "sensors": _sensors, "track": _track}[kind]
-        return _source(scenario, parts, kind, role(scenario, parts, struct))
+        return _system(scenario, parts, kind, role(scenario, parts, struct))
+
+
+def readings_of(scenario: Scenario) -> NDArray[np.float64]:
+    """Return what the onboard part is given in each sample of a scenario's stop, shape (samples, inputs)."""
+    with assembled(_with_filter_in_c(scenario)) as opened:
+        opened.run()
+        recorder, parts = opened.recorder, opened.parts
+        rows = recorder.rows[: recorder.written]
+        demand = np.tile(parts.driver.full, (len(rows), 1))
+        if parts.driver.has_phases:
+            demand = rows[:, recorder.block(DRIVEN)]
+        return np.hstack([rows[:, recorder.block(parts.layout.reading_signals)], demand])
 
 
 def _with_filter_in_c(scenario: Scenario) -> Scenario:
@@ -91,7 +108,7 @@ def _with_filter_in_c(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"estimator": estimator.model_copy(update={"kind": "compiled"})})
 
 
-def _source(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Source:
+def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discrete:
     layout, estimator = parts.layout, parts.estimator
     files = headers(layout) | texts(*_UNITS) | {"export.h": "#define EXPORT\n"}
     units: tuple[str, ...] = ()
@@ -119,22 +136,18 @@ def _source(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Source
         f"    return sample_{kind}(c, k, given, parameter, shown);",
         "}",
     ]
-    return sources(
-        Discrete(
-            name=f"{scenario.name}_{kind}",
-            description=_DESCRIPTIONS[kind],
-            period=parts.clock.period,
-            states=(),
-            inputs=tuple(role.given),
-            parameters=tuple(role.parameters),
-            outputs=tuple(role.shown),
-            step=WrittenStep(text="\n".join(text), files=files, units=units),
-            # A train that begins to move has nothing but zeros to wait for.
-            waits=sum(not variable.name.startswith("driver_demand") for variable in role.given)
-            if scenario.start.speed
-            else 0,
-            hidden=PERIODS,
-        )
+    return Discrete(
+        name=f"{scenario.name}_{kind}",
+        description=_DESCRIPTIONS[kind],
+        period=parts.clock.period,
+        states=(),
+        inputs=tuple(role.given),
+        parameters=tuple(role.parameters),
+        outputs=tuple(role.shown),
+        step=WrittenStep(text="\n".join(text), files=files, units=units),
+        # A train that begins to move has nothing but zeros to wait for.
+        waits=sum(not given.name.startswith("driver_demand") for given in role.given) if scenario.start.speed else 0,
+        hidden=PERIODS,
     )
 
 

@@ -1,0 +1,132 @@
+"""The onboard part as a C library: a program that is linked with it decides as the FMU does."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import extract
+from fmpy.fmi2 import FMU2Slave
+from synthetic import LIBRARY
+
+from railgrip.fmi import describe
+from railgrip.fmus.native.package import pack
+from railgrip.fmus.native.toolchain import compiler
+from railgrip.scenario.load import load
+from railgrip.simulate.library import write_library
+from railgrip.simulate.parts_in_c import part_fmu
+
+PERIOD = 1e-3
+PROGRAM = """
+#include <stdio.h>
+#include <string.h>
+#include "plain_onboard.h"
+int main(void) {
+    static plain_onboard_State moved, state;
+    plain_onboard_Inputs in;
+    plain_onboard_Outputs out;
+    double row[sizeof in / sizeof(double)];
+    plain_onboard_start(&moved);
+    memcpy(&state, &moved, sizeof state); /* a state may be copied */
+    while (fread(row, sizeof row, 1, stdin)) {
+        memcpy(&in, row, sizeof row);
+        if (plain_onboard_step(&state, &in, &out)) return 1;
+        fwrite(&out, sizeof out, 1, stdout);
+    }
+    return 0;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    """Valves behind an estimator, from 30 km/h: every part that can be on board."""
+    pneumatic = ("vehicle.plant=TwoPartTrainPneumatic", "actuation.kind=pneumatic")
+    return load(LIBRARY / "plain.toml", ["estimator.kind=compiled", "start.speed=30 km/h", *pneumatic])
+
+
+@pytest.fixture(scope="module")
+def library(scenario, tmp_path_factory) -> Path:
+    folder = tmp_path_factory.mktemp("library")
+    files = [*write_library(scenario, folder)]
+    assert all(file.is_file() for file in files)
+    return folder
+
+
+def readings(library: Path) -> np.ndarray:
+    return np.loadtxt(library / "readings.csv", delimiter=",", skiprows=1)
+
+
+def compiled(program: Path, library: Path, *more: str) -> Path:
+    binary = program.with_suffix("")
+    here = [f"-I{library}", str(program), str(library / "libplain_onboard.a"), "-lm", *more, "-o", str(binary)]
+    subprocess.run([*compiler().command, "-Wall", "-Werror", *here], check=True)
+    return binary
+
+
+def by_fmu(scenario, folder: Path, rows: np.ndarray) -> np.ndarray:
+    """Return the outputs of the onboard FMU at the end of each step."""
+    description = describe(pack(part_fmu(scenario, "onboard"), folder / "onboard.fmu"))
+    given, shown = (
+        [description.variables[name].reference for name in description.names(kind)] for kind in ("input", "output")
+    )
+    interface = description.co_simulation
+    assert interface is not None
+    fmu = FMU2Slave(
+        guid=description.guid, unzipDirectory=extract(str(description.file), str(folder / "fmu")),
+        modelIdentifier=interface.identifier, instanceName="onboard",
+    )  # fmt: skip
+    fmu.instantiate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    outputs = []
+    for k, row in enumerate(rows):
+        fmu.setReal(given, row.tolist())
+        fmu.doStep(k * PERIOD, PERIOD)
+        outputs.append(fmu.getReal(shown))
+    fmu.terminate()
+    fmu.freeInstance()
+    return np.array(outputs)
+
+
+def test_a_program_with_the_library_decides_as_the_fmu_does(scenario, library: Path, tmp_path: Path):
+    rows = readings(library)
+    assert len(rows) > 3000, "a stop"
+    (tmp_path / "program.c").write_text(PROGRAM)
+    binary = compiled(tmp_path / "program.c", library)
+    run = subprocess.run([str(binary)], input=rows.tobytes(), stdout=subprocess.PIPE, check=True)
+    expected = by_fmu(scenario, tmp_path, rows)
+    # The same C by the same compiler: equal to the last bit.
+    np.testing.assert_array_equal(np.frombuffer(run.stdout).reshape(expected.shape), expected)
+    assert len(np.unique(expected[:, :4])) > 1, "the valves move"
+
+
+def test_the_library_allocates_nothing_and_keeps_its_names_to_itself(library: Path):
+    nm = shutil.which("nm")
+    if nm is None:
+        pytest.skip("nm, of binutils, lists the symbols")
+    text = subprocess.run([nm, str(library / "libplain_onboard.a")], capture_output=True, text=True, check=True).stdout
+    symbols = re.findall(r"^[0-9a-f ]* ([A-Za-z]) (\w+)$", text, re.MULTILINE)
+    wanted = {name for kind, name in symbols if kind == "U" and not name.startswith("plain_onboard_")}
+    assert wanted <= {"exp", "log", "sqrt", "sin", "cos", "tan", "atan", "tanh", "pow", "fabs", "fmax", "fmin", "fmod",
+                      "floor", "memcpy", "memset", "memmove", "_GLOBAL_OFFSET_TABLE_", "__stack_chk_fail"}  # fmt: skip
+    assert all(name.startswith("plain_onboard_") for kind, name in symbols if kind.isupper() and kind != "U")
+    assert not {kind for kind, _ in symbols} & set("BbCD"), "no variable is shared by the states"
+
+
+def test_the_program_beside_it_measures_a_stop(library: Path, tmp_path: Path):
+    shutil.copy(library / "worst_case.c", tmp_path)
+    binary = compiled(tmp_path / "worst_case.c", library, "-lpthread")
+    text = subprocess.run(
+        [str(binary), str(library / "readings.csv")], capture_output=True, text=True, check=True
+    ).stdout
+    median, worst, longest = (float(x) for x in re.findall(r"([\d.]+) us", text))
+    state, stack = (int(x) for x in re.findall(r"(\d+) bytes", text))
+    assert 0 < median <= worst <= longest
+    assert 0 < stack < 1 << 20
+    declared = re.search(r"memory\[(\d+)\]", (library / "plain_onboard.h").read_text())
+    assert declared is not None
+    assert state > 8 * int(declared[1])
