@@ -1,6 +1,9 @@
 """FMUs of this project's Modelica classes, or of a class of the user's own: build, list and check."""
 
 import shutil
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, cast
 
@@ -9,10 +12,12 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.cli.app import fail
 from railgrip.fmi.comparison import validation_problems
+from railgrip.fmi.survey import Surveyed, survey
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import progress, say, show_table
+from railgrip.report.marked import write_tables
 from railgrip.report.table import Table
 
 
@@ -74,6 +79,46 @@ def _list() -> None:
         for name, recipe in read_recipes().recipes.items()
     ]
     show_table(Table(rows, left=list(rows[0])))
+
+
+PAGE = Path("docs/foreign_fmus.md")
+END = "<!-- end of fmus -->"
+BEGIN = "<!-- fmus: written by `railgrip maintain fmus FOLDER --write` -->"
+
+
+def survey_command(
+    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="With FMUs, in any folders below it.")],
+    out: Annotated[Path, typer.Option(help="File for a line of each FMU.")] = Path("build/fmus.csv"),
+    write: Annotated[bool, typer.Option("--write", help=f"Write the table into {PAGE}.")] = False,
+) -> None:
+    """Open each FMU of a folder in a process of its own, step it, and say why where it does not."""
+    with progress("stepping"):
+        rows = [*survey(folder)]
+    if not rows:
+        raise InputError(f"{folder}: there is no file *.fmu in it or below it.")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    lines = ("file", "tool", "FMI", "reason", "sentence")
+    Table.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(out)
+    table = _surveyed_table(rows)
+    show_table(table)
+    if write:
+        write_tables(PAGE, {BEGIN: table}, END)
+
+
+def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
+    """Return how many FMUs of each tool and interface step, and why others do not."""
+    kinds = dict.fromkeys(sorted((one.tool.lower(), one.tool, one.interface) for one in rows))
+    lines: list[tuple[str, str, int, int, str]] = []
+    for _, tool, interface in kinds:
+        own = [one for one in rows if (one.tool, one.interface) == (tool, interface)]
+        reasons = Counter(one.reason for one in own if one.reason)
+        why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
+        lines.append((tool, interface, len(own), len(own) - reasons.total(), why))
+    lines.append(("all", "", len(rows), sum(line[3] for line in lines), ""))
+    return replace(
+        Table.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
+        left=("tool", "FMI", "refused or failed, why"),
+    )
 
 
 def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:

@@ -15,6 +15,7 @@ class _Maintain(Commands):
             "validation": Command("baselines:validation", "Write the accepted distances into docs/validation.md."),
             "conditioning": Command("baselines:conditioning", "Repeat stops with the plant's parameters perturbed."),
         },
+        "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},
         "Searches": {
             "calibrate": Command("searches:calibrate", "Fit the levels of the scenarios to the published distances."),
             "tune-control": Command("searches:tune_control", "Search the parameters of the control laws."),

@@ -28,6 +28,8 @@ class Outline:
 
     Attributes:
         version: Of FMI, as the file says; None when it does not.
+        tool: That made it, as the file says; '' when it does not.
+        step: Communication step that it suggests [s], as written; '' when it suggests none.
         variables: How many there are.
         references: Value references of all variables, as written.
         relative: Names of Real variables that are differences; FMPy does not see that attribute.
@@ -35,6 +37,8 @@ class Outline:
     """
 
     version: str | None
+    tool: str
+    step: str
     variables: int
     references: frozenset[str]
     relative: frozenset[str]
@@ -101,7 +105,8 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
     Raises:
         FmuError: It is no XML, has a document type, or more variables or depth than allowed.
     """
-    version: list[str | None] = []
+    head: dict[str, str] = {}
+    step = ""
     relative: set[str] = set()
     indices: list[tuple[str, int]] = []
     references: set[str] = set()
@@ -110,10 +115,12 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
     parser = expat.ParserCreate()
 
     def start(name: str, attributes: dict[str, str]) -> None:
-        nonlocal depth, variables, section, variable
+        nonlocal depth, step, variables, section, variable
         depth += 1
         if depth == 1:
-            version.append(attributes.get("fmiVersion"))
+            head.update(attributes)
+        if name == "DefaultExperiment":
+            step = attributes.get("stepSize", "")
         if depth > _DEPTH:
             raise FmuError(f"{path}: {DESCRIPTION} has more than {_DEPTH} elements inside each other.")
         if depth == 2:
@@ -146,7 +153,9 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
     except (expat.ExpatError, LookupError) as error:  # LookupError: it names an encoding that nobody knows
         raise FmuError(f"{path}: {DESCRIPTION} is not XML: {error}.") from error
     return Outline(
-        version=version[0],
+        version=head.get("fmiVersion"),
+        tool=head.get("generationTool", ""),
+        step=step,
         variables=variables,
         references=frozenset(references),
         relative=frozenset(relative),

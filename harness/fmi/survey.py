@@ -1,0 +1,131 @@
+"""Which FMUs of a folder open and step here, and why the others do not: each in a process of its own."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Final
+from zipfile import BadZipFile
+
+import numpy as np
+
+from railgrip.base.errors import Failure, FmuError, PlantFailed
+from railgrip.base.limits import FmuLimits
+from railgrip.fmi.archive import outline
+from railgrip.fmi.description import PLATFORMS, Description, Variable, describe
+from railgrip.fmi.isolation import IsolatedCoSimulation
+from railgrip.fmi.mapping import Binding, Channel, Side
+
+STEPS: Final = 20
+_STEP: Final = 1e-3  # s, where the FMU suggests none
+_NUMBERS: Final = ("Real", "Integer", "Boolean", "Enumeration")
+_LIMITS: Final = FmuLimits(patience=60.0, memory_mib=4096)
+_REFUSALS: Final = {
+    r"this is FMI|fmiVersion": "another version of FMI",
+    r"no binary for this platform": f"no binary for {PLATFORMS[2]}",
+    r"is a clock": "clocks",
+    r"not an FMU|archive": "no archive of an FMU",
+    r"is not valid FMI|cannot be understood|ModelStructure|in modelDescription.xml": "a description that is not valid",
+    r"does not load": "a binary that does not load",
+}  # fmt: skip
+"""Sentences of refusals → what they have in common."""
+_AFTER_NAME: Final = re.compile(r"\s*(?:Version|\(|:|,|\s-\s|\bv?\d+\.\d|(?<=[a-z])\d)")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Surveyed:
+    """What became of an FMU.
+
+    Attributes:
+        file: Below the folder.
+        tool: That made it, without version.
+        interface: Version of FMI, with CS or ME where it is run.
+        reason: Why it did not step, in a few words; '' where it did.
+        sentence: The same as a user reads it.
+    """
+
+    file: Path
+    tool: str
+    interface: str
+    reason: str
+    sentence: str
+
+
+def survey(folder: Path) -> Iterator[Surveyed]:
+    """Open each FMU of a folder, set nothing, step it and yield what came of that."""
+    for file in sorted(folder.rglob("*.fmu")):
+        yield _surveyed(file, file.relative_to(folder))
+
+
+def _surveyed(file: Path, name: Path) -> Surveyed:
+    tool, interface, step = "unknown", "", ""
+    try:
+        first = outline(file, _LIMITS)
+        tool, interface, step = _tool(first.tool), first.version or "", first.step
+    except (FmuError, BadZipFile, OSError, KeyError, ValueError, RuntimeError):
+        pass  # `describe` says it
+    try:
+        description = describe(file, _LIMITS)
+        tool = _tool(description.generator)
+        interface = f"{description.fmi}.0 {'ME' if description.co_simulation is None else 'CS'}"
+        _step(description, step)
+    except FmuError as error:
+        sentence = str(error)
+        reason = next((words for pattern, words in _REFUSALS.items() if re.search(pattern, sentence)), "other")
+        return Surveyed(file=name, tool=tool, interface=interface, reason=reason, sentence=_without(file, sentence))
+    except PlantFailed as failed:
+        reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
+        return Surveyed(file=name, tool=tool, interface=interface, reason=reason, sentence=str(failed))
+    return Surveyed(file=name, tool=tool, interface=interface, reason="", sentence="")
+
+
+def _step(description: Description, suggested: str) -> None:
+    """Step an FMU with all of its outputs read; `PlantFailed` where it fails."""
+    outputs = [v for v in description.variables.values() if v.causality == "output" and v.kind in _NUMBERS]
+    binding = Binding(inputs=_side([]), outputs=_side(outputs), unused=(), parameters={})
+    try:
+        period = float(suggested)
+    except ValueError:
+        period = _STEP
+    period = period if isfinite(period) and period > 0 else _STEP
+    with IsolatedCoSimulation(description, binding, period=period, parameters={}, limits=_LIMITS) as plant:
+        plant.start(np.zeros(0))
+        for _ in range(STEPS):
+            plant.step(np.zeros(0))
+
+
+def _side(variables: list[Variable]) -> Side:
+    """Return variables under their own names and in their own units."""
+    carriers = dict.fromkeys(v.carrier for v in variables)
+    return Side(
+        layout={v.name: slice(i, i + 1) for i, v in enumerate(variables)},
+        elements=tuple(v.name for v in variables),
+        absent=(),
+        channels=tuple(_channel(carrier, variables) for carrier in carriers),
+    )
+
+
+def _channel(carrier: str, variables: list[Variable]) -> Channel:
+    own = [(i, v) for i, v in enumerate(variables) if v.carrier == carrier]
+    return Channel(
+        carrier=carrier,
+        references=np.array([v.reference for _, v in own], dtype=np.uint32),
+        elements=np.array([v.element for _, v in own], dtype=np.intp),
+        positions=np.array([i for i, _ in own], dtype=np.intp),
+        gain=np.ones(len(own)),
+        shift=np.zeros(len(own)),
+        variables=tuple(v.name for _, v in own),
+    )
+
+
+def _tool(generator: str) -> str:
+    """Return the name of a tool without versions."""
+    name = _AFTER_NAME.split(generator.strip(), maxsplit=1)[0].strip()
+    if name.startswith(("OpenModelica", "OMCompiler")):
+        return "OpenModelica"
+    return "unknown" if name in ("", "an unnamed tool") else name
+
+
+def _without(file: Path, sentence: str) -> str:
+    return sentence.replace(f"{file}: ", "")

@@ -1,0 +1,52 @@
+"""FMUs of a folder are stepped, and those that do not step say why."""
+
+import csv
+from pathlib import Path
+
+import pytest
+from tiny_fmu import tiny, xml
+
+from railgrip.cli.main import main
+from railgrip.fmi.survey import survey
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    place = tmp_path / "fmus" / "vendor"
+    place.mkdir(parents=True)
+    model_exchange = xml(ways=("ModelExchange",)).replace(
+        "<fmiModelDescription ", '<fmiModelDescription generationTool="Tool v1.2" '
+    )
+    for name, arguments in {
+        "cs": {},
+        "me": {"description": model_exchange},
+        "crash": {"misbehaviour": "CRASH"},
+        "old": {"description": xml(version="1.0")},
+        "windows": {"platform": "win32"},
+    }.items():
+        tiny(tmp_path, **arguments).rename(place / f"{name}.fmu")
+    (place / "text.fmu").write_text("no archive")
+    return place.parent
+
+
+def test_what_steps_and_what_does_not_is_known_of_each(folder: Path):
+    found = {one.file.stem: (one.interface, one.reason) for one in survey(folder)}
+    assert found["cs"] == ("2.0 CS", "")
+    assert found["me"] == ("2.0 ME", "")
+    assert found["crash"] == ("2.0 CS", "crash")
+    assert found["old"] == ("1.0", "another version of FMI")
+    assert found["windows"][1].startswith("no binary")
+    assert found["text"] == ("", "no archive of an FMU")
+
+
+def test_the_table_counts_by_tool_and_the_file_has_a_line_of_each(folder: Path, capsys: pytest.CaptureFixture[str]):
+    out = folder.parent / "out" / "fmus.csv"
+    with pytest.raises(SystemExit) as end:
+        main(["maintain", "fmus", str(folder), "--out", str(out)])
+    assert not end.value.code
+    rows = list(csv.DictReader(out.open()))
+    assert len(rows) == 6
+    assert {row["tool"] for row in rows if row["file"].endswith("me.fmu")} == {"Tool"}
+    assert all(bool(row["reason"]) == bool(row["sentence"]) for row in rows)
+    (total,) = (line.split() for line in capsys.readouterr().out.splitlines() if line.split()[:1] == ["all"])
+    assert total == ["all", "6", "2"]
