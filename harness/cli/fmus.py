@@ -114,7 +114,8 @@ def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
         reasons = Counter(one.reason for one in own if one.reason)
         why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
         lines.append((tool, interface, len(own), len(own) - reasons.total(), why))
-    lines.append(("all", "", len(rows), sum(line[3] for line in lines), ""))
+    stepping = {one.file for one in rows if not one.reason}
+    lines.append(("all, each counted once", "", len({one.file for one in rows}), len(stepping), ""))
     return replace(
         Table.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
         left=("tool", "FMI", "refused or failed, why"),

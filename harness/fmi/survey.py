@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
 from typing import Final
@@ -35,7 +35,7 @@ _AFTER_NAME: Final = re.compile(r"\s*(?:Version|\(|:|,|\s-\s|\bv?\d+\.\d|(?<=[a-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surveyed:
-    """What became of an FMU.
+    """What became of an FMU by one of its interfaces.
 
     Attributes:
         file: Below the folder.
@@ -53,31 +53,40 @@ class Surveyed:
 
 
 def survey(folder: Path) -> Iterator[Surveyed]:
-    """Open each FMU of a folder, set nothing, step it and yield what came of that."""
+    """Open each FMU of a folder, set nothing, step it by each of its interfaces and yield what came of that."""
     for file in sorted(folder.rglob("*.fmu")):
-        yield _surveyed(file, file.relative_to(folder))
+        yield from _surveyed(file, file.relative_to(folder))
 
 
-def _surveyed(file: Path, name: Path) -> Surveyed:
-    tool, interface, step = "unknown", "", ""
+def _surveyed(file: Path, name: Path) -> Iterator[Surveyed]:
+    tool, version, step = "unknown", "", ""
     try:
         first = outline(file, _LIMITS)
-        tool, interface, step = _tool(first.tool), first.version or "", first.step
+        tool, version, step = _tool(first.tool), first.version or "", first.step
     except (FmuError, BadZipFile, OSError, KeyError, ValueError, RuntimeError):
         pass  # `describe` says it
     try:
         description = describe(file, _LIMITS)
-        tool = _tool(description.generator)
-        interface = f"{description.fmi}.0 {'ME' if description.co_simulation is None else 'CS'}"
-        _step(description, step)
     except FmuError as error:
-        sentence = str(error)
-        reason = next((words for pattern, words in _REFUSALS.items() if re.search(pattern, sentence)), "other")
-        return Surveyed(file=name, tool=tool, interface=interface, reason=reason, sentence=_without(file, sentence))
-    except PlantFailed as failed:
-        reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
-        return Surveyed(file=name, tool=tool, interface=interface, reason=reason, sentence=str(failed))
-    return Surveyed(file=name, tool=tool, interface=interface, reason="", sentence="")
+        yield Surveyed(file=name, tool=tool, interface=version, reason=_reason(error), sentence=_without(file, error))
+        return
+    ways = {"CS": replace(description, model_exchange=None), "ME": replace(description, co_simulation=None)}
+    for way, own in ways.items():
+        if own.co_simulation is own.model_exchange is None:
+            continue
+        reason = sentence = ""
+        try:
+            _step(own, step)
+        except FmuError as error:
+            reason, sentence = _reason(error), _without(file, error)
+        except PlantFailed as failed:
+            reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
+            sentence = str(failed)
+        yield Surveyed(file=name, tool=tool, interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence)
+
+
+def _reason(error: FmuError) -> str:
+    return next((words for pattern, words in _REFUSALS.items() if re.search(pattern, str(error))), "other")
 
 
 def _step(description: Description, suggested: str) -> None:
@@ -127,5 +136,5 @@ def _tool(generator: str) -> str:
     return "unknown" if name in ("", "an unnamed tool") else name
 
 
-def _without(file: Path, sentence: str) -> str:
-    return sentence.replace(f"{file}: ", "")
+def _without(file: Path, error: FmuError) -> str:
+    return str(error).replace(f"{file}: ", "")
