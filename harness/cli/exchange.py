@@ -118,7 +118,7 @@ def _targets(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def map_(
-    file: Annotated[Path, typer.Argument(metavar="TRAIN.fmu", help="A co-simulation FMU.")],
+    file: Annotated[Path, typer.Argument(metavar="TRAIN.fmu", help="An FMU, by FMI 2.0 or 3.0.")],
     speed: Annotated[float, typer.Option(min=1, max=150, help="Of the short run at its start [m/s].")] = 20.0,
     per_group: Annotated[
         list[int] | None,

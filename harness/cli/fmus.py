@@ -91,7 +91,10 @@ def survey_command(
     out: Annotated[Path, typer.Option(help="File for a line of each FMU.")] = Path("build/fmus.csv"),
     write: Annotated[bool, typer.Option("--write", help=f"Write the table into {PAGE}.")] = False,
 ) -> None:
-    """Open each FMU of a folder in a process of its own, step it, and say why where it does not."""
+    """Open and step the FMUs of a folder; write a table.
+
+    Each runs in a process of its own; of each that does not step the file says why.
+    """
     with progress("stepping"):
         rows = [*survey(folder)]
     if not rows:
