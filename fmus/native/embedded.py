@@ -68,9 +68,13 @@ def sources_of_library(system: Discrete) -> dict[str, str]:
     assert words is not None
     structs = {"Inputs": system.inputs, "Outputs": system.outputs, "Parameters": system.parameters}
     header = _HEADER.format(
-        name=name, guard=f"{name.upper()}_H", description=system.description, period=float(system.period),
-        memory=words[1], structs="\n\n".join(_struct(f"{name}_{kind}", own) for kind, own in structs.items()),
-    )  # fmt: skip
+        name=name,
+        guard=f"{name.upper()}_H",
+        description=system.description,
+        period=float(system.period),
+        memory=words[1],
+        structs="\n\n".join(_struct(f"{name}_{kind}", variables) for kind, variables in structs.items()),
+    )
     # Whatever the files of the loop call their functions, the library shall not clash with a program's.
     headers = "\n".join(text for file, text in step.files.items() if file.endswith(".h"))
     functions = sorted({*_FUNCTION.findall(headers), "step_plain"})
@@ -99,10 +103,10 @@ def _struct(name: str, variables: Sequence[Variable]) -> str:
 def _fields(variables: Sequence[Variable]) -> Iterator[str]:
     if not variables:
         yield "    double none; /* C has no empty structs */"
-    sizes: dict[str, list[Variable]] = {}
+    arrays: dict[str, list[Variable]] = {}
     for variable in variables:
-        sizes.setdefault(variable.name.partition("[")[0], []).append(variable)
-    for name, own in sizes.items():
-        size = f"[{len(own)}]" if own[0].name.endswith("]") else ""
-        unit = own[0].unit or "1"
-        yield f"    double {c_identifier(name)}{size}; /* {unit}: {own[0].description} */"
+        arrays.setdefault(variable.name.partition("[")[0], []).append(variable)
+    for name, elements in arrays.items():
+        first = elements[0]
+        size = f"[{len(elements)}]" if first.name.endswith("]") else ""
+        yield f"    double {c_identifier(name)}{size}; /* {first.unit or '1'}: {first.description} */"

@@ -99,8 +99,8 @@ Reason = Literal[
     "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "excess", "refused",
     "not_integrated",
 ]  # fmt: skip
-"""What went wrong: an FMI status, a number that is none, an FMU that requested the end, a value that is no number, a process
-that died, hung or took too much, an FMU that would not be instantiated, or one that the solver could not integrate."""
+"""What went wrong: an FMI status, a number that is none, an FMU that requested the end, a value that is no number, a
+process that died, hung or took too much, an FMU that would not be instantiated, or could not be integrated."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

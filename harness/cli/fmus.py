@@ -110,15 +110,15 @@ def survey_command(
 
 def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
     """Return how many FMUs of each tool and interface step, and why others do not."""
-    kinds = dict.fromkeys(sorted((one.tool.lower(), one.tool, one.interface) for one in rows))
+    kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []
     for _, tool, interface in kinds:
-        own = [one for one in rows if (one.tool, one.interface) == (tool, interface)]
-        reasons = Counter(one.reason for one in own if one.reason)
+        group = [row for row in rows if (row.tool, row.interface) == (tool, interface)]
+        reasons = Counter(row.reason for row in group if row.reason)
         why = "; ".join(f"{count} {reason}" for reason, count in reasons.most_common())
-        lines.append((tool, interface, len(own), len(own) - reasons.total(), why))
-    stepping = {one.file for one in rows if not one.reason}
-    lines.append(("all, each counted once", "", len({one.file for one in rows}), len(stepping), ""))
+        lines.append((tool, interface, len(group), len(group) - reasons.total(), why))
+    stepping = {row.file for row in rows if not row.reason}
+    lines.append(("all, each counted once", "", len({row.file for row in rows}), len(stepping), ""))
     return replace(
         Table.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
         left=("tool", "FMI", "refused or failed, why"),

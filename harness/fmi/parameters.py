@@ -48,7 +48,9 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
             arrays[variable.reference] = start_values(description, variable)
         arrays[variable.reference][variable.element] = scalar
     return tuple(
-        Assignment(carrier=carrier, references=tuple(arrays), values=tuple(v for own in arrays.values() for v in own))
+        Assignment(
+            carrier=carrier, references=tuple(arrays), values=tuple(v for array in arrays.values() for v in array)
+        )
         for carrier, arrays in by_type.items()
     )
 
@@ -60,9 +62,10 @@ def start_values(description: Description, variable: Variable) -> list[Scalar]:
     }  # fmt: skip
     number = plain.get(variable.kind, lambda text: int(float(text)))
     values = [number("0")] * variable.elements
-    for own in description.variables.values():
-        if own.reference == variable.reference and own.carrier == variable.carrier and own.start is not None:
-            values[own.element] = number(own.start.strip())
+    for element in description.variables.values():
+        is_in_it = element.reference == variable.reference and element.carrier == variable.carrier
+        if is_in_it and element.start is not None:
+            values[element.element] = number(element.start.strip())
     return values
 
 

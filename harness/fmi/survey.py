@@ -71,12 +71,12 @@ def _surveyed(file: Path, name: Path) -> Iterator[Surveyed]:
         yield Surveyed(file=name, tool=tool, interface=version, reason=_reason(error), sentence=_without(file, error))
         return
     ways = {"CS": replace(description, model_exchange=None), "ME": replace(description, co_simulation=None)}
-    for way, own in ways.items():
-        if own.co_simulation is own.model_exchange is None:
+    for way, interface in ways.items():
+        if interface.co_simulation is interface.model_exchange is None:
             continue
         reason = sentence = ""
         try:
-            _step(own, step)
+            _step(interface, step)
         except FmuError as error:
             reason, sentence = _reason(error), _without(file, error)
         except PlantFailed as failed:
@@ -116,15 +116,15 @@ def _side(variables: list[Variable]) -> Side:
 
 
 def _channel(carrier: str, variables: list[Variable]) -> Channel:
-    own = [(i, v) for i, v in enumerate(variables) if v.carrier == carrier]
+    carried = [(i, v) for i, v in enumerate(variables) if v.carrier == carrier]
     return Channel(
         carrier=carrier,
-        references=np.array([v.reference for _, v in own], dtype=np.uint32),
-        elements=np.array([v.element for _, v in own], dtype=np.intp),
-        positions=np.array([i for i, _ in own], dtype=np.intp),
-        gain=np.ones(len(own)),
-        shift=np.zeros(len(own)),
-        variables=tuple(v.name for _, v in own),
+        references=np.array([v.reference for _, v in carried], dtype=np.uint32),
+        elements=np.array([v.element for _, v in carried], dtype=np.intp),
+        positions=np.array([i for i, _ in carried], dtype=np.intp),
+        gain=np.ones(len(carried)),
+        shift=np.zeros(len(carried)),
+        variables=tuple(v.name for _, v in carried),
     )
 
 

@@ -32,11 +32,11 @@ def folder(tmp_path: Path) -> Path:
 
 def test_what_steps_and_what_does_not_is_known_of_each(folder: Path):
     rows = [*survey(folder)]
-    found = {one.file.stem: (one.interface, one.reason) for one in rows}
-    assert [(one.interface, one.reason) for one in rows if one.file.stem == "both"] == [("2.0 CS", ""), ("2.0 ME", "")]
+    found = {row.file.stem: (row.interface, row.reason) for row in rows}
+    assert [(row.interface, row.reason) for row in rows if row.file.stem == "both"] == [("2.0 CS", ""), ("2.0 ME", "")]
     assert found["cs"] == ("2.0 CS", "")
     assert found["me"] == ("2.0 ME", "")
-    assert ("2.0 CS", "crash") in [(one.interface, one.reason) for one in rows if one.file.stem == "crash"]
+    assert ("2.0 CS", "crash") in [(row.interface, row.reason) for row in rows if row.file.stem == "crash"]
     assert found["old"] == ("1.0", "another version of FMI")
     assert found["windows"][1].startswith("no binary")
     assert found["text"] == ("", "no archive of an FMU")
