@@ -11,6 +11,7 @@ from fmpy import extract
 from fmpy.fmi2 import FMU2Slave
 from synthetic import LIBRARY
 
+from railgrip.cli.main import main
 from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
@@ -19,6 +20,7 @@ from railgrip.simulate.library import write_library
 from railgrip.simulate.parts_in_c import part_fmu
 
 PERIOD = 1e-3
+SHORT = ("--set", "estimator.kind=none", "--set", "controller.kind=slip_two_state", "--set", "start.speed=10 km/h")
 PROGRAM = """
 #include <stdio.h>
 #include <string.h>
@@ -130,3 +132,14 @@ def test_the_program_beside_it_measures_a_stop(library: Path, tmp_path: Path):
     declared = re.search(r"memory\[(\d+)\]", (library / "plain_onboard.h").read_text())
     assert declared is not None
     assert state > 8 * int(declared[1])
+
+
+def test_the_command_writes_the_library(tmp_path: Path):
+    """Without an estimator and valves it is smaller, and has one unit."""
+    with pytest.raises(SystemExit) as end:
+        main(["export", str(LIBRARY / "plain.toml"), "--library", "--out", str(tmp_path), *SHORT])
+    assert not end.value.code
+    assert (tmp_path / "libplain_onboard.a").is_file()
+    assert not (tmp_path / "sources" / "plain.c").exists()
+    shutil.copy(tmp_path / "worst_case.c", tmp_path / "program.c")
+    compiled(tmp_path / "program.c", tmp_path, "-lpthread")
