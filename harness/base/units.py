@@ -9,7 +9,7 @@ not a thousand miles per hour). Units are written in Modelica's syntax (`kg.m2/s
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -35,7 +35,10 @@ _WITH_PREFIX = {
 _SPELLINGS = {
     **{"‰": "permille", "%": "percent", "°C": "degC", "°F": "degF", "°": "deg", "µ": "u", "μ": "u", "Ω": "Ohm"},
     **{"Ω": "Ohm", "·": "*", "⋅": "*", "²": "2", "³": "3", "⁻¹": "-1", "⁻²": "-2"},
+    **{"g_0": "g_n", "g0": "g_n", "g₀": "g_n"},
 }
+_GRAMS = re.compile(r"\s*m?g\s*")
+"""Symbols of masses that accelerometers write for multiples of the acceleration of gravity."""
 _SYMBOL = r"[A-Za-z_]+"
 _TERM = rf"(?:1|{_SYMBOL}(?:(?:\*\*|\^)?[+-]?[1-9])?)"
 _PRODUCT = rf"{_TERM}(?:[*.]{_TERM})*"
@@ -93,6 +96,8 @@ class Unit:
 def conversion(source: Unit, target: Unit, *, difference: bool = False) -> tuple[float, float]:
     """Return (gain, shift) so that value in `target` = gain · value in `source` + shift.
 
+    Where an acceleration is wanted, "g" and "mg" are multiples of standard gravity, not masses.
+
     Args:
         source: Unit of the value at hand.
         target: Unit wanted.
@@ -101,6 +106,8 @@ def conversion(source: Unit, target: Unit, *, difference: bool = False) -> tuple
     Raises:
         UnitError: The dimensions differ.
     """
+    if target.exponents == _gravity().exponents and _GRAMS.fullmatch(source.name):
+        source = replace(_gravity(), name=source.name, factor=_gravity().factor * source.factor / unit("g").factor)
     if source.exponents != target.exponents:
         raise UnitError(
             f"'{source.name}' ({source.dimension}) cannot become '{target.name}' ({target.dimension})"
@@ -108,6 +115,11 @@ def conversion(source: Unit, target: Unit, *, difference: bool = False) -> tuple
         )
     gain = source.factor / target.factor
     return gain, 0.0 if difference else (source.offset - target.offset) / target.factor
+
+
+@cache
+def _gravity() -> Unit:
+    return unit("g_n")
 
 
 def turning_of(source: Unit, target: Unit) -> str:

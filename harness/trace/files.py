@@ -10,7 +10,7 @@ import re
 import sys
 import traceback
 from collections.abc import Generator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
@@ -26,6 +26,7 @@ from scipy.io import loadmat
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.units import conversion, cut, place, short, unit
 from railgrip.scenario.file import is_file
+from railgrip.trace.delimited import read_delimited
 from railgrip.trace.table import DataTable
 
 Vector = NDArray[np.float64]
@@ -33,6 +34,11 @@ Vector = NDArray[np.float64]
 FORMATS = (".csv", ".parquet", ".mat", ".mf4")
 
 _UNIT_IN_NAME = re.compile(r".*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*")
+_SUFFIXES = {
+    **{"mps": "m/s", "kmh": "km/h", "mps2": "m/s2", "ms2": "m/s2", "rads": "rad/s", "radps": "rad/s"},
+    **{"degps": "deg/s", "pct": "percent", "upm": "rev/min", "u/min": "rev/min"},
+}
+"""Spellings of units at the end of names, where slashes are unusual."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,15 +65,33 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     if not is_file(path):
         raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
     columns = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
+    if path.suffix.lower() == ".mf4":
+        return _mf4(path, columns)
+    frame = read_table(path, [table.time.column, *columns], table.separator, table.decimal)
+    return _of_frame(path, frame, table, columns)
+
+
+def read_table(
+    path: Path, columns: Sequence[str] | None = None, separator: str | None = None, decimal: str | None = None
+) -> Mapping[str, Any]:
+    """Return the columns of a table by their names, as the library of its format gives them.
+
+    Args:
+        path: csv, parquet or mat.
+        columns: That are needed; all when None.
+        separator: Of a csv file; found when None.
+        decimal: Likewise.
+
+    Raises:
+        EstimationError: Unreadable or of another format; a column is not there.
+    """
     match path.suffix.lower():
         case ".csv":
-            return _of_frame(path, _csv(path, table), table, columns)
+            return _csv(path, separator, decimal)
         case ".parquet":
-            return _of_frame(path, _parquet(path, [table.time.column, *columns]), table, columns)
+            return _parquet(path, columns)
         case ".mat":
-            return _of_frame(path, _mat(path), table, columns)
-        case ".mf4":
-            return _mf4(path, columns)
+            return _mat(path)
         case suffix:
             raise EstimationError(
                 f"{path.name}: '{suffix}' is no format that is read here; there is {', '.join(FORMATS)}."
@@ -99,17 +123,19 @@ def _library(path: Path, module: str, extra: str) -> Any:
 # ---- tables -----------------------------------------------------------------------------------------------------
 
 
-def _csv(path: Path, table: DataTable) -> Mapping[str, Any]:
+def _csv(path: Path, separator: str | None, decimal: str | None) -> Mapping[str, Any]:
     with _reading(path, "a csv file"):
-        frame = pd.read_csv(path, sep=table.separator, decimal=table.decimal, encoding="utf-8-sig", low_memory=False)
-    return {str(name).strip(): frame[name].to_numpy() for name in frame.columns}
+        frame = read_delimited(path, separator, decimal)
+    return {str(name): frame[name].to_numpy() for name in frame.columns}
 
 
-def _parquet(path: Path, columns: Sequence[str]) -> Mapping[str, Any]:
+def _parquet(path: Path, columns: Sequence[str] | None) -> Mapping[str, Any]:
     parquet = _library(path, "pyarrow.parquet", "parquet")
     with _reading(path, "a parquet file"):
-        _all_there(path, columns, parquet.read_schema(path).names)
-        frame = parquet.read_table(path, columns=list(dict.fromkeys(columns))).to_pandas()
+        if columns is not None:
+            _all_there(path, columns, parquet.read_schema(path).names)
+            columns = list(dict.fromkeys(columns))
+        frame = parquet.read_table(path, columns=columns).to_pandas()
     return {str(name): frame[name].to_numpy() for name in frame.columns}
 
 
@@ -151,11 +177,29 @@ def _of_frame(path: Path, frame: Mapping[str, Any], table: DataTable, columns: S
             raise EstimationError(
                 f"{path.name}: column '{name}' has {values.size} samples, its time '{table.time.column}' {time.size}."
             )
-        match = _UNIT_IN_NAME.fullmatch(name)
-        # "left[1]" is the first of several, not a signal without dimension.
-        unit = match.group(1) if match and not match.group(1).isdigit() else None
-        series[name] = Series(time=time, values=values, unit=unit)
+        series[name] = Series(time=time, values=values, unit=unit_in_brackets(name))
     return series
+
+
+def unit_in_brackets(name: str) -> str | None:
+    """Return what the name of a column has in brackets, as "v [km/h]" or "v (km/h)"; it need not be a unit."""
+    match = _UNIT_IN_NAME.fullmatch(name)
+    # "left[1]" is the first of several, not a signal without dimension.
+    return match.group(1) if match and not match.group(1).isdigit() else None
+
+
+def unit_at_end(name: str, target: str) -> str | None:
+    """Return the unit at the end of a name, as of "v_kmh", "v in km/h" or "speed_m_s".
+
+    Only one of the dimension of `target` counts: "wheel_l" is the left wheel, no volume.
+    """
+    *_, before, last = ("", "", *re.split(r"[_\s]+", name.strip()))
+    for text in (f"{before}/{last}", last):
+        with suppress(UnitError):
+            source = unit(_SUFFIXES.get(text.lower(), text))
+            conversion(source, unit(target))
+            return source.name
+    return None
 
 
 def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None:
@@ -183,7 +227,7 @@ def _numbers(path: Path, name: str, raw: Any, table: DataTable) -> Vector:
     wrong = numbers.isna().to_numpy() & ~pd.isna(pd.Series(raw)).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
-        why = " Is its decimal sign another one?" if "," in str(raw[row]) and table.decimal == "." else ""
+        why = " Is its decimal sign another one?" if "," in str(raw[row]) and table.decimal != "," else ""
         raise EstimationError(
             f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is {short(raw[row])}.{why}"
         )
@@ -192,24 +236,29 @@ def _numbers(path: Path, name: str, raw: Any, table: DataTable) -> Vector:
 
 def _instants(path: Path, values: Any, table: DataTable) -> Vector:
     """Return a column of time in seconds; time stamps count from the first."""
-    if table.time.unit == "timestamp":
+    name = table.time.column
+    text = table.time.unit or unit_in_brackets(name) or unit_at_end(name, "s")
+    if text == "timestamp":
         try:
             stamps: Any = pd.to_datetime(pd.Series(values), utc=True)
         except (ValueError, TypeError, OverflowError) as problem:
-            raise EstimationError(
-                f"{path.name}: column '{table.time.column}' has no time stamps: {cut(str(problem))}"
-            ) from None
+            raise EstimationError(f"{path.name}: column '{name}' has no time stamps: {cut(str(problem))}") from None
         if stamps.isna().all():
             return np.full(len(stamps), np.nan)
         seconds = (stamps - stamps.dropna().iloc[0]).dt.total_seconds()
         return np.asarray(seconds, dtype=np.float64)
+    if text is None:
+        raise EstimationError(
+            f"{path.name}: column '{name}' names no unit; write [data] time = {{ column = '{name}', unit = '…' }}, "
+            "'timestamp' for dates with times of day."
+        )
     try:
-        gain, _ = conversion(unit(table.time.unit), unit("s"))
+        gain, _ = conversion(unit(text), unit("s"))
     except UnitError as problem:
         raise EstimationError(f"[data.time] unit: {problem} Time stamps have the unit 'timestamp'.") from problem
     if np.asarray(values).dtype.kind == "M":
-        raise EstimationError(f"{path.name}: column '{table.time.column}' holds time stamps; write unit = 'timestamp'.")
-    return _numbers(path, table.time.column, values, table) * gain
+        raise EstimationError(f"{path.name}: column '{name}' holds time stamps; write unit = 'timestamp'.")
+    return _numbers(path, name, values, table) * gain
 
 
 # ---- measurement data format ------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.units import Unit, conversion, short, unit
 from railgrip.scenario.quantity import Magnitude
 from railgrip.trace.cleaning import Treatment, cleaned
-from railgrip.trace.files import Series, read_series
+from railgrip.trace.files import Series, read_series, unit_at_end
 from railgrip.trace.flag import Flag, flags_of, summary
 from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
 from railgrip.trace.samples import recording_of
@@ -181,6 +181,7 @@ def _converted(path: Path, name: str, column: Column, file_unit: str | None, tar
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
     where = f"{path.name}: {name} (column {short(column.column)})"
+    file_unit = file_unit or unit_at_end(column.column or "", target)
     text = column.unit if column.unit is not None else file_unit
     if text is None:
         raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{target}'.")
@@ -189,23 +190,27 @@ def _converted(path: Path, name: str, column: Column, file_unit: str | None, tar
         gain, shift = conversion(unit_of_column, unit(target))
     except UnitError as problem:
         raise EstimationError(f"{where}: {problem}") from problem
-    if file_unit is not None and column.unit is not None and _contradict(file_unit, unit_of_column):
+    if file_unit is not None and column.unit is not None and _contradict(file_unit, unit_of_column, target):
         raise EstimationError(f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map.")
     return gain * column.factor, gain * column.offset + shift
 
 
-def _contradict(text: str, other: Unit) -> bool:
+def _contradict(text: str, other: Unit, target: str) -> bool:
     """Say whether what a file says of a column is another unit than the map's.
 
     What stands in brackets need not be a unit, "p (front)", and may leave to the map what turns, "n [1/min]".
     """
     try:
-        written = unit(text)
+        stated = unit(text)
     except UnitError:
         return False
-    if written.leaves_the_angle_out_of(other):
+    if stated.leaves_the_angle_out_of(other):
         return False
-    return written.exponents != other.exponents or not math.isclose(written.factor, other.factor, rel_tol=1e-9)
+    try:
+        ways = [conversion(each, unit(target)) for each in (stated, other)]
+    except UnitError:
+        return True
+    return not np.allclose(*ways, rtol=1e-9, atol=0.0)
 
 
 def _si(where: str, magnitude: Magnitude, target: str) -> float:

@@ -6,7 +6,7 @@ period = "10 ms"                            # of the even grid that the filter s
 longest_gap = "100 ms"                      # missing samples are bridged up to here
 frozen = "1 s"                              # a reading that repeats itself exactly for longer has died
 spike = 8.0                                 # deviations from its neighbours that make a sample an outlier
-separator = ";"                             # csv only, as is decimal = ","
+separator = ";"                             # csv only, as is decimal = ","; both are found unless given
 
 [data.columns]
 speed = { column = "v_gps", unit = "km/h" }
@@ -30,14 +30,16 @@ class TimeColumn(Table):
     """Where the instants stand."""
 
     column: str = Field(description="name of the column; mf4 files bring their own time and may write 'time'")
-    unit: str = Field(description="unit of the column, or 'timestamp'")
+    unit: str | None = Field(
+        default=None, description="unit of the column, or 'timestamp'; may be left out where the header states it"
+    )
 
 
 class Column(Table):
     """One signal: a column of the file, or a constant value."""
 
     column: str | None = None
-    unit: str | None = Field(default=None, description="of the column; may be left out for a file that states it")
+    unit: str | None = Field(default=None, description="of the column; may be left out where the header or the file states it")
     factor: Number = 1.0
     offset: Number = Field(default=0.0, description="added after the factor, in the column's unit")
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")
@@ -62,6 +64,8 @@ class DataTable(Table):
     spike: Annotated[float, Field(gt=2.0, allow_inf_nan=False)]
     begin: Annotated[float, Unit("s")] | None = Field(default=None, description="cut, on the file's own axis")
     end: Annotated[float, Unit("s")] | None = None
-    separator: Annotated[str, Field(min_length=1, max_length=1)] = ","
-    decimal: Literal[".", ","] = "."
+    separator: Annotated[str, Field(min_length=1, max_length=1)] | None = Field(
+        default=None, description="of a csv file; found unless given"
+    )
+    decimal: Literal[".", ","] | None = Field(default=None, description="likewise")
     columns: dict[str, Column]

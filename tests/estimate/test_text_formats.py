@@ -1,0 +1,142 @@
+"""A text file of any separator, decimal sign, encoding, unit and order of columns reads back to the same SI values."""
+
+import csv
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railgrip.base.errors import EstimationError
+from railgrip.base.units import conversion, unit
+from railgrip.scenario.load import validated
+from railgrip.trace.delimited import read_delimited
+from railgrip.trace.files import unit_at_end
+from railgrip.trace.read import recorded
+from railgrip.trace.samples import reading_of
+from railgrip.trace.table import DataTable
+
+PERIOD = 0.01
+SAMPLES = 40
+SIGNALS = {
+    "speed": ("m/s", {"km/h": (1 / 3.6, 0.0), "m/s": (1.0, 0.0), "mph": (0.44704, 0.0)}),
+    "acceleration": ("m/s2", {"g": (9.80665, 0.0), "mg": (9.80665e-3, 0.0), "m/s²": (1.0, 0.0)}),
+    "wheelset_speed": ("rad/s", {"U/min": (np.pi / 30, 0.0), "rad/s": (1.0, 0.0), "°/s": (np.pi / 180, 0.0)}),
+    "cylinder_pressure": ("Pa", {"bar": (1e5, 0.0), "kPa": (1e3, 0.0), "psi": (6894.757293168361, 0.0)}),
+    "disc_temperature": ("K", {"°C": (1.0, 273.15), "K": (1.0, 0.0)}),
+}
+TIMES = {"s": 1.0, "ms": 1e-3, "min": 60.0}
+SUFFIXES = {"km/h": "kmh", "m/s": "mps", "m/s²": "ms2", "U/min": "rpm", "rad/s": "rad_s", "°/s": "deg_s", "°C": "degC"}
+NOTATIONS = ("{name} [{unit}]", "{name} ({unit})", "{name}_{suffix}", "{name} in {suffix}")
+
+
+@st.composite
+def files(draw: st.DrawFn) -> tuple[bytes, dict[str, str], dict[str, np.ndarray]]:
+    """Content of a file, header of each signal and of `time`, and the values in SI units."""
+    decimal = draw(st.sampled_from(".,"))
+    separator = draw(st.sampled_from(",;\t|"))
+    time_unit = draw(st.sampled_from(sorted(TIMES)))
+    headers, columns, values = {}, {}, {}
+    ticks = [k * PERIOD / TIMES[time_unit] for k in range(SAMPLES)]
+    for name, (_, units) in SIGNALS.items():
+        own = draw(st.sampled_from(sorted(units)))
+        digits = draw(st.integers(0, 4))
+        first, slope = draw(st.floats(-900, 900)), draw(st.floats(-9, 9))
+        numbers = [round(first + slope * k, digits) for k in range(SAMPLES)]
+        headers[name] = _header(draw, name, own)
+        columns[headers[name]] = [f"{number:.{digits}f}" for number in numbers]
+        gain, shift = units[own]
+        values[name] = gain * np.array(numbers) + shift
+    headers["time"] = _header(draw, "t", time_unit)
+    columns[headers["time"]] = [f"{tick:.15f}" for tick in ticks]
+    columns["remark"] = ["ok" if k % 2 else "a, b; c" for k in range(SAMPLES)]
+    order = draw(st.permutations(list(columns)))
+    out = io.StringIO(newline="")
+    writer = csv.writer(out, delimiter=separator, lineterminator=draw(st.sampled_from(["\n", "\r\n"])))
+    writer.writerow(order)
+    rows = ([columns[name][k] for name in order] for k in range(SAMPLES))
+    writer.writerows([cell if cell[0].isalpha() else cell.replace(".", decimal) for cell in row] for row in rows)
+    return out.getvalue().encode(draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "cp1252"]))), headers, values
+
+
+def _header(draw: st.DrawFn, name: str, own: str) -> str:
+    return draw(st.sampled_from(NOTATIONS)).format(name=name, unit=own, suffix=SUFFIXES.get(own, own))
+
+
+def table(headers: dict[str, str]) -> DataTable:
+    written = {
+        "time": {"column": headers["time"]},
+        "period": PERIOD,
+        "longest_gap": 0.1,
+        "frozen": 1e3,
+        "spike": 1e6,  # the ramps are no sensors, and their rounding no noise
+        "columns": {name: {"column": headers[name]} for name in SIGNALS},
+    }
+    return validated(DataTable, written, directory=Path(), origin="run.toml")
+
+
+@given(files())
+def test_a_file_of_any_format_reads_back_to_the_same_values(tmp_path_factory, file):
+    content, headers, values = file
+    path = tmp_path_factory.mktemp("format") / "run.csv"
+    path.write_bytes(content)
+    units = {name: target for name, (target, _) in SIGNALS.items()}
+    recording = recorded(path, table(headers), units, [], list(SIGNALS)).recording
+    assert recording.sizes["time"] == SAMPLES
+    for name, expected in values.items():
+        # Instants and units are rounded once each: 1e-9 of the largest value.
+        largest = np.abs(expected).max()
+        np.testing.assert_allclose(reading_of(recording, name), expected, rtol=0.0, atol=1e-9 * largest + 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "target", "expected"),
+    [
+        ("speed_kmh", "m/s", "km/h"),
+        ("v_km_h", "m/s", "km/h"),
+        ("v / km/h", "m/s", "km/h"),
+        ("acc_g", "m/s2", "g"),
+        ("wheel_l", "rad/s", None),
+        ("p_C", "Pa", None),
+        ("brake_h", "Pa", None),
+        ("speed", "m/s", None),
+    ],
+)
+def test_a_unit_at_the_end_of_a_name_counts_if_it_measures_what_is_wanted(name, target, expected):
+    assert unit_at_end(name, target) == expected
+
+
+def test_g_is_gravity_where_an_acceleration_is_wanted_and_a_mass_elsewhere():
+    """Standard gravity by the third CGPM (1901)."""
+    assert conversion(unit("g"), unit("m/s2")) == (9.80665, 0.0)
+    assert conversion(unit("g_0"), unit("m/s2")) == (9.80665, 0.0)
+    assert conversion(unit("g"), unit("kg")) == (1e-3, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "columns"),
+    [
+        ("t;v;\n0,5;1;\n1,5;2;\n", {"t": [0.5, 1.5], "v": [1, 2]}),
+        ("t,v\n0.5,1\n1.5,2\n", {"t": [0.5, 1.5], "v": [1, 2]}),
+        ('t,v\n"0,5",1\n"1,5",2\n', {"t": [0.5, 1.5], "v": [1, 2]}),
+        ("\n t ; v\n 0,5 ; 1e3\n", {"t": [0.5], "v": [1000.0]}),
+        ("t;v\n", {"t": [], "v": []}),
+    ],
+    ids=["closed rows", "points", "quoted commas", "spaces", "no rows"],
+)
+def test_separator_and_decimal_sign_are_found(tmp_path, text, columns):
+    path = tmp_path / "run.csv"
+    path.write_text(text, encoding="utf-8")
+    frame = read_delimited(path)
+    assert {name: frame[name].tolist() for name in columns} == columns
+
+
+@pytest.mark.parametrize("text", ["t,v\n0,1,5\n1,2,5\n", "logged by X\nt;v\n0;1\n", ""])
+def test_a_table_that_no_separator_splits_evenly_is_refused(tmp_path, text):
+    """Decimal commas between commas cannot be told from separators."""
+    path = tmp_path / "run.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(EstimationError, match=r"run\.csv"):
+        read_delimited(path)
