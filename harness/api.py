@@ -248,6 +248,7 @@ def estimate(
         ScenarioError: The file is no estimation.
         EstimationError: The recording does not fit it.
     """
+    from railgrip.estimation.check import require_consistent
     from railgrip.estimation.sources import completed, recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification
     from railgrip.report.estimates import as_estimates
@@ -260,6 +261,7 @@ def estimate(
         raise EstimationError(
             f"recording is {short(recording)}; wanted is a trace over time, such as stop.trace, or the path of a file"
         )
+    require_consistent(specification)
     return as_estimates(estimate_of(specification, completed(specification, recording)))
 
 

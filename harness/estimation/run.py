@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -102,9 +103,7 @@ def equations_of(
     model: str, parameters: Mapping[str, float] | None = None, outputs: Sequence[str] | None = None
 ) -> CasadiPrediction:
     """Return the same prediction as equations, which may be differentiated further and shared by threads."""
-    source = model_of(model)
-    if outputs is not None:
-        source = _showing(source, model, outputs)
+    source = model_of(model, None if outputs is None else tuple(outputs))
     values = dict(parameters or {})
     defaults = {variable.name: variable.start for variable in source.parameters}
     strange = [name for name in values if name not in defaults]
@@ -136,9 +135,30 @@ def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
 
 
 @cache
-def model_of(model: str) -> Model:
-    """Return a class of RailBraking.Predictions as functions; translated once in a process."""
-    return lower(model if "." in model else f"RailBraking.Predictions.{model}")
+def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
+    """Return a class of RailBraking.Predictions as functions, with all outputs or some; translated once in a process.
+
+    Raises:
+        EstimationError: There is no such class or output.
+    """
+    if outputs is not None:
+        return _showing(model_of(model), model, outputs)
+    if "." in model:
+        return lower(model)
+    classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
+    if model not in classes:
+        near = get_close_matches(model, classes, n=1)
+        hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(classes)}."
+        raise EstimationError(f"there is no prediction '{model}'; {hint}")
+    return lower(f"RailBraking.Predictions.{model}")
+
+
+def start_by_reading(states: Sequence[str], outputs: Sequence[str]) -> dict[str, str]:
+    """Return state → reading for the states that begin at their first reading where nothing is said of them."""
+    readings = {
+        state: READ_STATES.get(state.partition("[")[0], "") + state[len(state.partition("[")[0]) :] for state in states
+    }
+    return {state: reading for state, reading in readings.items() if reading in outputs}
 
 
 def units_of(model: str) -> dict[str, str]:
@@ -279,26 +299,24 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
         EstimationError: A name has no value, or a value has no name.
     """
     missing = [name for name in names if name not in values and name.partition("[")[0] not in values]
-    if missing:
-        raise EstimationError(f"settings: {what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}.")
+    problems = [f"{what} lacks {', '.join(missing)}; it has {', '.join(values) or 'nothing'}."] if missing else []
     choice = {*names, *(name.partition("[")[0] for name in names)}
     strange = [name for name in values if name not in choice]
     if strange:
-        raise EstimationError(f"settings: {what} has {', '.join(strange)}, the model has {', '.join(names)}.")
+        problems.append(f"{what} has {', '.join(strange)}, the model has {', '.join(names)}.")
+    if problems:
+        raise EstimationError("\n".join(problems))
     return np.array([values.get(name, values.get(name.partition("[")[0], np.nan)) for name in names])
 
 
 def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], readings: Matrix) -> Matrix:
     """Return the mean at the first sample."""
     from_readings: dict[str, float] = {}
-    for state in states:
-        base, bracket, index = state.partition("[")
-        reading = READ_STATES.get(base, "") + bracket + index
-        if reading in outputs:
-            column = readings[:, outputs.index(reading)]
-            finite = np.flatnonzero(np.isfinite(column))
-            if finite.size:
-                from_readings[state] = float(column[finite[0]])
+    for state, reading in start_by_reading(states, outputs).items():
+        column = readings[:, outputs.index(reading)]
+        finite = np.flatnonzero(np.isfinite(column))
+        if finite.size:
+            from_readings[state] = float(column[finite[0]])
     # An element or array in `start` takes precedence over the reading.
     start_states = {state for state in states if state in start or state.partition("[")[0] in start}
     return by_name("start", {**{s: x for s, x in from_readings.items() if s not in start_states}, **start}, states)

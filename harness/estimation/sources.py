@@ -15,8 +15,9 @@ import xarray
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.braking import braking_of
-from railgrip.estimation.run import model_of, units_of
-from railgrip.estimation.spec import Specification, check_mass
+from railgrip.estimation.check import require_consistent, signals_of
+from railgrip.estimation.run import model_of
+from railgrip.estimation.spec import Specification
 from railgrip.estimators.belief import Vector
 from railgrip.scenario.load import load
 from railgrip.scenario.quantity import Magnitude, in_units
@@ -27,10 +28,6 @@ from railgrip.trace.netcdf import FILE_NAME, read_trace
 from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.recorder import thinned
 from railgrip.trace.samples import evenly, recording_of, with_signals
-
-_ALWAYS = {"driving": "1", "braking": "1"}
-"""Signals that a file of a run must have at every sample, if it has them."""
-_UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
 
 
 def recording_of_estimation(
@@ -53,13 +50,14 @@ def recording_of_estimation(
         EstimationError: There is no scenario or file, or it cannot be estimated from.
         ScenarioError: There is no such scenario, or it fails.
     """
-    check_mass(specification)
     if data is not None:
+        require_consistent(specification)
         recording = recording_for(specification, data).recording
     else:
         source = specification.simulated()
-        seed = source.seed if seed is None else seed
-        recording = recording_of_stop(scenario or source.scenario, seed, source.noise, import_from)
+        scenario = scenario or source.scenario
+        require_consistent(specification, scenario)
+        recording = recording_of_stop(scenario, source.seed if seed is None else seed, source.noise, import_from)
     recording = completed(specification, recording)
     return recording if specification.course is None else braking_of(recording, specification.course).recording
 
@@ -95,17 +93,7 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
             f"{specification.name}: has no [data], which maps the columns of {path.name}; see "
             "harness/trace/table.py for an example."
         )
-    model = model_of(specification.model.class_)
-    units = units_of(specification.model.class_)
-    inputs = [variable.name for variable in model.inputs if variable.name not in specification.inputs]
-    outputs = [variable.name for variable in model.outputs]
-    if specification.course is not None:
-        columns = list(specification.data.columns)
-        of_run = {name: "m/s2" for name in columns if name.partition("[")[0] == "acceleration_along"}
-        of_run |= {name: unit for name, unit in _UNITS_OF_RUN.items() if name in columns}
-        units = {name: unit for name, unit in units.items() if name != "track_force"} | of_run
-        inputs = [name for name in inputs if name != "track_force"] + [name for name in of_run if name in _ALWAYS]
-        outputs += [name for name in of_run if name not in _ALWAYS]
+    units, inputs, outputs = signals_of(specification)
     return recorded(path, specification.data, units, inputs, outputs)
 
 

@@ -245,24 +245,6 @@ def parameters_for(specification: Specification) -> dict[str, float]:
     return in_units(f"{specification.name}: [model.parameters]", model.parameters, units)
 
 
-def check_mass(specification: Specification) -> None:
-    """Compare the mass in [course] with that of the model, where both are of a train.
-
-    Raises:
-        EstimationError: They differ.
-    """
-    values = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
-    parts = [value for name, value in values.items() if name.partition("[")[0] == "m_wheelset"]
-    if specification.course is None or not parts:
-        return
-    mass, whole = specification.course.mass, sum(parts)
-    if abs(mass - whole) > 1e-3 * whole:
-        raise EstimationError(
-            f"{specification.name}: [course] mass is {mass:g} kg, m_wheelset of {specification.model.class_} add up to "
-            f"{whole:g} kg; track force and filter belong to one train, change [course] or [model.parameters]."
-        )
-
-
 def settings_for(specification: Specification, period: float) -> Settings:
     """Return the settings of an estimation on a grid of `period` [s].
 

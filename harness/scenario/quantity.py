@@ -192,20 +192,27 @@ def in_units(
         expected: Unit of every name that may be written.
 
     Raises:
-        ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value.
+        ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value; each
+            problem in one line.
     """
     values: dict[str, float] = {}
+    problems: list[str] = []
     for name, magnitude in magnitudes.items():
         if name not in expected:
             near = get_close_matches(name, expected, n=1)
             arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
             hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(arrays) or 'none'}."
-            raise ScenarioError(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
+            problems.append(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
+            continue
         try:
             values[name] = magnitude.si(expected[name])
+            _require_plausible(f"{where} {name}", values[name], expected[name])
+        except ScenarioError as problem:
+            problems.append(str(problem))
         except ValueError as problem:
-            raise ScenarioError(f"{where} {name} {problem}") from problem
-        _require_plausible(f"{where} {name}", values[name], expected[name])
+            problems.append(f"{where} {name} {problem}")
+    if problems:
+        raise ScenarioError("\n".join(problems))
     return values
 
 

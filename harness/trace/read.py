@@ -63,8 +63,7 @@ def recorded(
     Raises:
         EstimationError: What no estimate can be made of, in a sentence.
     """
-    all_signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
-    _require_signals(path, table, all_signals, inputs)
+    require_signals(path.name, table, units, inputs, outputs)
     flags: list[Flag] = []
     columns = _columns(path, table, units, inputs, flags)
     times = {name: column.time for name, column in columns.items()}
@@ -136,18 +135,29 @@ def _columns(
     return columns
 
 
-def _require_signals(path: Path, table: DataTable, signals: Sequence[str], inputs: Sequence[str]) -> None:
+def require_signals(
+    file: str, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], outputs: Sequence[str]
+) -> None:
+    """Compare the names of a column map with the signals of a model; arguments as for `recorded`.
+
+    Raises:
+        EstimationError: The map has names that the model lacks, or lacks inputs; each problem in one line.
+    """
+    signals = [*inputs, *outputs, *(TRUTH + name for name in units if name not in (*inputs, *outputs))]
+    problems: list[str] = []
     for name in table.columns:
         if name not in signals:
             near = get_close_matches(name, signals, n=1)
             hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(signals)}."
-            raise EstimationError(f"[data.columns]: the model has no signal {short(name)}; {hint}")
+            problems.append(f"[data.columns]: the model has no signal {short(name)}; {hint}")
     missing = [name for name in inputs if name not in table.columns]
     if missing:
-        raise EstimationError(
-            f"{path.name}: [data.columns] lacks {', '.join(missing)}, which the model must know at all times; "
+        problems.append(
+            f"{file}: [data.columns] lacks {', '.join(missing)}, which the model must know at all times; "
             "map a column or write value = '…'."
         )
+    if problems:
+        raise EstimationError("\n".join(problems))
 
 
 def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[Vector, Vector]:

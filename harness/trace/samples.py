@@ -67,7 +67,7 @@ def with_signals(
             variable = prefix + (base if prefix else STATES.get(base, base))
             columns[variable][index] = np.asarray(values, dtype=np.float64)
             units[variable] = unit_text
-    dimensions = {variable: _dimension(variable) for variable, parts in columns.items() if None not in parts}
+    dimensions = {variable: dimension_of(variable) for variable, parts in columns.items() if None not in parts}
     # A group that one signal leaves out, another has.
     sizes = {str(dimension): size for dimension, size in trace.sizes.items()}
     for variable, dimension in dimensions.items():
@@ -227,6 +227,13 @@ def _conversion(trace: xarray.Dataset, name: str, source: str, target: str) -> t
         ) from problem
 
 
+def dimension_of(variable: str) -> str:
+    """Return along what a variable has its elements: groups or wheelsets, or a count of its own."""
+    name = variable.removeprefix(READING)
+    extent = _extents().get(name, "")
+    return extent if extent in ("group", "wheelset") else f"{name}_number"
+
+
 def _element(name: str) -> tuple[str, int | None]:
     base, _, index = name.partition("[")
     return base, int(index[:-1]) if index[:-1].isdecimal() else None
@@ -237,13 +244,6 @@ def _extents() -> dict[str, str]:
     return {
         signal.name.removeprefix(READING): signal.extent for signal in (*tables.READINGS, *tables.SENT, *tables.PLANT)
     }
-
-
-def _dimension(variable: str) -> str:
-    """Return along what a variable has its elements: groups or wheelsets, or a count of its own."""
-    name = variable.removeprefix(READING)
-    extent = _extents().get(name, "")
-    return extent if extent in ("group", "wheelset") else f"{name}_number"
 
 
 def _name(trace: xarray.Dataset) -> str:

@@ -9,9 +9,10 @@ from typer.testing import CliRunner
 
 from railgrip.base.errors import EstimationError
 from railgrip.cli.main import app
+from railgrip.estimation.check import check_mass
 from railgrip.estimation.run import estimate
 from railgrip.estimation.sources import recording_for, recording_of_estimation
-from railgrip.estimation.spec import LIBRARY, check_mass, load_specification, prediction_for, settings_for
+from railgrip.estimation.spec import LIBRARY, load_specification, prediction_for, settings_for
 from railgrip.trace.samples import recording_of
 
 MAP = """

@@ -112,3 +112,66 @@ def test_track_force_is_computed_or_mapped_but_not_both(tmp_path):
     path.write_text(text + 'track_force = { value = "0 N" }\n')
     with pytest.raises(ScenarioError, match=r"has track_force in \[data\.columns\] and \[course\], which computes it"):
         load_specification(path)
+
+
+def test_all_problems_of_an_estimation_are_said_at_once_before_anything_is_compiled(tmp_path, monkeypatch):
+    monkeypatch.setattr("railgrip.estimation.run.fmu", lambda name: pytest.fail("an FMU was built"))
+    monkeypatch.setattr("railgrip.estimation.sources.trace_of", lambda *_: pytest.fail("a stop was simulated"))
+    changes = [
+        "model.parameters.lod='98 kN'",
+        "model.parameters.J='3 m'",
+        "noise.readings.yaw=1e-3",
+        "gate.states=['mu_c']",
+        "gate.threshold='1.5 bar'",
+        "inputs.pad_froce='1 kN'",
+    ]
+    path = written(
+        tmp_path,
+        process=("mu_b = 5e-5, ", ""),
+        mean=("mu_b = 0.35, alpha = 0.0 }", "mu_b = 0.35 }"),
+        scale=("mu_b = 0.35, alpha = 0.05 }", "alpha = 0.05 }"),
+    )
+    with pytest.raises(ScenarioError) as refusal:
+        recording_of_estimation(load_specification(path, changes))
+    lines = str(refusal.value).splitlines()
+    wanted = [
+        ("[model.parameters]", "'lod'"),
+        ("[model.parameters] J", "'3 m'"),
+        ("[noise] process", "mu_b"),
+        ("[noise] readings", "yaw"),
+        ("[start] mean", "alpha"),
+        ("[gate] states", "mu_c"),
+        ("[gate] threshold", "'1.5 bar'"),
+        ("[inputs]", "'pad_froce'"),
+        ("[observability] scale", "mu_b"),
+    ]
+    for where, what in wanted:
+        assert sum(line.startswith(f"rig-own: {where}") and what in line for line in lines) == 1, (where, lines)
+    assert len(lines) == len(wanted)
+
+
+def test_problems_of_columns_are_said_before_the_file_is_read(tmp_path):
+    text = (LIBRARY / "field.toml").read_text(encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    text = text.replace('"cylinder_pressure[4]" = { column = "p_4", unit = "bar" }', "")
+    text = text.replace('column = "n_1", unit = "rev/min"', 'column = "n_1", unit = "Hz"')
+    path.write_text(text + '"cylinder_pressure[5]" = { column = "p_5", unit = "bar" }\n', encoding="utf-8")
+    with pytest.raises(EstimationError) as refusal:
+        recording_of_estimation(load_specification(path), data=tmp_path / "missing.csv")
+    lines = str(refusal.value).splitlines()
+    assert len(lines) == 3
+    for key in ("cylinder_pressure[5]", "cylinder_pressure[4]", "wheelset_speed[1]"):
+        assert sum(key in line.partition(";")[0] for line in lines) == 1
+
+
+def test_a_model_of_another_train_is_refused_before_its_stop_is_simulated(tmp_path, monkeypatch):
+    scenario = tmp_path / "other.toml"
+    scenario.write_text('extends = "plain"\n[vehicle]\ntrain = "loco_coaches"\n', encoding="utf-8")
+    monkeypatch.setattr("railgrip.estimation.sources.trace_of", lambda *_: pytest.fail("a stop was simulated"))
+    with pytest.raises(EstimationError, match=r"4 of cylinder_pressure.* has \d"):
+        recording_of_estimation(load_specification(LIBRARY / "field.toml"), scenario=str(scenario))
+
+
+def test_a_prediction_that_is_misspelled_is_refused_with_the_nearest():
+    with pytest.raises(EstimationError, match="'WagonPredction'; did you mean 'WagonPrediction'"):
+        recording_of_estimation(load_specification(LIBRARY / "wagon.toml", ["model.class=WagonPredction"]))

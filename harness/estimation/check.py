@@ -1,0 +1,156 @@
+"""Checks of an estimation against its model and train, before anything is simulated, read or compiled."""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from railgrip.base.errors import EstimationError, InputError, UnitError
+from railgrip.base.units import conversion, unit
+from railgrip.estimation.run import by_name, model_of, start_by_reading, units_of
+from railgrip.estimation.spec import Specification, parameters_for, settings_for
+from railgrip.fmus.native import Model
+from railgrip.rolling_stock.files import load_train
+from railgrip.scenario.load import load
+from railgrip.scenario.quantity import in_units
+from railgrip.scenario.vehicle import TrainFile
+from railgrip.trace.read import TRUTH, require_signals
+from railgrip.trace.samples import dimension_of
+
+_ALWAYS = {"driving": "1", "braking": "1"}
+"""Signals that a file of a run must have at every sample, if it has them."""
+_UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
+
+
+def require_consistent(specification: Specification, scenario: str | None = None) -> None:
+    """Refuse an estimation whose tables do not fit its model.
+
+    Args:
+        specification: The estimation.
+        scenario: Whose stop will be its recording; None for another recording.
+
+    Raises:
+        EstimationError: Each problem in one line: unknown class, parameters, outputs or columns, noises or starts that
+            states lack, units of another dimension, masses and formations of different trains.
+    """
+    name, table = specification.name, specification.model
+    outputs = None if table.outputs is None else tuple(table.outputs)
+    problems = _problems(name, partial(model_of, table.class_))
+    if not problems:
+        problems = _problems(name, partial(model_of, table.class_, outputs))
+        model = model_of(table.class_, None if problems else outputs)
+        problems += [line for check in _checks(specification, scenario, model) for line in _problems(name, check)]
+    if problems:
+        raise EstimationError("\n".join(dict.fromkeys(problems)))
+
+
+def _problems(name: str, check: Callable[[], object]) -> list[str]:
+    """Return the lines of a refusal, each with the name of the estimation."""
+    try:
+        check()
+    except InputError as problem:
+        return [line if line.startswith(f"{name}: ") else f"{name}: {line}" for line in str(problem).splitlines()]
+    return []
+
+
+def _checks(specification: Specification, scenario: str | None, model: Model) -> list[Callable[[], object]]:
+    states, outputs = ([variable.name for variable in part] for part in (model.states, model.outputs))
+    inputs = {variable.name: variable.unit for variable in model.inputs}
+    start = dict.fromkeys(start_by_reading(states, outputs), 0.0) | dict(specification.start.mean)
+    checks: list[Callable[[], object]] = [
+        partial(parameters_for, specification),
+        partial(by_name, "[noise] process", specification.noise.process, states),
+        partial(by_name, "[noise] readings", specification.noise.readings, outputs),
+        partial(by_name, "[start] mean", start, states),
+        partial(by_name, "[start] deviation", specification.start.deviation, states),
+        partial(in_units, "[inputs]", specification.inputs, inputs),
+        partial(_check_gate, specification, states, list(inputs)),
+        partial(settings_for, specification, 1.0),
+        partial(check_mass, specification),
+        partial(_check_formation, specification, scenario, [*inputs, *outputs]),
+        partial(_check_data, specification),
+    ]
+    if specification.observability is not None:
+        checks.append(partial(by_name, "[observability] scale", specification.observability.scale, states))
+    return checks
+
+
+def _check_gate(specification: Specification, states: list[str], inputs: list[str]) -> None:
+    gate = specification.gate
+    if gate is None:
+        return
+    for key, names, there in (("states", gate.states, states), ("inputs", gate.inputs, inputs)):
+        strange = [name for name in names if name not in there]
+        if strange:
+            raise EstimationError(f"[gate] {key} has {', '.join(strange)}, the model has {', '.join(there)}.")
+
+
+def check_mass(specification: Specification) -> None:
+    """Compare the mass in [course] with that of the model, where both are of a train.
+
+    Raises:
+        EstimationError: They differ.
+    """
+    values = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
+    masses = [value for name, value in values.items() if name.partition("[")[0] == "m_wheelset"]
+    if specification.course is None or not masses:
+        return
+    mass, total = specification.course.mass, sum(masses)
+    if abs(mass - total) > 1e-3 * total:
+        raise EstimationError(
+            f"[course] mass is {mass:g} kg, m_wheelset of {specification.model.class_} add up to {total:g} kg; track "
+            "force and filter belong to one train, change [course] or [model.parameters]."
+        )
+
+
+def _check_formation(specification: Specification, scenario: str | None, signals: list[str]) -> None:
+    """Compare groups and wheelsets of the model with those that a scenario declares without its FMU."""
+    if scenario is None:
+        return
+    vehicle = load(Path(scenario)).vehicle
+    counts: tuple[int, ...] = ()
+    if isinstance(vehicle.source, TrainFile):
+        counts = tuple(len(group) for group in load_train(vehicle.source.file.path).groups)
+    elif vehicle.formation is not None:
+        counts = vehicle.formation.wheelsets_per_group
+    sizes = {"group": len(counts), "wheelset": sum(counts)}
+    for base in dict.fromkeys(name.partition("[")[0] for name in signals if "[" in name):
+        elements = sum(name.partition("[")[0] == base for name in signals)
+        extent = dimension_of(base)
+        if counts and elements != sizes.get(extent, elements):
+            raise EstimationError(
+                f"{specification.model.class_} has {elements} of {base}, one for each {extent}; the train of scenario "
+                f"'{scenario}' has {sizes[extent]}; name a scenario of the train of the model."
+            )
+
+
+def _check_data(specification: Specification) -> None:
+    data = specification.data
+    if data is None:
+        return
+    units, inputs, outputs = signals_of(specification)
+    problems = _problems(specification.name, partial(require_signals, specification.name, data, units, inputs, outputs))
+    for name, column in data.columns.items():
+        target = units.get(name.removeprefix(TRUTH))
+        if target is not None and column.unit is not None:
+            try:
+                conversion(unit(column.unit), unit(target))
+            except UnitError as problem:
+                problems.append(f"[data.columns] {name}: {problem}")
+    if problems:
+        raise EstimationError("\n".join(problems))
+
+
+def signals_of(specification: Specification) -> tuple[dict[str, str], list[str], list[str]]:
+    """Return the units of all signals that [data] of an estimation may map, and the names of inputs and readings."""
+    model = model_of(specification.model.class_)
+    units = units_of(specification.model.class_)
+    inputs = [variable.name for variable in model.inputs if variable.name not in specification.inputs]
+    outputs = [variable.name for variable in model.outputs]
+    if specification.course is not None:
+        columns = list(specification.data.columns) if specification.data else []
+        of_run = {name: "m/s2" for name in columns if name.partition("[")[0] == "acceleration_along"}
+        of_run |= {name: unit for name, unit in _UNITS_OF_RUN.items() if name in columns}
+        units = {name: unit for name, unit in units.items() if name != "track_force"} | of_run
+        inputs = [name for name in inputs if name != "track_force"] + [name for name in of_run if name in _ALWAYS]
+        outputs += [name for name in of_run if name not in _ALWAYS]
+    return units, inputs, outputs
