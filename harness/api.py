@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
     from railgrip.campaign.sweep import Sweep
+    from railgrip.estimation.inspection import Inspection
     from railgrip.report.comparison import Comparison
     from railgrip.report.estimates import Estimates
     from railgrip.report.stop import Stop
@@ -65,6 +66,7 @@ __all__ = [
     "Stop",
     "compare",
     "estimate",
+    "inspect",
     "open",
     "run",
     "sweep",
@@ -263,6 +265,23 @@ def estimate(
         )
     require_consistent(specification)
     return as_estimates(estimate_of(specification, completed(specification, recording)))
+
+
+def inspect(recording: str | Path, model: str | Path = "field", time: str | None = None) -> "Inspection":
+    """Return what a recording holds: `findings` by column, `signals` recognised, a `proposal` of how to read it.
+
+    Args:
+        recording: csv, parquet, mat or mf4.
+        model: The estimation that is to read it, a file or a name.
+        time: Column of time; recognised when None.
+
+    Raises:
+        ScenarioError: The estimation cannot be read.
+        EstimationError: The recording cannot be read.
+    """
+    from railgrip.estimation.inspection import inspect_recording
+
+    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time)
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:

@@ -119,6 +119,7 @@ class _Main(Commands):
             "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
         },
         "Estimation and monitoring": {
+            "inspect": Command("estimation:inspect", "Show what a recording holds, and propose its [data]."),
             "estimate": Command("estimation:estimate", "Run the filter of an estimation over its recording."),
             "observability": Command("estimation:observability", "Show what a recording determines of each state."),
             "ride": Command("monitoring:ride", "Run the instrumented car with a trained friction estimator."),

@@ -1,19 +1,22 @@
 """Estimates from recordings, and what a recording determines of each state."""
 
+import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 import xarray
 
-from railgrip.base.files import remove, write_bytes
+from railgrip.base.errors import InputError
+from railgrip.base.files import remove, write_bytes, write_text
 from railgrip.cli.app import ImportFrom, Overrides, complete, fail
+from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.plausible import strange_estimates, strange_signals
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
-from railgrip.report.console import progress, say, show_table
+from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.estimation import estimated, information
 from railgrip.report.table import Form, Table, share
 from railgrip.trace.samples import knows
@@ -110,6 +113,56 @@ def estimate(
     problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
     if problems:
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
+
+
+def inspect(
+    run: Annotated[Path, typer.Argument(metavar="RUN", help="A recording: csv, parquet, mat or mf4.")],
+    estimation: Annotated[
+        Path,
+        typer.Option(
+            "--for",
+            metavar="ESTIMATION",
+            autocompletion=complete("estimations"),
+            help="Estimation that is to read it: a file or one of ours.",
+        ),
+    ] = Path("field"),
+    time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Column of time; recognised unless given.")] = None,
+    out: Annotated[
+        Path | None, typer.Option(help="File for the proposal (.toml), which must not exist; printed unless given.")
+    ] = None,
+) -> None:
+    """Show what a recording holds, and propose its [data]."""
+    if out is not None and out.exists():
+        raise InputError(f"{out} is already there; name another file.")
+    inspection = inspect_recording(run, estimation, time)
+    rows = [
+        {
+            "column": finding.name,
+            "signal": next((signal for signal, name in inspection.signals.items() if name == finding.name), "–"),
+            "unit": finding.unit or "–",
+            "samples": finding.samples,
+            "period [ms]": 1e3 * finding.period,
+            "from [s]": finding.begin,
+            "to [s]": finding.end,
+            "least": finding.low,
+            "largest": finding.high,
+            "gaps": len(finding.gaps) or "–",
+            "longest [s]": max((length for _, length in finding.gaps), default=math.nan),
+        }
+        for finding in inspection.findings
+    ]
+    forms: dict[str, Form] = dict.fromkeys(("period [ms]", "least", "largest", "longest [s]"), "{:.4g}")
+    forms |= dict.fromkeys(("from [s]", "to [s]"), "{:.3f}")
+    show_table(Table(rows, forms, left=("column", "signal", "unit"), title=run.name))
+    if inspection.texts:
+        say(f"Not numbers: {', '.join(inspection.texts)}.")
+    if out is None:
+        say(inspection.proposal)
+    else:
+        write_text(out, inspection.proposal)
+        say(f"{out}; go on with: railgrip estimate {out} --data {run}")
+    if inspection.unrecognised:
+        remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")
 
 
 def _say_flags(recording: xarray.Dataset) -> None:

@@ -18,7 +18,10 @@ from railgrip.trace.samples import dimension_of
 
 _ALWAYS = {"driving": "1", "braking": "1"}
 """Signals that a file of a run must have at every sample, if it has them."""
-_UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
+UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
+"""Signals besides those of the model that [course] uses."""
+ACCELERATION = "acceleration_along"
+"""Of [course], too: any number of elements."""
 
 
 def require_consistent(specification: Specification, scenario: str | None = None) -> None:
@@ -141,15 +144,18 @@ def _check_data(specification: Specification) -> None:
 
 
 def signals_of(specification: Specification) -> tuple[dict[str, str], list[str], list[str]]:
-    """Return the units of all signals that [data] of an estimation may map, and the names of inputs and readings."""
+    """Return the units of all signals that [data] of an estimation may map, and the names of inputs and readings.
+
+    With [course] the run has what its motion is computed from, in place of the track force.
+    """
     model = model_of(specification.model.class_)
     units = units_of(specification.model.class_)
     inputs = [variable.name for variable in model.inputs if variable.name not in specification.inputs]
     outputs = [variable.name for variable in model.outputs]
     if specification.course is not None:
         columns = list(specification.data.columns) if specification.data else []
-        of_run = {name: "m/s2" for name in columns if name.partition("[")[0] == "acceleration_along"}
-        of_run |= {name: unit for name, unit in _UNITS_OF_RUN.items() if name in columns}
+        of_run = {name: "m/s2" for name in columns if name.partition("[")[0] == ACCELERATION}
+        of_run |= {name: unit for name, unit in UNITS_OF_RUN.items() if name in columns}
         units = {name: unit for name, unit in units.items() if name != "track_force"} | of_run
         inputs = [name for name in inputs if name != "track_force"] + [name for name in of_run if name in _ALWAYS]
         outputs += [name for name in of_run if name not in _ALWAYS]

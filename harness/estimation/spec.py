@@ -1,5 +1,6 @@
 """An estimation as a TOML file: model, noises, start, gate and where the recording comes from.
 
+extends = "rig_own"                         # optional: keys that are missing here come from that estimation
 name = "rig-slide"
 
 [model]
@@ -34,6 +35,7 @@ scenario = "rig_slide"
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -45,8 +47,8 @@ from railgrip.estimation.run import Kind, Settings, equations_of, estimate, mode
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.file import located
-from railgrip.scenario.load import read_toml, require_kind, validated
-from railgrip.scenario.merge import merged, nested, read_overrides
+from railgrip.scenario.load import Tables, read_toml, require_kind, validated
+from railgrip.scenario.merge import nested, read_overrides
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
 from railgrip.scenario.track.table import CurveLaw
@@ -198,13 +200,30 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
         ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
     """
     path = located(path, "estimations")
+    tables = _tables_in(path, ())
+    tables = tables.laid(path.name, nested(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
+    return validated(Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers)
+
+
+def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
+    """Return the tables of a file, laid over those of the estimation that its `extends` names."""
     table = read_toml(path)
     require_kind(table, "estimation", path)
     noise = table.get("noise")
     if isinstance(noise, dict) and "file" in noise:
         table = table | {"noise": _noise_elsewhere(path, noise)}
-    table = merged(table, nested(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
-    return validated(Specification, table, directory=path.parent, origin=path.name)
+    tables = Tables.of({key: value for key, value in table.items() if key != "extends"}, path.parent, path.name)
+    if "extends" not in table:
+        return tables
+    base = located(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
+    if base.resolve() in [file.resolve() for file in (*chain, path)]:
+        raise EstimationError(f"{path.name}: extends goes round in a circle; leave it out of one of the files.")
+    below = _tables_in(base, (*chain, path))
+    # A map of columns belongs to one recording.
+    inherited = {
+        key: value for key, value in below.table.items() if key not in ("data" if "data" in table else "", "name")
+    }
+    return replace(below, table={"name": path.stem} | inherited).laid(path.name, tables.table)
 
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:

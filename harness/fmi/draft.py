@@ -14,7 +14,7 @@ from railgrip.base.units import unit
 from railgrip.fmi.description import Causality, Description, Variable
 from railgrip.fmi.mapping import Signal
 
-_ALSO = {
+OTHER_NAMES = {
     "pressure_command": "demand brake_demand cylinder_demand pressure_demand pressure_setpoint brake_command p_set",
     "mu0": "rail_grip grip friction rail_friction mu mu_rail friction_coefficient",
     "track_force": "drag resistance gradient_force",
@@ -101,7 +101,7 @@ def arrays_of(description: Description) -> Iterator[Array]:
     placed: dict[str, list[tuple[str, Variable]]] = {}
     for variable in description.variables.values():
         name = variable.name
-        yield Array((variable,), name, _bare(name), is_scalar=True)
+        yield Array((variable,), name, bare_name(name), is_scalar=True)
         for digits in re.finditer(r"\d+", name):
             if len(digits[0]) <= 3:
                 pattern = f"{name[: digits.start()]}{{i}}{name[digits.end() :]}"
@@ -122,19 +122,19 @@ def arrays_of(description: Description) -> Iterator[Array]:
             known = [rank for rank in ranks if rank is not None]
             if len(set(known)) == len(elements):
                 order = [elements[i][1] for i in np.argsort(known)]
-            yield Array(tuple(order), tuple(v.name for v in order), _bare(key.replace("{place}", "")))
+            yield Array(tuple(order), tuple(v.name for v in order), bare_name(key.replace("{place}", "")))
 
 
 def _numbered(pattern: str, elements: Mapping[int, Variable]) -> Iterator[Array]:
     indices = sorted(elements)
     variables = tuple(elements[index] for index in indices)
     if indices == list(range(1, len(indices) + 1)) and (len(indices) > 1 or "[{i}]" in pattern):
-        yield Array(variables, pattern, _bare(pattern.replace("{i}", "")))
+        yield Array(variables, pattern, bare_name(pattern.replace("{i}", "")))
     elif len(indices) > 1 and indices == list(range(len(indices))):
-        yield Array(variables, tuple(variable.name for variable in variables), _bare(pattern.replace("{i}", "")))
+        yield Array(variables, tuple(variable.name for variable in variables), bare_name(pattern.replace("{i}", "")))
 
 
-def _bare(name: str) -> str:
+def bare_name(name: str) -> str:
     """Return a name in lower case without brackets and with single underscores."""
     snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower()
     return re.sub(r"_+", "_", re.sub(r"[^a-z0-9.]", "_", snake)).strip("_.")
@@ -154,10 +154,11 @@ def _score(signal: Signal, causality: Causality, array: Array) -> float:
         theirs = first.unit or (unit(first.unit_name) if first.unit_name else None)
         if theirs is not None and theirs.exponents != unit(signal.unit).exponents:
             return 0.0
-    words = (signal.name, *_ALSO.get(signal.name, "").split())
+    words = (signal.name, *OTHER_NAMES.get(signal.name, "").split())
     parts = {array.name: 1.0, array.name.rpartition(".")[2]: 0.95}
-    return max(weight * _alike(part, words) for part, weight in parts.items())
+    return max(weight * likeness(part, words) for part, weight in parts.items())
 
 
-def _alike(name: str, words: Sequence[str]) -> float:
+def likeness(name: str, words: Sequence[str]) -> float:
+    """Return how alike a name and the nearest of some words are, 0 to 1."""
     return max(SequenceMatcher(None, name, word).ratio() for word in words)

@@ -18,6 +18,7 @@ Kind = Literal["scenario", "campaign", "estimation", "train"]
 _MARKS: Final[tuple[tuple[Kind, tuple[str, ...]], ...]] = (
     ("campaign", ("scenarios",)),
     ("estimation", ("model", "noise")),
+    *(("estimation", ("extends", key)) for key in ("data", "model", "noise", "gate", "course", "source")),
     ("train", ("cars",)),
     ("scenario", ("vehicle", "controller")),
     ("scenario", ("extends",)),

@@ -66,9 +66,9 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
         raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
     columns = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
     if path.suffix.lower() == ".mf4":
-        return _mf4(path, columns)
+        return read_mf4(path, columns)
     frame = read_table(path, [table.time.column, *columns], table.separator, table.decimal)
-    return _of_frame(path, frame, table, columns)
+    return series_of_table(path, frame, table, columns)
 
 
 def read_table(
@@ -166,8 +166,10 @@ def _mat(path: Path) -> Mapping[str, Any]:
     return variables
 
 
-def _of_frame(path: Path, frame: Mapping[str, Any], table: DataTable, columns: Sequence[str]) -> dict[str, Series]:
-    """Return the columns of a table, all on its column of time."""
+def series_of_table(
+    path: Path, frame: Mapping[str, Any], table: DataTable, columns: Sequence[str]
+) -> dict[str, Series]:
+    """Return columns of a table, all on its column of time; see `read_series`."""
     _all_there(path, [table.time.column, *columns], list(frame))
     time = _instants(path, frame[table.time.column], table)
     series: dict[str, Series] = {}
@@ -193,13 +195,30 @@ def unit_at_end(name: str, target: str) -> str | None:
 
     Only one of the dimension of `target` counts: "wheel_l" is the left wheel, no volume.
     """
-    *_, before, last = ("", "", *re.split(r"[_\s]+", name.strip()))
-    for text in (f"{before}/{last}", last):
+    *_, before, last = ("", *_words(name))
+    for text in (f"{before}/{last}", last) if before else ():
         with suppress(UnitError):
             source = unit(_SUFFIXES.get(text.lower(), text))
             conversion(source, unit(target))
             return source.name
     return None
+
+
+def name_without_unit(name: str) -> str:
+    """Return the name of a column without units in brackets or at its end."""
+    bracketed = unit_in_brackets(name)
+    words = _words(name if bracketed is None else re.sub(r"[\[(][^\[\]()]*[\])]\s*$", "", name))
+    while len(words) > 1 and not words[-1].isdigit():
+        try:
+            unit(_SUFFIXES.get(words[-1].lower(), words[-1]))
+        except UnitError:
+            break
+        words.pop()
+    return "_".join(words)
+
+
+def _words(name: str) -> list[str]:
+    return re.split(r"[_\s]+", name.strip())
 
 
 def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None:
@@ -264,11 +283,14 @@ def _instants(path: Path, values: Any, table: DataTable) -> Vector:
 # ---- measurement data format ------------------------------------------------------------------------------------
 
 
-def _mf4(path: Path, columns: Sequence[str]) -> dict[str, Series]:
+def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Series]:
+    """Return channels of an MDF file by name, each on its own instants; all of numbers when None; see `read_series`."""
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
     logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it logs of a damaged file, its exceptions say
     # Damage may show as late as in a block of samples.
     with _reading(path, "an MDF file"), _silently_collected(), library.MDF(path) as file:
+        if columns is None:
+            columns = _readable(file)
         _all_there(path, columns, list(file.channels_db))
         for name in columns:
             places = file.channels_db[name]
@@ -288,6 +310,14 @@ def _mf4(path: Path, columns: Sequence[str]) -> dict[str, Series]:
                 unit=signal.unit or None,
             )
     return series
+
+
+def _readable(file: Any) -> list[str]:
+    """Return the channels of numbers of an MDF file whose name occurs once, without those of time."""
+    places = {name: where[0] for name, where in file.channels_db.items() if len(where) == 1}
+    masters = {(group, channel) for group, channel in file.masters_db.items()}
+    signals = {name: file.get(name).samples for name, place in places.items() if place not in masters}
+    return [name for name, values in signals.items() if values.dtype.kind in "fiub" and values.ndim == 1]
 
 
 @contextmanager

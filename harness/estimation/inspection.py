@@ -1,0 +1,373 @@
+"""What a recording holds, and the [data] by which an estimation can read it."""
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import linear_sum_assignment
+
+from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.units import conversion, short, turning_of, unit
+from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
+from railgrip.estimation.spec import Specification, load_specification
+from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
+from railgrip.scenario.file import is_file
+from railgrip.trace.files import (
+    Series,
+    name_without_unit,
+    read_mf4,
+    read_table,
+    series_of_table,
+    unit_at_end,
+    unit_in_brackets,
+)
+from railgrip.trace.table import DataTable, TimeColumn
+
+_NAMES = {
+    "time": "t zeit timestamp zeitstempel datetime date datum uhrzeit seconds elapsed",
+    "speed": "v_gps v_gnss v_radar v_optical geschwindigkeit v_ist ground_speed",
+    "wheelset_speed": "rpm drehzahl radsatzdrehzahl wheelset axle speed_axle speed_wheel n_axle raddrehzahl",
+    "cylinder_pressure": "p pc p_c bc bc_pressure bremszylinder bremszylinderdruck c_druck p_bc druck",
+    "pad_force": "f force clamp_force brake_force pad belagkraft bremskraft",
+    "acceleration": "acc accel beschleunigung",
+    "acceleration_along": "acceleration a acc accel a_x ax acc_x beschleunigung longitudinal_acceleration",
+    "latitude": "lat breitengrad breite gps_lat",
+    "longitude": "lon long lng laengengrad laenge gps_lon",
+    "height": "altitude alt hoehe elevation gps_alt z",
+    "driving": "traction drive traktion power_on",
+    "braking": "brake bremse bremsen brake_applied",
+    "wheel_torque": "torque moment",
+    "deflection": "spring suspension federweg",
+}
+"""Other names of signals in recordings, beside those of plants."""
+
+_MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
+"""Readings that stand still exactly when a train does, or a wheelset is locked."""
+_LEAST = 0.6
+"""Likeness of names below which a column is not recognised."""
+_DEGREES = ("latitude", "longitude")
+_MOST_ACCELEROMETERS = 16
+_BRIDGED = 1.0
+"""Longest gap of an input that a proposal interpolates over [s]."""
+_GAP = 2.5
+"""Periods without a sample that are a gap."""
+
+
+_UNKNOWN = "?"
+"""What the reader of a proposal has to fill in."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Finding:
+    """A column of a recording.
+
+    Attributes:
+        name: In the file.
+        unit: That the file gives, in brackets or at the end of the name, or None.
+        samples: Number of its values.
+        period: Median time between them [s].
+        begin: Instant of the first [s].
+        end: Instant of the last [s].
+        low: Least value, in its unit.
+        high: Largest value.
+        gaps: Instant and length of each time without a value for more than `_GAP` periods [s].
+    """
+
+    name: str
+    unit: str | None
+    samples: int
+    period: float
+    begin: float
+    end: float
+    low: float
+    high: float
+    gaps: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inspection:
+    """What a recording holds.
+
+    Attributes:
+        findings: Of each column of numbers.
+        texts: Columns that hold something else.
+        signals: Signal → column that was recognised as it.
+        proposal: An estimation as TOML that reads the recording.
+        unrecognised: Signals of the proposal whose column or unit its reader has to fill in.
+    """
+
+    findings: tuple[Finding, ...]
+    texts: tuple[str, ...]
+    signals: Mapping[str, str]
+    proposal: str
+    unrecognised: tuple[str, ...]
+
+
+def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> Inspection:
+    """Return what a recording holds, with a proposal of how an estimation reads it.
+
+    Args:
+        path: csv, parquet, mat or mf4.
+        estimation: File or name of the estimation whose signals are looked for.
+        time: Column of time; recognised when None.
+
+    Raises:
+        ScenarioError: The estimation cannot be read.
+        EstimationError: The file cannot be read, no column of time is recognised, or no other has two numbers.
+    """
+    specification = load_specification(estimation)
+    # The proposal may lie elsewhere than where the command was given.
+    base = str(estimation.resolve()) if is_file(estimation) else str(estimation)
+    clock, series, texts = _read(path, time)
+    findings = [finding for name, column in series.items() for finding in _findings(name, column)]
+    if not findings:
+        raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
+    wanted = _wanted(specification)
+    recognised = _recognised(findings, wanted)
+    period = min(finding.period for finding in recognised.values() or findings)
+    lines, unrecognised = _columns(wanted, recognised)
+    head = [
+        f"# How `railgrip estimate` reads {path.name}. Correct what you know better, and fill in each '{_UNKNOWN}'.",
+        f"extends = {_toml(base)}",
+        f"name = {_toml(re.sub(r'[^A-Za-z0-9_.-]', '_', path.stem))}",
+        "",
+        "[data]",
+        _clock_line(clock, path),
+        f'period = "{1e3 * period:.6g} ms"',
+        *_gap_lines([finding for name, finding in recognised.items() if wanted[name].needed], period),
+        'frozen = "2 s"  # readings that repeat exactly for longer are left out',
+        "spike = 8.0  # so are samples as many deviations off their neighbours",
+        "",
+        "[data.columns]",
+    ]
+    return Inspection(
+        findings=tuple(_with_unit(finding, recognised, wanted) for finding in findings),
+        texts=tuple(texts),
+        signals={signal: finding.name for signal, finding in recognised.items()},
+        proposal="\n".join([*head, *lines]) + "\n",
+        unrecognised=tuple(unrecognised),
+    )
+
+
+# ---- what the file holds ----------------------------------------------------------------------------------------
+
+
+def _read(path: Path, time: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
+    """Return the column of time, the columns of numbers, and the names of the others."""
+    if path.suffix.lower() == ".mf4":
+        return TimeColumn(column="time", unit="s"), read_mf4(path), []
+    frame = read_table(path)
+    clock = _clock(path, frame, time)
+    numbers = [name for name, values in frame.items() if name != clock.column and _is_numeric(values)]
+    table = DataTable(
+        time=clock.model_copy(update={"unit": clock.unit or "s"}), period=1.0, longest_gap=1.0, frozen=1.0, spike=8.0,
+        columns={},
+    )  # fmt: skip
+    series = series_of_table(path, frame, table, numbers)
+    return clock, series, [name for name in frame if name not in (clock.column, *numbers)]
+
+
+def _is_numeric(values: Any) -> bool:
+    array = np.asarray(values)
+    if array.ndim != 1 or array.dtype.kind in "fiub":
+        return array.ndim == 1
+    numbers: Any = pd.to_numeric(pd.Series(values), errors="coerce")
+    return bool(numbers.notna().any())
+
+
+def _clock(path: Path, frame: Mapping[str, Any], time: str | None) -> TimeColumn:
+    """Return the column of time with its unit, None where nothing tells it."""
+    if time is not None and time not in frame:
+        raise EstimationError(f"{path.name}: has no column {short(time)}; it has {', '.join(frame)}.")
+    for name in [time] if time is not None else sorted(frame, key=_is_called_time, reverse=True):
+        values = np.asarray(frame[name])
+        text = unit_in_brackets(name) or unit_at_end(name, "s")
+        if values.dtype.kind not in "fiu" and not _is_numeric(values):
+            if _is_called_time(name) or time is not None:
+                return TimeColumn(column=name, unit="timestamp")
+        elif time is not None or ((_is_called_time(name) or text) and bool((np.diff(values.astype(float)) >= 0).all())):
+            with suppress(UnitError):
+                conversion(unit(text or ""), unit("s"))
+                return TimeColumn(column=name, unit=text)
+            if time is not None or _is_called_time(name):
+                return TimeColumn(column=name)
+    raise EstimationError(
+        f"{path.name}: no column of time was recognised among {', '.join(frame)}; name it with --time COLUMN."
+    )
+
+
+def _is_called_time(name: str) -> bool:
+    return _stem(name)[0] in ("time", *_NAMES["time"].split())
+
+
+def _clock_line(clock: TimeColumn, path: Path) -> str:
+    unit_of_time, remark = clock.unit, ""
+    if unit_of_time is None:
+        unit_of_time, remark = "s", f"  # {path.name} does not tell: seconds are assumed"
+    return f"time = {{ column = {_toml(clock.column)}, unit = {_toml(unit_of_time)} }}{remark}"
+
+
+def _findings(name: str, series: Series) -> Iterator[Finding]:
+    """Yield what a column holds; nothing of one without two samples."""
+    there = np.isfinite(series.values) & np.isfinite(series.time)
+    time, values = series.time[there], series.values[there]
+    steps = np.diff(time)
+    if not (steps > 0.0).any():
+        return
+    period = float(np.median(steps[steps > 0.0]))
+    yield Finding(
+        name=name,
+        unit=series.unit,
+        samples=int(values.size),
+        period=period,
+        begin=float(time.min()),
+        end=float(time.max()),
+        low=float(values.min()),
+        high=float(values.max()),
+        gaps=tuple((float(time[i]), float(steps[i])) for i in np.flatnonzero(steps > _GAP * period)),
+    )
+
+
+def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
+    """Yield how gaps of inputs are treated: bridged, or left out with what lies beyond them."""
+    gaps = sorted(gap for finding in inputs for gap in finding.gaps)
+    longest = max((length for _, length in gaps if length <= _BRIDGED), default=0.0)
+    bridged = max(0.1, 5.0 * period, 1.01 * longest)
+    yield f'longest_gap = "{1e3 * bridged:.6g} ms"  # inputs are interpolated over gaps up to this'
+    cuts = [(begin, begin + length) for begin, length in gaps if length > _BRIDGED]
+    if cuts:
+        first, last = max(finding.begin for finding in inputs), min(finding.end for finding in inputs)
+        begins, ends = [first, *accumulate((end for _, end in cuts), max)], [*(begin for begin, _ in cuts), last]
+        begin, end = max(zip(begins, ends, strict=True), key=lambda part: part[1] - part[0])
+        yield f'begin = "{begin:.6g} s"  # inputs are missing before or after for more than {_BRIDGED:g} s'
+        yield f'end = "{end:.6g} s"'
+
+
+def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapping[str, "_Wanted"]) -> Finding:
+    """Return a column with the unit that it has as the signal it was recognised as."""
+    target = next((wanted[signal].unit for signal, other in recognised.items() if other is finding), "")
+    return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
+
+
+# ---- what it is to the model ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Wanted:
+    """A signal of the model: its unit, and whether the model cannot do without."""
+
+    unit: str
+    needed: bool
+
+
+def _wanted(specification: Specification) -> dict[str, _Wanted]:
+    """Return the signals that an estimation may read, by name; of accelerometers along the track one for each."""
+    own = specification.model_copy(update={"data": None})
+    units, inputs, outputs = signals_of(own)
+    wanted = {name: _Wanted(units[name], name in inputs) for name in (*inputs, *outputs)}
+    if specification.course is not None:
+        wanted |= {name: _Wanted(text, name != "braking") for name, text in UNITS_OF_RUN.items()}
+        wanted |= {f"{ACCELERATION}[{i}]": _Wanted("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
+        wanted["speed"] = _Wanted("m/s", needed=True)
+        wanted.pop("acceleration", None)  # the filter takes the mean of those along the track
+    return wanted
+
+
+def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> dict[str, Finding]:
+    """Return signal → column, by names, numbers in names and dimensions; each column once."""
+    signals, stems = list(wanted), [_stem(finding.name) for finding in findings]
+    from_zero = {stem for stem, number in stems if number == 0}
+    places = [(stem, number if number is None else number + (stem in from_zero)) for stem, number in stems]
+    scores = np.array(
+        [
+            [_score(name, wanted[name].unit, *place, finding) for place, finding in zip(places, findings, strict=True)]
+            for name in signals
+        ]
+    )
+    pairs = zip(*linear_sum_assignment(scores, maximize=True), strict=True)
+    return {signals[i]: findings[j] for i, j in pairs if scores[i, j] >= _LEAST}
+
+
+def _score(signal: str, target: str, stem: str, number: int | None, finding: Finding) -> float:
+    """Return how well a column suits a signal, 0 to 1; 0 for another dimension or another element of an array."""
+    base, _, index = signal.partition("[")
+    numbers = (int(index[:-1]),) if index else (None, 1)
+    if number not in numbers or not _may_be(finding, target):
+        return 0.0
+    words = (base, *OTHER_NAMES.get(base, "").split(), *_NAMES.get(base, "").split())
+    parts = set(stem.split("_"))
+    score = max(likeness(stem, words), *(0.9 for word in words if set(word.split("_")) <= parts), 0.0)
+    return score if _unit_of(finding, target) else 0.95 * score
+
+
+def _stem(name: str) -> tuple[str, int | None]:
+    """Return the name of a column without its unit and number, and the number."""
+    text = name_without_unit(name)
+    numbers = re.findall(r"\d+", text)
+    return bare_name(re.sub(r"\d+", "_", text)), int(numbers[-1]) if numbers else None
+
+
+def _may_be(finding: Finding, target: str) -> bool:
+    """Say whether the unit of a column does not speak against a signal."""
+    if finding.unit is None:
+        return True
+    try:
+        stated = unit(finding.unit)
+    except UnitError:
+        return True
+    return stated.exponents == unit(target).exponents or _unit_of(finding, target) != ""
+
+
+def _unit_of(finding: Finding, target: str) -> str:
+    """Return the unit of a column as [data] wants it; empty where the file does not tell."""
+    with suppress(UnitError):
+        if finding.unit is not None:
+            stated = unit(finding.unit)
+            if time := turning_of(stated, unit(target)):
+                return f"rev/{time}"
+            conversion(stated, unit(target))
+            return finding.unit
+    return unit_at_end(finding.name, target) or ("1" if target == "1" else "")
+
+
+def _columns(wanted: Mapping[str, _Wanted], recognised: Mapping[str, Finding]) -> tuple[list[str], list[str]]:
+    """Return the lines of [data.columns], and the signals that are left to their reader."""
+    lines: list[str] = []
+    unrecognised: list[str] = []
+    for signal, want in wanted.items():
+        key = _toml(signal) if "[" in signal else signal
+        finding = recognised.get(signal)
+        if finding is None:
+            if want.needed:
+                unrecognised.append(signal)
+                lines.append(
+                    f'{key} = {{ column = "{_UNKNOWN}", unit = "{want.unit}" }}  # needed, and not recognised; '
+                    f'{{ value = "{_zero(want.unit)}" }} where it is constant'
+                )
+            continue
+        text, remark = _unit_of(finding, want.unit), ""
+        if not text and signal in _DEGREES:
+            text, remark = "deg", "  # the file gives no unit: degrees are assumed"
+        elif not text:
+            unrecognised.append(signal)
+            remark = f"  # the file gives no unit of the dimension of {want.unit}"
+        elif text.startswith("rev/") and finding.unit is not None and "rev" not in finding.unit:
+            remark = f"  # the file says {finding.unit}: revolutions are assumed"
+        rest = ", may_rest = true" if signal.partition("[")[0] in _MAY_REST else ""
+        lines.append(f"{key} = {{ column = {_toml(finding.name)}, unit = {_toml(text or _UNKNOWN)}{rest} }}{remark}")
+    return lines, unrecognised
+
+
+def _zero(unit_of_signal: str) -> str:
+    return "0" if unit_of_signal == "1" else f"0 {unit_of_signal}"
+
+
+def _toml(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)

@@ -1,0 +1,181 @@
+"""What `railgrip inspect` finds in a recording, and that what it proposes is read."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import railgrip as rg
+from railgrip.base.errors import EstimationError, InputError, ScenarioError
+from railgrip.cli.main import app
+from railgrip.estimation.inspection import Inspection, inspect_recording
+from railgrip.estimation.sources import recording_for
+from railgrip.estimation.spec import load_specification
+from railgrip.trace.samples import reading_of
+
+T = np.arange(1000) * 0.01
+RNG = np.random.default_rng(1)
+V = 30.0 - T + 1e-3 * RNG.standard_normal(T.size)
+W = V / 0.46
+FORCE = np.where(T > 2.0, 2e4, 0.0)
+
+
+def rig(**columns: np.ndarray) -> pd.DataFrame:
+    """Recording of a roller rig in German units, with other columns on top."""
+    own = {"Zeit [ms]": 1e3 * T, "Geschwindigkeit (km/h)": 3.6 * V, "Drehzahl [U/min]": W * 30 / np.pi}
+    return pd.DataFrame(own | {"Kraft_kN": FORCE / 1e3} | columns)
+
+
+def written(folder: Path, frame: pd.DataFrame, name: str = "run.csv") -> Path:
+    path = folder / name
+    frame.to_csv(path, index=False, sep=";", decimal=",", encoding="cp1252")
+    return path
+
+
+def read_by(inspection: Inspection, path: Path):
+    """Return the recording in a file as the proposal reads it."""
+    file = path.with_suffix(".toml")
+    file.write_text(inspection.proposal, encoding="utf-8")
+    return recording_for(load_specification(file), path).recording
+
+
+def test_a_proposal_reads_the_recording_without_a_change(tmp_path):
+    path = written(tmp_path, rig())
+    inspection = inspect_recording(path, Path("rig_own"))
+    assert not inspection.unrecognised
+    recording = read_by(inspection, path)
+    # Text has 16 digits, units are rounded once.
+    np.testing.assert_allclose(reading_of(recording, "speed"), V, rtol=1e-9)
+    np.testing.assert_allclose(reading_of(recording, "wheelset_speed"), W, rtol=1e-9)
+    np.testing.assert_allclose(reading_of(recording, "pad_force"), FORCE, rtol=1e-9)
+
+
+def test_columns_of_a_train_are_recognised_by_name_number_and_unit(tmp_path):
+    """Speeds of wheelsets counted from 0, accelerations in g; 1/min may be radians, so it is said what is assumed."""
+    wheels = {f"n_{i} [1/min]": W + i for i in range(4)}
+    cylinders = {f"BC{i} (bar)": FORCE / 1e4 + i for i in range(1, 5)}
+    frame = pd.DataFrame(
+        {"time_s": T, "v_gps_kmh": 3.6 * V, **wheels, **cylinders, "acc_x_1_g": V, "lat": T, "lon": T, "alt_m": T}
+    )
+    inspection = inspect_recording(written(tmp_path, frame.assign(driving=0)), Path("field"))
+    expected = {f"wheelset_speed[{i + 1}]": f"n_{i} [1/min]" for i in range(4)}
+    expected |= {f"cylinder_pressure[{i}]": f"BC{i} (bar)" for i in range(1, 5)}
+    expected |= {"speed": "v_gps_kmh", "acceleration_along[1]": "acc_x_1_g", "driving": "driving"}
+    assert inspection.signals == expected | {"latitude": "lat", "longitude": "lon", "height": "alt_m"}
+    assert not inspection.unrecognised
+    units = {finding.name: finding.unit for finding in inspection.findings}
+    assert (units["v_gps_kmh"], units["acc_x_1_g"], units["n_0 [1/min]"]) == ("km/h", "g", "rev/min")
+    assert inspection.proposal.count("revolutions are assumed") == 4
+
+
+def test_what_is_not_recognised_is_left_to_the_reader_and_then_runs(tmp_path):
+    frame = rig().rename(columns={"Kraft_kN": "Kanal 7", "Geschwindigkeit (km/h)": "v"})
+    path = written(tmp_path, frame)
+    inspection = inspect_recording(path, Path("rig_own"))
+    assert inspection.unrecognised == ("pad_force", "speed")
+    with pytest.raises(EstimationError, match=r"run\.csv"):
+        read_by(inspection, path)
+    lines = [
+        line.replace('column = "?", unit = "N"', 'column = "Kanal 7", unit = "kN"').replace('"?"', '"km/h"')
+        for line in inspection.proposal.splitlines()
+    ]
+    file = path.with_suffix(".toml")
+    file.write_text("\n".join(lines), encoding="utf-8")
+    recording = recording_for(load_specification(file), path).recording
+    np.testing.assert_allclose(reading_of(recording, "pad_force"), FORCE, rtol=1e-9)
+    np.testing.assert_allclose(reading_of(recording, "speed"), V, rtol=1e-9)
+
+
+def test_sampling_gaps_and_ranges_are_found(tmp_path):
+    frame = rig()
+    frame.loc[300:349, "Drehzahl [U/min]"] = np.nan
+    inspection = inspect_recording(written(tmp_path, frame), Path("rig_own"))
+    wheel = next(finding for finding in inspection.findings if finding.name.startswith("Drehzahl"))
+    assert (wheel.samples, wheel.period) == (950, pytest.approx(0.01))
+    assert (wheel.begin, wheel.end) == (0.0, pytest.approx(9.99))
+    assert wheel.gaps == (pytest.approx((2.99, 0.51)),)
+    numbers = frame["Drehzahl [U/min]"]
+    assert (wheel.low, wheel.high) == pytest.approx((numbers.min(), numbers.max()))
+
+
+@pytest.mark.parametrize(
+    ("lost", "begin", "end"), [(range(300, 350), 0.0, 9.99), (range(100, 300), 3.0, 9.99), (range(700, 990), 0.0, 6.99)]
+)
+def test_a_proposal_bridges_short_gaps_of_inputs_and_cuts_at_long_ones(tmp_path, lost, begin, end):
+    frame = rig()
+    frame.loc[list(lost), "Kraft_kN"] = np.nan
+    path = written(tmp_path, frame)
+    time = read_by(inspect_recording(path, Path("rig_own")), path)["time"].values
+    assert (time[0], time[-1]) == (pytest.approx(begin), pytest.approx(end))
+
+
+@pytest.mark.parametrize("suffix", [".parquet", ".mat", ".mf4"])
+def test_other_formats_are_inspected_too(tmp_path, suffix):
+    path = tmp_path / f"run{suffix}"
+    frame = rig().rename(
+        columns={"Zeit [ms]": "time_ms", "Geschwindigkeit (km/h)": "v_kmh", "Drehzahl [U/min]": "n_rpm"}
+    )
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+        frame.to_parquet(path)
+    elif suffix == ".mat":
+        from scipy.io import savemat
+
+        savemat(path, {name: frame[name].to_numpy() for name in frame})
+    else:
+        asammdf = pytest.importorskip("asammdf")
+        file = asammdf.MDF(version="4.10")
+        for name, unit in {"v_kmh": "km/h", "n_rpm": "rpm", "Kraft_kN": "kN"}.items():
+            file.append(asammdf.Signal(samples=frame[name].to_numpy(), timestamps=T, name=name, unit=unit))
+        file.save(path, overwrite=True)
+        file.close()
+    inspection = inspect_recording(path, Path("rig_own"))
+    assert not inspection.unrecognised
+    np.testing.assert_allclose(reading_of(read_by(inspection, path), "wheelset_speed"), W, rtol=1e-9)
+
+
+def test_a_file_without_time_wants_the_column_named(tmp_path):
+    path = written(tmp_path, rig().rename(columns={"Zeit [ms]": "k"}))
+    with pytest.raises(EstimationError, match="--time"):
+        inspect_recording(path, Path("rig_own"))
+    inspection = inspect_recording(path, Path("rig_own"), "k")
+    assert 'time = { column = "k", unit = "s" }  #' in inspection.proposal
+    with pytest.raises(EstimationError, match=r"run\.csv: has no column 'K'"):
+        inspect_recording(path, Path("rig_own"), "K")
+
+
+def test_time_stamps_are_recognised(tmp_path):
+    stamps = (pd.Timestamp("2024-05-01T12:00:00Z") + pd.to_timedelta(T, unit="s")).astype(str)
+    path = written(tmp_path, rig().rename(columns={"Zeit [ms]": "Datum"}).assign(Datum=stamps))
+    inspection = inspect_recording(path, Path("rig_own"))
+    assert 'time = { column = "Datum", unit = "timestamp" }' in inspection.proposal
+    assert inspection.findings[0].end == pytest.approx(9.99)
+
+
+def test_the_command_writes_a_file_that_estimate_takes(tmp_path):
+    path, file = written(tmp_path, rig()), tmp_path / "mine.toml"
+    result = CliRunner().invoke(app, ["inspect", str(path), "--for", "rig_own", "--out", str(file)])
+    assert result.exit_code == 0, result.output
+    for fact in ("Drehzahl [U/min]", "wheelset_speed", "9.990", str(file)):
+        assert fact in result.output
+    estimates = rg.estimate(path, file)
+    assert np.isfinite(estimates["mean"].values).all()
+    with pytest.raises(InputError, match=r"mine\.toml"):
+        app(["inspect", str(path), "--out", str(file)], standalone_mode=False)
+
+
+def test_an_estimation_extends_another_and_takes_no_columns_from_it(tmp_path):
+    file = tmp_path / "mine.toml"
+    file.write_text('extends = "field"\n[course]\nmass = "84.01 t"\n', encoding="utf-8")
+    specification, base = load_specification(file), load_specification(Path("field"))
+    assert specification.name == "mine"
+    assert specification.course.mass == 84010.0
+    assert (specification.noise, specification.data) == (base.noise, base.data)
+    file.write_text('extends = "mine.toml"\n[model]\n', encoding="utf-8")
+    with pytest.raises(ScenarioError, match="circle"):
+        load_specification(file)
+    file.write_text('extends = "felid"\n[model]\n', encoding="utf-8")
+    with pytest.raises(ScenarioError, match="field"):
+        load_specification(file)
