@@ -1,9 +1,10 @@
 # Everything this project does, from a clone with nothing but Python 3.11+ and make. `make help` lists it.
 PYTHON ?= python3
 VENV   ?= .venv
-RUN    := $(VENV)/bin/python
+BIN    := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
+RUN    := $(BIN)/python
 # Not `python -m`, which imports what lies in the current folder.
-PROGRAM := $(VENV)/bin/railgrip
+PROGRAM := $(BIN)/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
@@ -119,7 +120,7 @@ check: $(DEV)
 	$(RUN) -m ruff format --check .
 	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
 	$(RUN) -m pyright
-	cd build/typed && $(abspath $(VENV))/bin/lint-imports --config $(CURDIR)/.importlinter --no-logo --no-cache
+	cd build/typed && $(abspath $(BIN))/lint-imports --config $(CURDIR)/.importlinter --no-logo --no-cache
 
 ESTIMATIONS := harness/estimation/library
 

@@ -212,7 +212,7 @@ def _current(order: _Order, inputs: str) -> Artifact | None:
     file = cache.find(KIND, inputs, f"{order.name}.json")
     if file is None:
         return None
-    stamp = Stamp(**json.loads(file.read_text()))
+    stamp = Stamp(**json.loads(file.read_text(encoding="utf-8")))
     entry = order.entry(stamp.source)
     return None if entry is None else order.artifact("current", entry, stamp.interface)
 

@@ -56,7 +56,7 @@ def _units(scalars: list[Scalar]) -> dict[str, str]:
 
 def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
     """Return the entries of a lock file by FMU, and `tools`; nothing when there is no file."""
-    return tomllib.loads(file.read_text()) if file.exists() else {}
+    return tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
 
 
 def write_lock(book: Cookbook, entries: Mapping[str, Entry], file: Path = LOCK) -> None:
@@ -76,7 +76,7 @@ def write_lock(book: Cookbook, entries: Mapping[str, Entry], file: Path = LOCK) 
             else:
                 lines.append(f"{key} = {_toml(value)}")
         lines += tables
-    file.write_text("\n".join([*lines, ""]))
+    file.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 def _toml(value: object) -> str:

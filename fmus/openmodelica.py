@@ -116,16 +116,16 @@ def _excerpt(text: str, log: Path) -> str:
     if len(lines) <= _LINES:
         return text
     log.parent.mkdir(parents=True, exist_ok=True)
-    log.write_text(text + "\n")
+    log.write_text(text + "\n", encoding="utf-8")
     telling = [line for line in lines[1:] if _TELLING.search(line)] or lines[1 - _LINES :]
     return "\n".join([lines[0], *telling[: _LINES - 1], f"All {len(lines)} lines are in {log}."])
 
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     """Return the FMU that omc made of a script, if any, and what it complained of."""
-    (folder / "export.mos").write_text(text)
+    (folder / "export.mos").write_text(text, encoding="utf-8")
     process = subprocess.run(
-        [_omc(), "export.mos"], cwd=folder, capture_output=True, text=True, errors="replace", check=False
+        [_omc(), "export.mos"], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False
     )
     fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
     open_parameters = "\n".join(unset(process.stdout))
@@ -166,7 +166,9 @@ def version_line() -> str:
     Raises:
         CompilerMissing: There is no omc on the PATH.
     """
-    process = subprocess.run([_omc(), "--version"], capture_output=True, text=True, check=False)
+    process = subprocess.run(
+        [_omc(), "--version"], capture_output=True, encoding="utf-8", errors="replace", check=False
+    )
     return process.stdout.strip()
 
 

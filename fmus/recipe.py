@@ -76,7 +76,7 @@ def read_recipes(file: Path = RECIPES) -> Cookbook:
         InputError: The file is missing, is not TOML, or holds an unknown key or impossible value.
     """
     try:
-        tables = tomllib.loads(file.read_text())
+        tables = tomllib.loads(file.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
         raise InputError(f"there is no file {file}.") from error
     except tomllib.TOMLDecodeError as error:

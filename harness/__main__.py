@@ -1,5 +1,6 @@
 """The way in: listens to signals before anything that takes time is loaded."""
 
+import io
 import sys
 
 from railgrip.base.interrupted import Interrupted, listen, stop_listening
@@ -8,6 +9,7 @@ from railgrip.base.interrupted import Interrupted, listen, stop_listening
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; Ctrl-C and SIGTERM end it with a sentence, once what was open is closed."""
     listen()
+    _write_unicode()
     try:
         from railgrip.cli.main import main as command_line
 
@@ -18,6 +20,13 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(end.code)
     finally:
         stop_listening()
+
+
+def _write_unicode() -> None:
+    """Let files and pipes take what is printed: on Windows their encoding has neither μ nor ≥."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(encoding=None if stream.isatty() else "utf-8", errors="replace")
 
 
 if __name__ == "__main__":

@@ -113,7 +113,10 @@ Trained = PaperEstimator | GeneralEstimator
 
 def save(trained: Trained, file: Path) -> Path:
     """Write a trained estimator, without rounding of numbers; return the file."""
-    file.write_text(json.dumps({"format": FORMAT, "kind": _KIND[type(trained)], **asdict(trained)}, default=_plain))
+    file.write_text(
+        json.dumps({"format": FORMAT, "kind": _KIND[type(trained)], **asdict(trained)}, default=_plain),
+        encoding="utf-8",
+    )
     return file
 
 

@@ -208,7 +208,9 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
         *(f'#include "{part}"' for part in parts[1:]),
         "",
     ]
-    return {"model.c": "\n".join(body)} | {part: (RUNTIME / part).read_text() for part in ["tape.c", *parts]}
+    return {"model.c": "\n".join(body)} | {
+        part: (RUNTIME / part).read_text(encoding="utf-8") for part in ["tape.c", *parts]
+    }
 
 
 def _sizes(system: System, layout: Layout) -> dict[str, int]:

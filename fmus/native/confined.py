@@ -11,6 +11,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
@@ -38,6 +39,9 @@ class Limits:
 
 
 LIMITS = Limits()
+
+_AT_A_LIMIT: Final = [-getattr(signal, name) for name in ("SIGXCPU", "SIGKILL") if hasattr(signal, name)]
+"""Exit codes of a process that the system ended; Windows has no such signals."""
 
 
 def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
@@ -81,7 +85,7 @@ def _beyond(class_name: str, what: str) -> TranslationError:
 
 def _ended(class_name: str, code: int, words: str) -> TranslationError:
     """Return the sentence for a process that ended without an answer."""
-    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+    if code in _AT_A_LIMIT:
         return _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
     if "memory" in words:  # Rust aborts, C++ throws bad_alloc: both say so
         return _beyond(class_name, f"takes more than {LIMITS.memory_mib} MiB to translate")
@@ -141,4 +145,5 @@ def _limit(seconds: int, memory_mib: int) -> None:
     ):
         _, most = resource.getrlimit(what)
         value = limit if most == resource.RLIM_INFINITY else min(limit, most)
-        resource.setrlimit(what, (value, value))
+        with suppress(ValueError, OSError):  # macOS limits no address space
+            resource.setrlimit(what, (value, value))

@@ -23,4 +23,4 @@ def compiler_digest() -> str:
     here = Path(__file__).parent
     files = sorted(file for file in here.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
     files += [Path(units.__file__), units.DEFINITIONS]
-    return digest([version("rumoca"), version("casadi"), *(file.read_text() for file in files)])
+    return digest([version("rumoca"), version("casadi"), *(file.read_text(encoding="utf-8") for file in files)])

@@ -88,7 +88,7 @@ class Discrete:
 def sources(system: Discrete) -> Source:
     """Return C code and modelDescription.xml, ready for `package.pack`."""
     identifier = c_identifier(system.name)
-    files = {"model.c": _code(system)} | {part: (RUNTIME / part).read_text() for part in PARTS}
+    files = {"model.c": _code(system)} | {part: (RUNTIME / part).read_text(encoding="utf-8") for part in PARTS}
     units: tuple[str, ...] = ("model.c",)
     if isinstance(system.step, WrittenStep):
         files |= system.step.files

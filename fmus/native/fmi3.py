@@ -23,7 +23,7 @@ _UNKNOWNS = {"Outputs": "Output", "Derivatives": "ContinuousStateDerivative", "I
 def as_fmi_3(source: Source) -> Source:
     """Return a co-simulation FMU by FMI 2.0 as one by FMI 3.0; names and value references stay."""
     files = source.files | {
-        "fmi3.c": (RUNTIME / "fmi3.c").read_text(),
+        "fmi3.c": (RUNTIME / "fmi3.c").read_text(encoding="utf-8"),
         "model.c": _without_guid(source.files["model.c"]) + '#include "fmi3.c"\n',
     }
     made = Source.of(source.identifier, files, _described(ET.fromstring(source.xml)), source.units)

@@ -75,10 +75,13 @@ class Compiler:
 def compiler() -> Compiler:
     """Return the compiler named by CC, else cc, gcc or clang on the PATH, else `python -m ziglang cc`.
 
+    On Windows only the first and the last: what is called gcc or clang there has headers of several kinds.
+
     Raises:
         CompilerMissing: There is none.
     """
-    for name in filter(None, (os.environ.get("CC"), "cc", "gcc", "clang")):
+    usual = () if SUFFIX == ".dll" else ("cc", "gcc", "clang")
+    for name in filter(None, (os.environ.get("CC"), *usual)):
         words = name.split()
         path = shutil.which(words[0])
         if path:
@@ -142,9 +145,10 @@ def binary(
         for file, text in sources.items():
             (folder / file).write_text(text, encoding="utf-8")
         # Relative names only: an absolute path would end up in the library and change its bytes.
-        output = name + (SUFFIX if target is None else target.suffix)
+        suffix = SUFFIX if target is None else target.suffix
+        output = name + suffix
         files = units or sorted(file for file in sources if file.endswith(".c"))
-        options = [option for option in _options(include, flags) if target is None or _suits(target, option)]
+        options = [option for option in _options(include, flags) if _suits(suffix, option)]
         linking = _linking() if target is None else ("-lm", "-s")
         code, words = _run([*cc.command, *options, *files, "-o", output, *linking], folder, name)
         if code:
@@ -188,9 +192,9 @@ def _compiler_for(target: Target) -> Compiler:
     return replace(zig, command=(*zig.command, "-target", target.zig))
 
 
-def _suits(target: Target, option: str) -> bool:
+def _suits(suffix: str, option: str) -> bool:
     # Code for Windows is always position-independent, and the compiler refuses the option.
-    return target.suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
+    return suffix != ".dll" or option not in ("-fPIC", "-fvisibility=hidden")
 
 
 def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
@@ -201,7 +205,13 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
     """
     # A session of its own: what the compiler starts ends with it.
     with subprocess.Popen(
-        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+        command,
+        cwd=folder,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        encoding="utf-8",
+        errors="replace",
+        start_new_session=True,
     ) as process:
         try:
             _, words = process.communicate(timeout=LONGEST)
@@ -230,7 +240,9 @@ def _linking() -> tuple[str, ...]:
 @cache
 def _probe(command: tuple[str, ...]) -> Compiler:
     try:
-        process = subprocess.run([*command, "--version"], capture_output=True, text=True, check=False)
+        process = subprocess.run(
+            [*command, "--version"], capture_output=True, encoding="utf-8", errors="replace", check=False
+        )
     except OSError as error:
         raise CompilerMissing(f"C compiler {' '.join(command)} does not start: {error}.") from error
     if process.returncode:

@@ -78,7 +78,13 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
         try:
             with os.fdopen(number, "wb") as stream:
                 stream.write(content)
-            Path(half).replace(place / name)
+            try:
+                Path(half).replace(place / name)
+            except PermissionError:
+                # Windows replaces no library that is loaded; by its folder it has the same content.
+                if not (place / name).is_file():
+                    raise
+                Path(half).unlink(missing_ok=True)
         except BaseException:
             Path(half).unlink(missing_ok=True)
             raise

@@ -54,6 +54,14 @@ def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = 
     raise ScenarioError(f"{where}{cut(name.name)}: {not_one_of(kind, name.name)}")
 
 
+def _relative(path: Path, folder: Path) -> str:
+    """Return a path as a file of a folder says it, alike on all platforms."""
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # on another drive of Windows
+        return path.resolve().as_posix()
+
+
 class Elsewhere(str):
     """A text of a file that another one extends: a path in it starts at the folder of the file it stands in.
 
@@ -116,7 +124,7 @@ class NamedFile:
                 {"entry": cut(entry), "path": place(path)},
             )
         if isinstance(entry, Elsewhere):
-            entry = os.path.relpath(path, directory)  # as the file that is read would have to say it
+            entry = _relative(path, directory)
         return cls(entry=entry, path=path)
 
     @classmethod

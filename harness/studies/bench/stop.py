@@ -1,7 +1,6 @@
 """What a stop costs: the build of the FMUs, a cycle of the loop, many at once; and what a train costs as it grows."""
 
 import os
-import resource
 import tempfile
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
@@ -127,7 +126,9 @@ def of_consists() -> Iterator[Row]:
         with tempfile.TemporaryDirectory() as folder:
             # A name that was never built: the description string is part of what the cache looks up.
             source = Path(folder) / "Cars.mo"
-            source.write_text(f'block Cars "{folder}"\n  extends RailBraking.Plants.Consist(cars={cars});\nend Cars;\n')
+            meaning = Path(folder).as_posix()
+            text = f'block Cars "{meaning}"\n  extends RailBraking.Plants.Consist(cars={cars});\nend Cars;\n'
+            source.write_text(text, encoding="utf-8")
             begin = perf_counter()
             description = describe(build_class("Cars", source, compiler="native").path)
             seconds = perf_counter() - begin
@@ -163,5 +164,4 @@ def _empty_cache(folder: Path) -> Generator[None]:
 
 def _processor() -> float:
     """Return the time that this process and those it has waited for have spent on processors [s]."""
-    process, others = resource.getrusage(resource.RUSAGE_SELF), resource.getrusage(resource.RUSAGE_CHILDREN)
-    return process.ru_utime + process.ru_stime + others.ru_utime + others.ru_stime
+    return sum(os.times()[:4])

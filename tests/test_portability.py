@@ -1,0 +1,161 @@
+"""What is POSIX-only is asked for where it is used: the same sources run on Windows and macOS."""
+
+import ast
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from railgrip.base import cache
+from railgrip.fmus.native import confined, toolchain
+from railgrip.scenario.load import load, scenario_of
+
+ROOT = Path(__file__).parents[1]
+SOURCES = sorted(
+    path for folder in ("harness", "estimators", "controllers", "fmus") for path in (ROOT / folder).rglob("*.py")
+)
+POSIX_MODULES = {"fcntl", "grp", "posix", "pwd", "resource", "termios"}
+POSIX_NAMES = {
+    "os": {"O_NOFOLLOW", "fork", "geteuid", "getloadavg", "getpgid", "getuid", "killpg", "setsid", "wait4"},
+    "signal": {"SIGCHLD", "SIGHUP", "SIGKILL", "SIGUSR1", "SIGUSR2", "SIGXCPU", "pthread_sigmask"},
+}
+POSIX_FILES = {
+    "harness/fmi/keeper.py",  # a process of its own for an FMU from outside
+    "harness/fmi/isolation.py",  # starts that process, and refuses to elsewhere
+}
+
+
+def functions(tree: ast.AST) -> Iterator[ast.AST]:
+    for node in ast.iter_child_nodes(tree):
+        yield node
+        if not isinstance(node, ast.FunctionDef):
+            yield from functions(node)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_posix_only_names_are_used_behind_a_question_for_them(path):
+    """A function that uses one asks for `os.name` or for the name; no module imports one at its top."""
+    text = path.read_text(encoding="utf-8")
+    if path.relative_to(ROOT).as_posix() in POSIX_FILES:
+        return
+    tree = ast.parse(text)
+    top = {name.name for node in tree.body if isinstance(node, ast.Import) for name in node.names}
+    assert not top & POSIX_MODULES
+    for part in functions(tree):
+        if isinstance(part, ast.ClassDef | ast.If | ast.Try | ast.With):
+            continue
+        used = {
+            f"{node.value.id}.{node.attr}"
+            for node in ast.walk(part)
+            if isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and node.attr in POSIX_NAMES.get(node.value.id, ())
+        }
+        if used:
+            segment = ast.get_source_segment(text, part) or ""
+            assert "os.name" in segment or "hasattr(" in segment, (part.lineno, used)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_text_files_are_read_and_written_in_a_stated_encoding(path):
+    """The default of Windows is that of its language. ruff's PLW1514 sees fewer of these calls."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+            continue
+        stated = {keyword.arg for keyword in node.keywords}
+        if node.func.attr == "read_text" or (node.func.attr == "write_text" and len(node.args) == 1):
+            assert "encoding" in stated, node.lineno
+        if node.func.attr in ("run", "Popen", "check_output") and stated & {"text", "universal_newlines"}:
+            assert "encoding" in stated, node.lineno
+
+
+def test_on_windows_the_compiler_of_the_wheel_is_taken_and_told_nothing_it_refuses(monkeypatch):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(toolchain, "SUFFIX", ".dll")
+    monkeypatch.setattr(toolchain.platform, "system", lambda: "Windows")
+    commands = []
+
+    def run(command, folder, name):
+        commands.append(command)
+        (folder / "half.dll").write_bytes(b"MZ")
+        return 0, ""
+
+    monkeypatch.setattr(toolchain, "_run", run)
+    assert toolchain.binary({"half.c": "double half(double x) { return 0.5 * x; }\n"}, "half") == b"MZ"
+    (command,) = commands
+    assert command[: len(toolchain._ZIG)] == list(toolchain._ZIG)
+    assert not {"-fPIC", "-fvisibility=hidden", "-Wl,--build-id=none"} & set(command)
+    assert "half.dll" in command
+
+
+def test_a_library_that_is_loaded_on_windows_may_be_kept_again(tmp_path, monkeypatch):
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    first = cache.keep("libraries", "key", "half.dll", b"content")
+
+    def refuse(self, target):
+        raise PermissionError(13, "in use")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    assert cache.keep("libraries", "key", "half.dll", b"content") == first
+    assert [file.name for file in first.parent.iterdir()] == ["half.dll"]
+
+
+def test_a_translation_that_ends_badly_says_so_where_there_are_no_signals():
+    """Windows ends a process whose stack overflows with a large positive code."""
+    code = "import signal; [delattr(signal, n) for n in ('SIGXCPU', 'SIGKILL')]; "
+    code += "from railgrip.fmus.native import confined; print(confined._ended('P.X', 3221225725, ''))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, encoding="utf-8", check=False)
+    assert "exit code 3221225725" in done.stdout, done.stderr
+
+
+def test_a_system_that_limits_no_address_space_translates_all_the_same(monkeypatch):
+    import resource
+
+    limits = []
+
+    def refuse(what, value):
+        limits.append(what)
+        if what == resource.RLIMIT_AS:
+            raise ValueError("current limit exceeds maximum limit")  # macOS
+
+    monkeypatch.setattr(resource, "setrlimit", refuse)
+    confined._limit(300, 4096)
+    assert limits == [resource.RLIMIT_CPU, resource.RLIMIT_AS, resource.RLIMIT_CORE]
+
+
+def test_a_scenario_may_extend_one_on_another_drive(tmp_path, monkeypatch):
+    """As a file on D: extends one of the library on C:, between which there is no relative path."""
+    library = tmp_path / "library"
+    library.mkdir()
+    (library / "half.csv").write_text("x", encoding="utf-8")
+    (library / "base.toml").write_text('extends = "plain"\n[vehicle]\ntrain = "train.toml"\n', encoding="utf-8")
+    train = (ROOT / "harness/scenario/trains/vt642.toml").read_text(encoding="utf-8")
+    (library / "train.toml").write_text(train, encoding="utf-8")
+    (tmp_path / "mine.toml").write_text('extends = "library/base.toml"\n', encoding="utf-8")
+    assert load(tmp_path / "mine.toml").resolved()["vehicle"]["train"] == "library/train.toml"
+
+    def refuse(path, start):
+        raise ValueError("path is on mount 'C:', start on mount 'D:'")
+
+    monkeypatch.setattr(os.path, "relpath", refuse)
+    entry = load(tmp_path / "mine.toml").resolved()["vehicle"]["train"]
+    assert entry == (library / "train.toml").as_posix()
+    table = {"extends": "plain", "vehicle": {"train": entry}}
+    del table["extends"]
+    assert scenario_of(load(tmp_path / "mine.toml").resolved(), directory=Path("/"), origin="there")
+
+
+def test_output_into_a_pipe_takes_all_characters(tmp_path):
+    """A pipe on Windows has the encoding of its language, without Greek letters."""
+    (tmp_path / "run.csv").write_text("time [s],ω [rad/s]\n0,1\n1,2\n2,3\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "railgrip", "inspect", str(tmp_path / "run.csv"), "--for", "rig_own"],
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+        capture_output=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "ω [rad/s]" in done.stdout.decode("utf-8")
