@@ -9,7 +9,7 @@ READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
 .PHONY: help install fmus simulate unseen adverse report conditioning headlines validation regress accept calibrate tune-control type-test bench \
-        mutants test suite kept test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
+        mutants test suite kept portable test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -97,6 +97,14 @@ kept: check
 # A file stays in one process: its tests share what they have built and run. tests/conftest.py has the longest first.
 suite: $(DEV)
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
+
+PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \
+            tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py
+
+portable: $(DEV)  ## what may depend on the platform: installation, compiler, files, a stop, the tutorials
+	$(PROGRAM) doctor
+	$(PROGRAM) run trapezoid --out build/portable
+	$(RUN) -m pytest $(PORTABLE)
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }

@@ -1,0 +1,67 @@
+"""Container, development container and CI name what exists."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+
+
+def instructions() -> list[list[str]]:
+    """Words of each instruction of the Dockerfile."""
+    text = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    lines = re.sub(r"^#.*\n", "", text, flags=re.MULTILINE).replace("\\\n", " ").splitlines()
+    return [line.split() for line in lines if line.strip()]
+
+
+def test_the_image_copies_all_that_the_package_is_built_from():
+    copied = {word for name, *words in instructions() if name == "COPY" for word in words[:-1]}
+    assert all((ROOT / path).exists() for path in copied)
+    # setup.py maps these folders to packages; pyproject.toml names the files of its metadata.
+    assert copied == {
+        *("pyproject.toml", "setup.py", "README.md", "LICENSE"),
+        *("harness", "estimators", "controllers", "fmus", "modelica"),
+    }
+    ignored = (ROOT / ".dockerignore").read_text(encoding="utf-8").splitlines()
+    assert not copied & set(ignored)
+
+
+def test_the_image_pins_its_system_and_openmodelica():
+    words = [word for words in instructions() for word in words]
+    assert re.fullmatch(r"ubuntu:\d\d\.\d\d", words[words.index("FROM") + 1])
+    assert any(re.fullmatch(r"OPENMODELICA=\d+\.\d+\.\d+", word) for word in words)
+    assert any("releases/${OPENMODELICA}/" in word for word in words)
+
+
+def test_the_image_does_not_run_as_root():
+    assert [words for words in instructions() if words[0] == "USER"][-1] == ["USER", "1000"]
+
+
+def test_the_development_container_is_that_image_and_runs_a_target_of_make():
+    table = json.loads((ROOT / ".devcontainer/devcontainer.json").read_text(encoding="utf-8"))
+    folder = ROOT / ".devcontainer"
+    assert (folder / table["build"]["dockerfile"]).resolve() == ROOT / "Dockerfile"
+    assert (folder / table["build"]["context"]).resolve() == ROOT
+    make, target = table["postCreateCommand"].split()
+    assert make == "make"
+    assert target in TARGETS
+
+
+def test_ci_calls_targets_that_exist():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
+    commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+    called = {match for command in commands for match in re.findall(r"^make ([a-z-]+)", command)}
+    assert called >= {"docs", "portable", "test-omc", "regress-omc"}
+    assert called <= TARGETS
+
+
+@pytest.mark.parametrize("system", ["ubuntu-latest", "macos-latest", "windows-latest"])
+def test_ci_covers_each_python_on_each_system(system):
+    jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
+    matrix = jobs["platforms"]["strategy"]["matrix"]
+    assert system in matrix["os"]
+    assert matrix["python"] == ["3.11", "3.12", "3.13", "3.14"]
