@@ -269,8 +269,7 @@ class _Wanted:
 
 def _wanted(specification: Specification) -> dict[str, _Wanted]:
     """Return the signals that an estimation may read, by name; of accelerometers along the track one for each."""
-    own = specification.model_copy(update={"data": None})
-    units, inputs, outputs = signals_of(own)
+    units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
     wanted = {name: _Wanted(units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
         wanted |= {name: _Wanted(text, name != "braking") for name, text in UNITS_OF_RUN.items()}

@@ -39,7 +39,9 @@ class Column(Table):
     """One signal: a column of the file, or a constant value."""
 
     column: str | None = None
-    unit: str | None = Field(default=None, description="of the column; may be left out where the header or the file states it")
+    unit: str | None = Field(
+        default=None, description="of the column; may be left out where the header or the file states it"
+    )
     factor: Number = 1.0
     offset: Number = Field(default=0.0, description="added after the factor, in the column's unit")
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")

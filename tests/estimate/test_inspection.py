@@ -24,8 +24,8 @@ FORCE = np.where(T > 2.0, 2e4, 0.0)
 
 def rig(**columns: np.ndarray) -> pd.DataFrame:
     """Recording of a roller rig in German units, with other columns on top."""
-    own = {"Zeit [ms]": 1e3 * T, "Geschwindigkeit (km/h)": 3.6 * V, "Drehzahl [U/min]": W * 30 / np.pi}
-    return pd.DataFrame(own | {"Kraft_kN": FORCE / 1e3} | columns)
+    recorded = {"Zeit [ms]": 1e3 * T, "Geschwindigkeit (km/h)": 3.6 * V, "Drehzahl [U/min]": W * 30 / np.pi}
+    return pd.DataFrame(recorded | {"Kraft_kN": FORCE / 1e3} | columns)
 
 
 def written(folder: Path, frame: pd.DataFrame, name: str = "run.csv") -> Path:

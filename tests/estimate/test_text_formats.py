@@ -41,13 +41,13 @@ def files(draw: st.DrawFn) -> tuple[bytes, dict[str, str], dict[str, np.ndarray]
     headers, columns, values = {}, {}, {}
     ticks = [k * PERIOD / TIMES[time_unit] for k in range(SAMPLES)]
     for name, (_, units) in SIGNALS.items():
-        own = draw(st.sampled_from(sorted(units)))
+        symbol = draw(st.sampled_from(sorted(units)))
         digits = draw(st.integers(0, 4))
         first, slope = draw(st.floats(-900, 900)), draw(st.floats(-9, 9))
         numbers = [round(first + slope * k, digits) for k in range(SAMPLES)]
-        headers[name] = _header(draw, name, own)
+        headers[name] = _header(draw, name, symbol)
         columns[headers[name]] = [f"{number:.{digits}f}" for number in numbers]
-        gain, shift = units[own]
+        gain, shift = units[symbol]
         values[name] = gain * np.array(numbers) + shift
     headers["time"] = _header(draw, "t", time_unit)
     columns[headers["time"]] = [f"{tick:.15f}" for tick in ticks]
@@ -61,8 +61,8 @@ def files(draw: st.DrawFn) -> tuple[bytes, dict[str, str], dict[str, np.ndarray]
     return out.getvalue().encode(draw(st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "cp1252"]))), headers, values
 
 
-def _header(draw: st.DrawFn, name: str, own: str) -> str:
-    return draw(st.sampled_from(NOTATIONS)).format(name=name, unit=own, suffix=SUFFIXES.get(own, own))
+def _header(draw: st.DrawFn, name: str, symbol: str) -> str:
+    return draw(st.sampled_from(NOTATIONS)).format(name=name, unit=symbol, suffix=SUFFIXES.get(symbol, symbol))
 
 
 def table(headers: dict[str, str]) -> DataTable:
