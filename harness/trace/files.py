@@ -62,8 +62,6 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     Raises:
         EstimationError: Missing, unreadable or of another format; a column is not there or not of numbers.
     """
-    if not is_file(path):
-        raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
     columns = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
     if path.suffix.lower() == ".mf4":
         return read_mf4(path, columns)
@@ -85,6 +83,7 @@ def read_table(
     Raises:
         EstimationError: Unreadable or of another format; a column is not there.
     """
+    _require_file(path)
     match path.suffix.lower():
         case ".csv":
             return _csv(path, separator, decimal)
@@ -96,6 +95,11 @@ def read_table(
             raise EstimationError(
                 f"{path.name}: '{suffix}' is no format that is read here; there is {', '.join(FORMATS)}."
             )
+
+
+def _require_file(path: Path) -> None:
+    if not is_file(path):
+        raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
 
 
 @contextmanager
@@ -285,6 +289,7 @@ def _instants(path: Path, values: Any, table: DataTable) -> Vector:
 
 def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Series]:
     """Return channels of an MDF file by name, each on its own instants; all of numbers when None; see `read_series`."""
+    _require_file(path)
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
     logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it logs of a damaged file, its exceptions say
     # Damage may show as late as in a block of samples.

@@ -146,6 +146,15 @@ def test_a_file_without_time_wants_the_column_named(tmp_path):
         inspect_recording(path, Path("rig_own"), "K")
 
 
+@pytest.mark.parametrize("name", ["lost.csv", "lost.mf4", "run.nc", "empty.csv", "words.csv"])
+def test_what_is_no_recording_is_refused_with_its_name(tmp_path, name):
+    (tmp_path / "run.nc").write_bytes(b"")
+    (tmp_path / "empty.csv").write_bytes(b"")
+    (tmp_path / "words.csv").write_text("time [s],v\n0,a\n1,b\n", encoding="utf-8")
+    with pytest.raises(EstimationError, match=name):
+        inspect_recording(tmp_path / name, Path("rig_own"))
+
+
 def test_time_stamps_are_recognised(tmp_path):
     stamps = (pd.Timestamp("2024-05-01T12:00:00Z") + pd.to_timedelta(T, unit="s")).astype(str)
     path = written(tmp_path, rig().rename(columns={"Zeit [ms]": "Datum"}).assign(Datum=stamps))
