@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
@@ -20,6 +21,8 @@ from pydantic.fields import FieldInfo
 import railgrip
 from railgrip.base import registry
 from railgrip.cli.main import app
+from railgrip.rolling_stock.schema import Train
+from railgrip.scenario.campaign import CampaignFile
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
 from railgrip.scenario.polach import Polach
@@ -30,6 +33,9 @@ from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.files import lowered
 from railgrip.trace.metrics import meanings
 from railgrip.vehicle import signals
+
+BY_NAME = "by name"
+"""In place of a kind: tables whose names the user chooses."""
 
 TYPES = {float: "number", int: "integer", str: "text", bool: "true or false", NamedFile: "path", Any: "any"}
 
@@ -94,10 +100,12 @@ def collect(key: Key, annotation: Any, metadata: Sequence[Any], plural: str = ""
         if ONE_OR_EACH in metadata:
             collect(key, arguments[0], (), plural)
         collect(key, arguments[0], (), "list of ")
+    elif isinstance(annotation, type) and issubclass(annotation, Enum):
+        key.types.append(plural + ", ".join(f"`{member.value}`" for member in annotation))
     elif origin is Literal:
         key.types.append(plural + ", ".join(f"`{argument}`" for argument in arguments))
     elif origin is dict:
-        key.types.append("table of parameters" if arguments[1] is Magnitude else "table")
+        collect_named(key, arguments[1])
     elif isinstance(annotation, type) and issubclass(annotation, BaseModel):
         key.types.append(f"{plural}table")
         kinds = get_args(annotation.model_fields["kind"].annotation) if "kind" in annotation.model_fields else ()
@@ -106,6 +114,15 @@ def collect(key: Key, annotation: Any, metadata: Sequence[Any], plural: str = ""
         key.types.append(f"{plural}number with its unit")
     elif annotation is not NoneType:
         key.types.append(plural + TYPES[annotation])
+
+
+def collect_named(key: Key, entry: Any) -> None:
+    """Add a table whose keys are names that the user chooses."""
+    if isinstance(entry, type) and issubclass(entry, BaseModel):
+        key.types.append("tables by name")
+        key.tables[BY_NAME] = entry
+    else:
+        key.types.append("table of parameters" if entry is Magnitude else "table")
 
 
 def flat(metadata: Iterable[Any]) -> Iterator[Any]:
@@ -163,8 +180,8 @@ def joined(texts: Iterable[str], separator: str = " or ") -> str:
     return separator.join(dict.fromkeys(text for text in texts if text))
 
 
-class ScenarioPage:
-    """The tables of the scenario file, each model described once."""
+class FilePage:
+    """The tables of a TOML file, each model described once."""
 
     def __init__(self) -> None:
         self.sections: list[str] = []
@@ -182,7 +199,11 @@ class ScenarioPage:
         for key, field_ in model.model_fields.items():
             described = key_of(field_.annotation, field_.metadata)
             path = f"{name}.{key}" if name else key
-            new = [(path, kind_, table) for kind_, table in described.tables.items() if table not in self.anchors]
+            new = [
+                (f"{path}.NAME", "", table) if kind_ == BY_NAME else (path, kind_, table)
+                for kind_, table in described.tables.items()
+                if table not in self.anchors
+            ]
             below += [entry for entry in new if entry[2] not in [table for *_, table in below]]
             rows.append(self.row(key, field_, described, kind))
         for entry in below:
@@ -218,7 +239,7 @@ class ScenarioPage:
 
 
 def scenario_page() -> None:
-    page = ScenarioPage()
+    page = FilePage()
     page.add("", "", Scenario)
     write(
         "scenario",
@@ -230,6 +251,31 @@ def scenario_page() -> None:
         "are ideal, there is no estimator, and the scenario is named as its file. `extends`, the name of a scenario of "
         "the library or the path of a file from the folder of this one, lays the file over that scenario, table by "
         "table; a table of another `kind` begins anew.",
+        *page.sections,
+    )
+
+
+def train_page() -> None:
+    page = FilePage()
+    page.add("", "", Train)
+    write(
+        "train",
+        "Train file",
+        "A train file is a TOML file that describes cars, bogies and brakes; [Describe a train in a file](../trains.md) "
+        "shows how to write one. Quantities are written as in a [scenario file](scenario.md). `NAME` in the title of a "
+        "table is a name of your choice, to which other tables refer.",
+        *page.sections,
+    )
+
+
+def campaign_page() -> None:
+    page = FilePage()
+    page.add("", "", CampaignFile)
+    write(
+        "campaign",
+        "Campaign file",
+        "A campaign file is a TOML file that names scenarios and axes of variants; every combination is a stop. "
+        "`railgrip new campaign FILE` writes a commented one, `railgrip campaign FILE` runs it.",
         *page.sections,
     )
 
@@ -362,6 +408,8 @@ def creep_curves_page() -> None:
 
 
 scenario_page()
+train_page()
+campaign_page()
 signals_page()
 metrics_page()
 commands_page()

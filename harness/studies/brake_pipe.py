@@ -27,7 +27,7 @@ from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import dry_scenario, filling_of
 
-PAGE = Path("docs/trains.md")
+PAGE = Path("docs/train_models.md")
 """From the folder of the project, where the command runs."""
 FRONTS = "<!-- fronts: written by `railgrip study brake_pipe --write` -->"
 STOPS = "<!-- stops: written by `railgrip study brake_pipe --write` -->"
@@ -144,7 +144,7 @@ def stop_row(equipment: str) -> dict[str, object]:
 class BrakePipe(Study):
     """Measure the front in the brake pipe of ten coaches, over cells, branch volumes and accelerators."""
 
-    write: Annotated[bool, Option("--write", help="Write the table into docs/trains.md.")] = False
+    write: Annotated[bool, Option("--write", help="Write the table into docs/train_models.md.")] = False
     quick: bool = False
 
     def page(self, work: Work) -> Page:

@@ -5,7 +5,7 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -72,12 +72,13 @@ def test_no_page_loads_anything_from_elsewhere(site: Path):
     assert not [address for address in addresses if re.match(r"(https?:)?//", address)]
 
 
-def keys_of(table: Mapping[str, Any]) -> Iterator[str]:
+def keys_of(table: Mapping[str, Any], free: Collection[str] = FREE) -> Iterator[str]:
+    """Yield the keys of a table and of the tables below it, but for those in `free`."""
     for key, value in table.items():
         yield key
         for entry in value if isinstance(value, list) else [value]:
-            if isinstance(entry, dict) and key not in FREE:
-                yield from keys_of(entry)
+            if isinstance(entry, dict) and key not in free:
+                yield from keys_of(entry, free)
 
 
 def test_every_key_of_the_scenarios_of_the_library_is_described(site: Path):
@@ -85,6 +86,27 @@ def test_every_key_of_the_scenarios_of_the_library_is_described(site: Path):
     for path in sorted((ROOT / "harness/scenario/library").glob("*.toml")):
         keys = set(keys_of(tomllib.loads(path.read_text(encoding="utf-8"))))
         assert keys <= described, path.name
+
+
+NAMED = {"pads", "brakes", "track_brakes", "bogies", "couplers", "distributors", "accelerators"}
+"""Tables of a train file whose keys are names that its author chose."""
+
+
+def test_every_key_of_the_trains_of_the_library_is_described(site: Path):
+    described = _Page(site / "reference/train.html").code
+    for path in sorted((ROOT / "harness/scenario/trains").glob("*.toml")):
+        train = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = [table for name in NAMED & train.keys() for table in train[name].values()]
+        keys = {key for table in (train, *tables) for key in keys_of(table, NAMED)}
+        assert "axle_mass" in keys, path.name
+        assert keys <= described, path.name
+
+
+def test_every_key_of_the_campaigns_of_the_library_is_described(site: Path):
+    described = _Page(site / "reference/campaign.html").code
+    for path in sorted((ROOT / "harness/scenario/campaigns").glob("*.toml")):
+        campaign = tomllib.loads(path.read_text(encoding="utf-8"))
+        assert set(keys_of(campaign, {"axes", "match", "sweep", "exclude"})) <= described, path.name
 
 
 def test_every_signal_metric_curve_and_command_is_described(site: Path):

@@ -14,7 +14,7 @@ def fronts():
 
 @pytest.mark.parametrize(("litres", "error"), [(0.0, 0.02), (1.5, 0.01), (3.0, 0.005), (4.5, 0.005)])
 def test_the_front_is_that_of_an_independent_solver(fronts, litres, error):
-    """Without branches the front stays sharp, and both grids smear it; see the table in docs/trains.md."""
+    """Without branches the front stays sharp, and both grids smear it; see the table in docs/train_models.md."""
     fine = Pipe(cells=17, branch=1e-3 * litres).front()
     assert fronts[litres, "none"] == pytest.approx(fine, rel=error)
 

@@ -77,7 +77,7 @@ class Trains(Study):
 
 STUDY = Trains
 
-_SAND = 5.4e-3  # kg/m, what docs/trains.md has from the fit on one row
+_SAND = 5.4e-3  # kg/m, what docs/train_models.md has from the fit on one row
 
 
 def row_of(stop: DryStop) -> dict[str, object]:
