@@ -261,7 +261,7 @@ def train_page() -> None:
     write(
         "train",
         "Train file",
-        "A train file is a TOML file that describes cars, bogies and brakes; [Describe a train in a file](../trains.md) "
+        "A train file is a TOML file with cars, bogies and brakes; [Describe a train in a file](../trains.md) "
         "shows how to write one. Quantities are written as in a [scenario file](scenario.md). `NAME` in the title of a "
         "table is a name of your choice, to which other tables refer.",
         *page.sections,

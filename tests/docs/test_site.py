@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 import typer
+from PIL import Image
 
 import railgrip
 from railgrip.base import registry
@@ -26,13 +27,13 @@ FREE = {"parameters", "map", "brakes", "calibrated", "noise", "bias"}
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the site with all proxies set to a closed port."""
+    """Build the site with all proxies set to a closed port, one script of the gallery and one notebook run."""
     folder = tmp_path_factory.mktemp("site")
     proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), "http://127.0.0.1:9")
     done = subprocess.run(
         [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)],
         cwd=ROOT,
-        env=os.environ | proxies | {"DISABLE_MKDOCS_2_WARNING": "true"},
+        env=os.environ | proxies | {"DISABLE_MKDOCS_2_WARNING": "true", "RAILGRIP_DOCS_RUN": "recording"},
         capture_output=True,
         text=True,
         check=False,
@@ -86,6 +87,23 @@ def test_every_key_of_the_scenarios_of_the_library_is_described(site: Path):
     for path in sorted((ROOT / "harness/scenario/library").glob("*.toml")):
         keys = set(keys_of(tomllib.loads(path.read_text(encoding="utf-8"))))
         assert keys <= described, path.name
+
+
+def test_the_gallery_shows_figure_and_script(site: Path):
+    page = _Page(site / "gallery/recording.html")
+    assert "recording.png" in page.loaded
+    assert Image.open(site / "gallery/recording.png").size > (600, 400)
+    assert (site / "gallery/recording.py").read_bytes() == (ROOT / "docs/gallery/recording.py").read_bytes()
+    index = (site / "gallery/index.html").read_text(encoding="utf-8")
+    names = [path.stem for path in (ROOT / "docs/gallery").glob("*.py")]
+    assert len(names) >= 16
+    assert not [name for name in names if f'href="{name}.html"' not in index]
+
+
+def test_a_notebook_shows_its_pictures(site: Path):
+    pictures = [address for address in _Page(site / "examples/recording.html").loaded if address.endswith(".png")]
+    assert len(pictures) >= 3
+    assert all((site / "examples" / name).is_file() for name in pictures)
 
 
 NAMED = {"pads", "brakes", "track_brakes", "bogies", "couplers", "distributors", "accelerators"}

@@ -1,0 +1,65 @@
+"""The scripts of the gallery run, stay short, use the public interface alone, and label their axes."""
+
+import ast
+import runpy
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import matplotlib
+import matplotlib.pyplot as plt
+import pytest
+from matplotlib.figure import Figure
+
+SCRIPTS = sorted((Path(__file__).parents[2] / "docs/gallery").glob("*.py"))
+LONG = {
+    "brake_pipe": "compiles a train of 46 axles",
+    "friction_level": "18 stops",
+    "k_dry": "31 stops",
+    "lateral_wheelset": "a study",
+    "own_controller": "15 stops with a controller in Python",
+    "random_draws": "40 stops",
+    "thresholds": "20 stops",
+}
+"""Scripts that only `make docs` runs, and what takes their time."""
+LINES = 30
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_a_script_is_short_and_needs_no_internals(script: Path):
+    source = script.read_text(encoding="utf-8")
+    assert len(source.splitlines()) <= LINES
+    imports = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom)]
+    names = {
+        node.module if isinstance(node, ast.ImportFrom) else alias.name for node in imports for alias in node.names
+    }
+    assert not [name for name in names if name and name.startswith("railgrip.")]
+
+
+@pytest.fixture
+def figures(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Callable[[Path], list[Figure]]]:
+    """Return a function that runs a script in an empty folder and returns its figures."""
+    monkeypatch.chdir(tmp_path)
+    matplotlib.use("Agg")
+
+    def run(script: Path) -> list[Figure]:
+        runpy.run_path(str(script), run_name="__main__")
+        return [plt.figure(number) for number in plt.get_fignums()]
+
+    yield run
+    plt.close("all")
+
+
+@pytest.mark.filterwarnings("ignore:FigureCanvasAgg is non-interactive")
+@pytest.mark.parametrize("script", [s for s in SCRIPTS if s.stem not in LONG], ids=lambda script: script.stem)
+def test_a_script_draws_with_units_at_its_axes(script: Path, figures: Callable[[Path], list[Figure]]):
+    """Panels share labels, bars have names in place of a label, and numbers of wheelsets have no unit."""
+    drawn = figures(script)
+    assert drawn
+    for figure in drawn:
+        labels = {label for axes in figure.axes for label in (axes.get_xlabel(), axes.get_ylabel())} - {"", "wheelset"}
+        assert labels
+        assert all("[" in label for label in labels), labels
+
+
+def test_long_scripts_exist():
+    assert {script.stem for script in SCRIPTS} > LONG.keys()
