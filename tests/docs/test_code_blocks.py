@@ -1,4 +1,4 @@
-"""The Python code of the tutorials and of the README runs as printed."""
+"""The Python code of the tutorials, of the README and of a how-to page runs as printed."""
 
 from pathlib import Path
 
@@ -7,7 +7,11 @@ from sybil import Sybil
 from sybil.parsers.markdown import PythonCodeBlockParser
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs/tutorials").glob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "docs/how_to/driver_demand.md",
+    *sorted((ROOT / "docs/tutorials").glob("*.md")),
+]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
