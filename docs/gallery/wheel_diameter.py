@@ -1,7 +1,8 @@
-"""Wheels that are smaller than the controller believes
+"""Wheels that are smaller or larger than the controller believes
 
-Wheels wear, and slip is computed with their nominal radius. A smaller wheel looks as if it slipped less, or turned
-faster than the train. Control to a small slip suffers first.
+Slip is computed with the nominal wheel radius. A smaller wheel seems to slip less, a larger one more. Control to a
+small slip suffers first: with wheels that are too large it releases the brake nearly always, and some stops do not end
+within the horizon.
 """
 
 import matplotlib.pyplot as plt
