@@ -149,7 +149,7 @@ tune: $(READY)  ## find the noises of the field test's filter anew, minutes; har
 	$(PROGRAM) maintain tune paper --out harness/studies/field_test/library/paper.toml
 	$(PROGRAM) maintain tune consistent --out harness/studies/field_test/library/consistent.toml
 
-lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/lateral.md
+lateral: $(READY)  ## estimate friction of a wandering wheelset with three filters: build/lateral/index.html
 	$(PROGRAM) study lateral
 
 learn: $(READY)  ## friction from axle-box accelerations: 200 simulated runs, training, honest judgement (cached)

@@ -5,7 +5,8 @@ from pathlib import Path
 
 import numpy as np
 
-from railgrip.report.style import BLUE, GREEN, VERMILION, figure
+from railgrip.report.palette import BLUE, GREEN, VERMILION
+from railgrip.report.style import figure
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.load import load
 from railgrip.scenario.polach import Polach

@@ -217,6 +217,7 @@ def write_description(campaign: Campaign, directory: Path) -> None:
     content = {
         "name": campaign.name,
         "description": campaign.description,
+        "permitted_distance_m": campaign.permitted_distance,
         "stops": [
             {
                 "name": stop.name,

@@ -227,6 +227,9 @@ ImportFrom = Annotated[
     ),
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Number of processes.")]
+Formats = Annotated[
+    str, typer.Option("--format", metavar="png,svg,pdf", help="Of the figures beside the page, separated by commas.")
+]
 Fresh = Annotated[bool, typer.Option(help="Run also what already has a result.")]
 
 

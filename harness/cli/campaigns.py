@@ -12,13 +12,14 @@ from railgrip.base.files import finite
 from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
-from railgrip.cli.app import Campaigns, Fresh, ImportFrom, Overrides, Workers
+from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Workers
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, say, show_all, show_table
 from railgrip.report.distances import rows_of, tables_of
 from railgrip.report.index import write_report
+from railgrip.report.page import formats_of
 from railgrip.report.results import by_compiler, read_results
 from railgrip.report.row import Row
 from railgrip.scenario.campaign import Panels, load_campaign
@@ -36,15 +37,15 @@ def campaign(
     ] = None,
     workers: Workers = 2,
     fresh: Fresh = False,
-    panels: Annotated[
-        Panels | None, typer.Option(help="Of which stops the panels are drawn, whatever the campaigns say.")
-    ] = None,
+    panels: Annotated[Panels | None, typer.Option(help="Which stops get a page, whatever the campaigns say.")] = None,
+    figure_formats: Formats = "png",
     import_from: ImportFrom = None,
 ) -> None:
     """Run the stops of campaigns and write tables and a report.
 
     Stops that are complete are kept and not run again.
     """
+    formats = formats_of(figure_formats)
     campaigns = [load_campaign(file, overrides or []) for file in files]
     # Accepted distances are of the campaign as its file has it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
@@ -56,7 +57,13 @@ def campaign(
 
     def draw(number: int, drawing: Callable[[str], None]) -> None:
         run = runs[number]
-        write_report(run.directory, panels=panels or run.campaign.panels, notify=drawing, baseline=baselines[number])
+        write_report(
+            run.directory,
+            panels=panels or run.campaign.panels,
+            notify=drawing,
+            baseline=baselines[number],
+            formats=formats,
+        )
 
     problem = run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
     for run, baseline in zip(runs, baselines, strict=True):
@@ -73,11 +80,17 @@ def campaign(
 
 def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
-    panels: Annotated[Panels, typer.Option(help="Of which stops the panels are drawn.")] = "all",
+    panels: Annotated[Panels, typer.Option(help="Which stops of a campaign get a page.")] = "all",
+    figure_formats: Formats = "png",
 ) -> None:
-    """Make one page of the results in a folder."""
+    """Make the page of the results in a folder, and those of the stops of a campaign."""
+    formats = formats_of(figure_formats)
     with progress("report") as bar:
-        page = write_report(directory, panels=panels, notify=lambda what: bar.update(doing=f"drawing {what}"))
+
+        def draw(what: str) -> None:
+            bar.update(doing=f"drawing {what}")
+
+        page = write_report(directory, panels=panels, notify=draw, formats=formats)
     say(str(page))
 
 
@@ -90,8 +103,10 @@ def compare(
         Path | None, typer.Option(help="Folder for the page; build/compare/A-B, of their names, unless given.")
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")] = False,
+    figure_formats: Formats = "png",
 ) -> None:
     """Show in what results differ, and where along the track."""
+    formats = formats_of(figure_formats)
     comparison = compared(*results)
     names = [path.resolve().name for path in results]
     folder = out or Path("build/compare") / (
@@ -100,7 +115,7 @@ def compare(
     require_no_result(folder)
     make_folder(folder)
     page = comparison.page()
-    path = page.write(folder)
+    path = page.write(folder, formats)
     if as_json:
         say(json.dumps(finite(comparison.to_plain()), indent=1, ensure_ascii=False))
         return

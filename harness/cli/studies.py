@@ -9,8 +9,9 @@ from typing import Annotated, Any, Final, get_type_hints
 import typer
 from typer.core import TyperGroup
 
-from railgrip.cli.app import Fresh, ImportFrom, Overrides, Workers
+from railgrip.cli.app import Formats, Fresh, ImportFrom, Overrides, Workers
 from railgrip.report.console import say, show_all
+from railgrip.report.page import formats_of
 from railgrip.studies import names, summary
 from railgrip.studies.study import conduct, study_named
 
@@ -47,11 +48,13 @@ def _conduct(
         str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
     ] = None,
     fresh: Fresh = False,
+    figure_formats: Formats = "png",
     **options: Any,
 ) -> None:
     name = options.pop("study")
     study = study_named(name)(**options)
-    page, path = conduct(study, out or Path("build") / name, workers=workers, scheduler=scheduler, fresh=fresh)
+    formats, folder = formats_of(figure_formats), out or Path("build") / name
+    page, path = conduct(study, folder, workers=workers, scheduler=scheduler, fresh=fresh, formats=formats)
     show_all(page.screen)
     say(str(path))
     if page.exit_code:

@@ -12,7 +12,7 @@ import xarray
 from railgrip.base.errors import RecordError
 from railgrip.base.units import cut, short
 from railgrip.report.page import Page
-from railgrip.report.results import Results, read_results
+from railgrip.report.results import Results, provenance, read_results
 from railgrip.report.table import Form, Table, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
@@ -35,6 +35,8 @@ KMH = 3.6
 _ALIKE = "several"
 _MISSING = "–"
 _LONGEST_TEXT = 40
+_MOST_DIGESTS = 20
+"""Stops of campaigns whose digests the page names."""
 _FIGURE = "figures/comparison.png"
 
 
@@ -83,6 +85,7 @@ class Comparison:
         along: Letter → where this stop loses distance against A.
         sentences: What a reader wants to know first.
         differences: Name of a stop → difference of its distances [m], of campaigns.
+        provenance: Seeds, digests and versions, of each letter.
     """
 
     names: Sequence[str]
@@ -93,6 +96,7 @@ class Comparison:
     along: Mapping[str, Loss] = field(default_factory=dict[str, Loss])
     sentences: Sequence[str] = ()
     differences: Mapping[str, float] = field(default_factory=dict[str, float])
+    provenance: Mapping[str, str] = field(default_factory=dict[str, str])
 
     @property
     def letters(self) -> str:
@@ -139,16 +143,18 @@ class Comparison:
         rows = zip(self.letters, self.names, self.headlines, strict=True)
         results = Table.of(("", "result", "outcome"), rows, left=3)
         return Page(
-            template="report/comparison.html.jinja",
+            title=f"Comparison of {', '.join(self.names[:-1])} and {self.names[-1]}",
+            question="In what do these results differ, and where along the track does the difference arise?",
+            answer=" ".join(self.sentences[:2]) or "They do not differ.",
+            template="report/comparison.md.jinja",
+            provenance=self.provenance,
             values={
                 "results": results,
-                "sentences": self.sentences,
+                "sentences": self.sentences[2:],
                 "question": self.question,
                 "overview": self.overview,
                 "answer": None if self.answer is self.overview else self.answer,
                 "sections": self.sections,
-                "figure": _FIGURE,
-                "title": " and ".join((", ".join(self.names[:-1]), self.names[-1])),
             },
             figures={_FIGURE: self.plot()} if self.along or self.differences else {},
             data={"comparison.json": self.to_plain()},
@@ -258,6 +264,11 @@ def _of_stops(sides: Sequence[Side]) -> Comparison:
         overview=_answer(sides, _means, "What differs in the answer"),
         along=along,
         sentences=sentences,
+        provenance={
+            f"{letter}, {key}": value
+            for letter, record in zip(letters, records, strict=True)
+            for key, value in provenance(record).items()
+        },
     )
 
 
@@ -327,12 +338,13 @@ def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
         }
         for key in keys
         if any(one.get(key) != questions[0].get(key) for one in questions)
-        for unit in [_unit_of(key)]
+        for unit in [unit_of(key)]
     ]
     return Table(rows, left=("key", *letters, "unit"), title="What differs in the question")
 
 
-def _unit_of(key: str) -> str:
+def unit_of(key: str) -> str:
+    """Return the SI unit of a key of a scenario, as `flat` writes it; empty for a ratio or text."""
     bare = "".join(part.partition("]")[2] if i else part for i, part in enumerate(key.split("[")))
     unit = units_of_keys().get(bare, "")
     return "" if unit == "1" else unit
@@ -439,6 +451,11 @@ def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Compariso
         overview=distances,
         sentences=[*_spread(letters, common, stops), *only],
         differences=differences,
+        provenance={
+            f"{letter}, result of {name}": provenance(one[name])["scenario digest"]
+            for letter, one in zip(letters, stops, strict=True)
+            for name in common[:_MOST_DIGESTS]
+        },
     )
 
 

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.trace.loss import Loss
 
-_COLOURS = (style.BLACK, style.BLUE, style.VERMILION, style.GREEN, style.PURPLE, style.ORANGE, style.SKY)
+_COLOURS = (palette.BLACK, *palette.LINES[:-1])
 _MOST_BARS = 40
 
 
@@ -35,7 +35,8 @@ def track_figure(along: Mapping[str, Loss]) -> Figure:
             widths = [section.end - section.begin for section in lost.sections]
             losses.bar(
                 [section.begin for section in lost.sections], [section.lost for section in lost.sections], widths,
-                align="edge", color="#BBD3E6", edgecolor="white", label=f"{letter}, in the section",
+                align="edge", color=palette.lighter(palette.SKY, 3), edgecolor="white",
+                label=f"{letter}, in the section",
             )  # fmt: skip
     style.dress(speeds, y="speed [km/h]", title="Speed")
     style.dress(differences, y="difference [km/h]", title="Speed less that of A at the same place")
@@ -46,7 +47,7 @@ def track_figure(along: Mapping[str, Loss]) -> Figure:
         title="How far the stop is behind A at the same speed",
     )
     for panel in (differences, losses):
-        panel.axhline(0.0, color=style.BLACK, linewidth=0.8)
+        panel.axhline(0.0, color=palette.BLACK, linewidth=0.8)
     furthest = max(float(lost.course.place[-1]) for lost in along.values())
     speeds.set_xlim(0, 1.07 * max(furthest, float(first.place[-1])))
     speeds.set_ylim(bottom=0)
@@ -62,10 +63,10 @@ def stops_figure(differences: Mapping[str, float]) -> Figure:
     values = np.array([differences[name] for name in names])
     drawing, panel = style.panels(10, 1.2 + 0.24 * len(names))
     places = np.arange(len(names))
-    panel.barh(places, values, color=np.where(values > 0, style.VERMILION, style.BLUE).tolist(), height=0.7)
+    panel.barh(places, values, color=np.where(values > 0, palette.VERMILION, palette.BLUE).tolist(), height=0.7)
     panel.set_yticks(places, names, fontsize=8)
     panel.invert_yaxis()
-    panel.axvline(0.0, color=style.BLACK, linewidth=0.8)
+    panel.axvline(0.0, color=palette.BLACK, linewidth=0.8)
     few = f" (the {len(names)} largest of {len(differences)})" if len(names) < len(differences) else ""
     style.dress(panel, x="braking distance of B less that of A [m]", title=f"Difference of each stop{few}")
     panel.grid(visible=False, axis="y")

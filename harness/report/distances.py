@@ -6,6 +6,7 @@ Stops that differ only in their draw are shown as distributions, by `railgrip.re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from railgrip.base.files import write_json
@@ -15,7 +16,7 @@ from railgrip.report.reference import controller_of, label, references, setting_
 from railgrip.report.results import Result, Results, from_elsewhere, makers
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
-from railgrip.report.table import Form, Table, change, names, share
+from railgrip.report.table import Form, Link, Table, change, names, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import Repeated
 from railgrip.scenario.outcome import Outcome
@@ -67,9 +68,20 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
     return as_json, as_markdown
 
 
-def tables_of(rows: Sequence[Row]) -> tuple[Table, Table]:
-    """Return the table of distributions over draws and that of all other rows, both without empty columns."""
-    distances = Table([{name: of(row) for name, of in _COLUMNS.items()} for row in rows if row.draw is None], _FORMS)
+def tables_of(rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({})) -> tuple[Table, Table]:
+    """Return the table of distributions over draws and that of all other rows, both without empty columns.
+
+    Args:
+        rows: Of a campaign.
+        pages: Stop → address of its page, to which its row is linked.
+    """
+    cells = [
+        {name: of(row) for name, of in _COLUMNS.items()}
+        | ({"scenario": Link(row.label, pages[row.stop])} if row.stop in pages else {})
+        for row in rows
+        if row.draw is None
+    ]
+    distances = Table(cells, _FORMS)
     return distribution_table(distributions_of(rows)).filled(), distances.filled()
 
 

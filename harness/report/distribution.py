@@ -6,12 +6,20 @@ See `railgrip.report.statistics` for how controllers are compared.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 
 from railgrip.report.row import Conditions, Row
-from railgrip.report.statistics import endless, median_interval, quantile, relative_change, share_interval
-from railgrip.report.table import Table, percent, text
+from railgrip.report.statistics import (
+    endless,
+    median_interval,
+    order_interval,
+    quantile,
+    relative_change,
+    share_interval,
+)
+from railgrip.report.table import Link, Table, percent, text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -111,6 +119,48 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
         for one in distributions
     ]
     return Table(rows, {"longest lock, median": "{:.2f} s"})
+
+
+QUANTILES = (0.5, 0.95, 0.99)
+"""Shares of the draws whose distance is shown: half, and what is rarely and hardly ever exceeded."""
+
+
+def quantile_table(distributions: Sequence[Distribution], permitted: float | None) -> Table:
+    """Return P50, P95 and P99 of each distribution with their intervals, and how often a distance [m] is exceeded.
+
+    Draws without standstill exceed every distance. An interval needs enough draws, that of P99 nearly 400.
+    """
+    rows: list[dict[str, Any]] = []
+    for one in distributions:
+        values = list(one.distances_m.values())
+        row: dict[str, Any] = {"scenario": one.label, "controller": one.controller_label, "draws": len(values)}
+        for share in QUANTILES:
+            interval = order_interval(values, share)
+            ends = "" if interval is None else f" [{_metres(interval[0], '')}, {_metres(interval[1], '')}]"
+            row[f"P{100 * share:.0f}"] = _metres(quantile(values, share)) + ends
+        if permitted is not None:
+            count = sum(value > permitted for value in values)
+            low, high = share_interval(count, len(values))
+            row[f"over {permitted:g} m"] = f"{100 * count / len(values):.2f} % [{100 * low:.2f}, {100 * high:.2f}]"
+        rows.append(row)
+    return Table(rows, title="Quantiles of the braking distance, with intervals of 95 %")
+
+
+def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) -> Table:
+    """Return the longest stops of all draws, those without standstill first, linked to their pages."""
+    drawn = [row for row in rows if row.draw is not None and row.controller != "ideal_bound"]
+    cells: list[dict[str, Any]] = [
+        {
+            "stop": Link(row.stop, pages[row.stop]) if row.stop in pages else row.stop,
+            "controller": row.controller_label,
+            "seed": row.draw,
+            "distance": f"none: {row.outcome}" if row.distance_m is None else row.distance_m,
+            "adhesion used": row.utilisation,
+            "longest lock": row.longest_lock_s,
+        }
+        for row in sorted(drawn, key=lambda row: -endless(row.distance_m))[:count]
+    ]
+    return Table(cells, {"distance": "{:.1f} m", "adhesion used": "{:.1%}", "longest lock": "{:.2f} s"})
 
 
 def _paired_texts(name: str, paired: Paired | None) -> dict[str, str]:

@@ -6,9 +6,12 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
 
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.distribution import Distribution, Paired
+
+_MOST_BINS = 60
 
 _JITTER = 0.26  # of the height of a row, to either side
 
@@ -49,7 +52,7 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
             _range(panels[0], line, one.low_m, one.median_m, one.high_m)
         for panel, (title, against) in zip(panels[1:], sides, strict=True):
             style.dress(panel, x=title)
-            panel.axvline(0.0, color=style.BLACK, linewidth=0.9)
+            panel.axvline(0.0, color=palette.BLACK, linewidth=0.9)
             for line, one in enumerate(here):
                 paired = against(one)
                 if paired is not None:
@@ -60,24 +63,66 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
             panel.grid(visible=False, axis="y")
     for panel in grid[:-1].flat:
         panel.set_xlabel("")
-    keys = [(f"a {of}", style.SKY, "."), ("median", style.VERMILION, "|"), (f"5 to 95 % of the {of}s", style.BLUE, "_")]
-    keys += [("right: 95 % interval of the median", style.BLUE, "_")] if sides else []
+    keys = [
+        (f"a {of}", palette.SKY, "."),
+        ("median", palette.VERMILION, "|"),
+        (f"5 to 95 % of the {of}s", palette.BLUE, "_"),
+    ]
+    keys += [("right: 95 % interval of the median", palette.BLUE, "_")] if sides else []
     marks = [Line2D([], [], color=colour, marker=mark, markersize=9, linestyle="") for _, colour, mark in keys]
     drawing.legend(marks, [name for name, _, _ in keys], ncols=4, fontsize=8, loc="outside lower right", frameon=False)
+    return drawing
+
+
+def exceedance_figure(distributions: Sequence[Distribution], permitted: float | None) -> Figure:
+    """Return a row of panels for each set of conditions: histogram, and share of the draws that go further.
+
+    Args:
+        distributions: A line for each; draws without standstill stay in the share to the right end.
+        permitted: Distance that a stop may take [m], drawn as a line.
+    """
+    settings = list(dict.fromkeys(one.place for one in distributions))
+    drawing = style.figure(11, 3.6 * len(settings))
+    grid = drawing.subplots(len(settings), 2, squeeze=False, sharex="row")
+    for (counts, shares), setting in zip(grid, settings, strict=True):
+        here = [one for one in distributions if one.place == setting]
+        ends = np.array([d for one in here for d in one.distances_m.values() if math.isfinite(d)])
+        # Edges for all together, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
+        edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
+        edges = np.linspace(edges[0], edges[-1], min(edges.size, _MOST_BINS))
+        for number, one in enumerate(here):
+            values = np.sort(list(one.distances_m.values()))
+            colour = palette.LINES[number % len(palette.LINES)]
+            height = np.histogram(values[np.isfinite(values)], edges)[0] / values.size
+            counts.plot(edges, [*(100 * height), 0.0], drawstyle="steps-post", color=colour, label=one.controller_label)
+            stood = np.isfinite(values)
+            above = 100 * (1 - np.arange(1, values.size + 1) / values.size)
+            shares.plot(values[stood], above[stood], drawstyle="steps-post", color=colour, label=one.controller_label)
+        for panel in (counts, shares):
+            if permitted is not None:
+                panel.axvline(permitted, color=palette.GREY, linestyle="--", label=f"permitted, {permitted:g} m")
+        style.dress(counts, x="braking distance [m]", y="share of the draws [%]", title=here[0].label.replace("_", " "))
+        style.dress(shares, x="braking distance [m]", y="draws that go further [%]", title=", ".join(here[0].setting))
+        shares.set_yscale("log")
+        shares.set_ylim(max(50 / max(one.draws for one in here), 0.01), 100)
+        shares.set_yticks([one for one in (0.1, 1, 5, 50, 100) if one >= shares.get_ylim()[0]], minor=False)
+        shares.yaxis.set_major_formatter("{x:g}")
+        shares.yaxis.set_minor_locator(NullLocator())
+    style.legend(grid[0, 1], loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return drawing
 
 
 def _points(panel: style.Axes, line: int, values: Sequence[float]) -> None:
     # Spread over the height of the row by a golden ratio, so that equal values do not hide each other.
     offsets = _JITTER * (2 * ((np.arange(len(values)) * 0.6180339887) % 1.0) - 1)
-    panel.plot(values, line + offsets, ".", color=style.SKY, markersize=3.5, zorder=1)
+    panel.plot(values, line + offsets, ".", color=palette.SKY, markersize=3.5, zorder=1)
 
 
 def _range(panel: style.Axes, line: int, low: float, middle: float, high: float) -> None:
     if math.isfinite(low) and math.isfinite(high):
-        panel.plot([low, high], [line, line], color=style.BLUE, linewidth=2.2, zorder=2, solid_capstyle="butt")
+        panel.plot([low, high], [line, line], color=palette.BLUE, linewidth=2.2, zorder=2, solid_capstyle="butt")
     if math.isfinite(middle):
-        panel.plot([middle, middle], [line - 0.32, line + 0.32], color=style.VERMILION, linewidth=2.2, zorder=3)
+        panel.plot([middle, middle], [line - 0.32, line + 0.32], color=palette.VERMILION, linewidth=2.2, zorder=3)
 
 
 def _name(one: Distribution, of: str) -> str:

@@ -8,11 +8,19 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.trace.samples import knows, reading_of, truth_of, unit_of
 
-_COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE, style.SKY, style.VERMILION)
-_STATE_COLOURS = (style.BLUE, style.BLACK, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY)
+_COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE, palette.SKY, palette.VERMILION)
+_STATE_COLOURS = (
+    palette.BLUE,
+    palette.BLACK,
+    palette.VERMILION,
+    palette.GREEN,
+    palette.ORANGE,
+    palette.PURPLE,
+    palette.SKY,
+)
 _DASHES = ("-", "--", ":", "-.")
 _WORDS = {
     "v": "speed [m/s]",
@@ -64,9 +72,9 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
         _legend(panel, len(names))
     last = panels[-1]
     last.semilogy(
-        time, estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0), ".", color=style.GREY, ms=1.5
+        time, estimates["nis"].values / np.maximum(estimates["readings"].values, 1.0), ".", color=palette.GREY, ms=1.5
     )
-    last.axhline(1.0, color=style.BLACK, lw=0.8, ls=":")
+    last.axhline(1.0, color=palette.BLACK, lw=0.8, ls=":")
     last.set_ylim(1e-2, 1e2)
     style.dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
     truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
@@ -108,7 +116,7 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     Windows that tell nothing of a state have no point on the logarithmic axis: the line is broken there.
     """
     drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True, height_ratios=(1, 2))
-    for name, color in zip(inputs, (style.ORANGE, style.BLUE), strict=False):
+    for name, color in zip(inputs, (palette.ORANGE, palette.BLUE), strict=False):
         factor, unit = style.readable(unit_of(recording, name))
         above.plot(
             recording["time"], factor * reading_of(recording, name), color=color, lw=0.8, label=f"{name} [{unit}]"
@@ -134,7 +142,7 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     smallest = windows["smallest"].values
     positive = np.where(np.isfinite(windows["deviation"].values).all(axis=1), smallest, np.nan)
     below.semilogy(time, positive, color="#999999", lw=2.5, alpha=0.6, label="smallest of all")
-    below.axhline(1.0, color=style.BLACK, lw=0.7, ls=":")
+    below.axhline(1.0, color=palette.BLACK, lw=0.7, ls=":")
     style.dress(below, x="time [s]", y="(typical size / deviation)²")
     style.legend(below, ncols=8, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return style.save(drawing, path)

@@ -8,7 +8,7 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.reference import label
@@ -17,17 +17,17 @@ from railgrip.report.row import Row
 from railgrip.trace.stop import StopRecord
 
 _CONTROLLER_COLOURS = {
-    "full_brake": style.GREY,
-    "slip_two_state": style.BLUE,
-    "slip_three_state": style.SKY,
-    "slip_two_state_read": style.GREEN,
-    "slip_three_state_read": style.LIGHT_GREEN,
-    "slip_two_state_estimated": style.VERMILION,
-    "slip_three_state_estimated": style.LIGHT_VERMILION,
-    "adhesion_based": style.ORANGE,
-    "adhesion_literal": style.PURPLE,
-    "slope_seeking": style.LIGHT_ORANGE,
-    "ideal_bound": style.BLACK,
+    "full_brake": palette.GREY,
+    "slip_two_state": palette.BLUE,
+    "slip_three_state": palette.SKY,
+    "slip_two_state_read": palette.GREEN,
+    "slip_three_state_read": palette.lighter(palette.GREEN, 2),
+    "slip_two_state_estimated": palette.VERMILION,
+    "slip_three_state_estimated": palette.lighter(palette.VERMILION, 2),
+    "adhesion_based": palette.ORANGE,
+    "adhesion_literal": palette.PURPLE,
+    "slope_seeking": palette.lighter(palette.ORANGE, 2),
+    "ideal_bound": palette.BLACK,
 }
 
 
@@ -50,7 +50,7 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
     for panel, stop in zip(panels, stops, strict=True):
         trace = stop.record.trace()
         mu0, time = trace["mu0"].values, trace["time"].values
-        colours = style.lead_to_trail(mu0.shape[1])
+        colours = palette.lead_to_trail(mu0.shape[1])
         for wheelsets in style.alike(list(mu0.T)):
             axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
             panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
@@ -72,21 +72,21 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     drawing, panel = style.panels(10, 4.8)
     time = seek["time"].values
     panel.plot(
-        slide["time"].values, slide["adhesion"].values[:, 0], color=style.BLUE, linewidth=0.9, label="SBC, two-state"
+        slide["time"].values, slide["adhesion"].values[:, 0], color=palette.BLUE, linewidth=0.9, label="SBC, two-state"
     )
-    panel.plot(time, seek["adhesion"].values[:, 0], color=style.ORANGE, linewidth=1.2, label="ABC")
+    panel.plot(time, seek["adhesion"].values[:, 0], color=palette.ORANGE, linewidth=1.2, label="ABC")
     if "estimate_adhesion" in seek:
         panel.plot(
             time,
             seek["estimate_adhesion"].values[:, 0],
-            color=style.VERMILION,
+            color=palette.VERMILION,
             linewidth=1.2,
             linestyle=(0, (1, 1.6)),
             label="ABC, estimated",
         )
-    panel.plot(time, seek["peak_adhesion"].values[:, 0], color=style.BLACK, linewidth=1.4, label="greatest possible")
+    panel.plot(time, seek["peak_adhesion"].values[:, 0], color=palette.BLACK, linewidth=1.4, label="greatest possible")
     limit = abc.record.scenario["limits"]["alpha_max"]
-    panel.axhline(limit, color=style.GREY, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
+    panel.axhline(limit, color=palette.GREY, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
     style.dress(
         panel,
         x="time since the brake demand [s]",
@@ -128,12 +128,12 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
             for place, length, (_, row) in zip(places, lengths, bars, strict=True):
                 panel.annotate(
                     f"{length:.0f}", (place, length), ha="center", va="top", fontsize=8, xytext=(0, -3),
-                    textcoords="offset points", color="white" if colour in style.DARK else style.BLACK,
+                    textcoords="offset points", color="white" if colour in palette.DARK else palette.BLACK,
                 )  # fmt: skip
                 if row.paper_distance_m is not None:
                     half = 0.46 * width
                     panel.plot(
-                        [place - half, place + half], [row.paper_distance_m] * 2, color=style.VERMILION, linewidth=2.2
+                        [place - half, place + half], [row.paper_distance_m] * 2, color=palette.VERMILION, linewidth=2.2
                     )
         actuation, sensors, polach = setting
         style.dress(
@@ -143,7 +143,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         )
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
-    panels[0].plot([], [], color=style.VERMILION, linewidth=2.2, label="published")
+    panels[0].plot([], [], color=palette.VERMILION, linewidth=2.2, label="published")
     style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.08))
     return drawing
 
@@ -155,7 +155,7 @@ def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
     colours: dict[str, str] = {}
     for name in sorted(kinds, key=lambda name: order.index(kinds[name])):
         alike = sum(kinds[other] == kinds[name] for other in colours)
-        colours[name] = style.lighter(_CONTROLLER_COLOURS.get(kinds[name], style.GREEN), alike)
+        colours[name] = palette.lighter(_CONTROLLER_COLOURS.get(kinds[name], palette.GREEN), alike)
     return colours
 
 
@@ -260,17 +260,17 @@ def _has_values(trace: xarray.Dataset, name: str) -> bool:
 
 def _draw_speed(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     train = style.KMH * trace["speed"].values
-    panel.plot(time, train, color=style.BLACK, linewidth=1.4, label="train")
+    panel.plot(time, train, color=palette.BLACK, linewidth=1.4, label="train")
     if _has_values(trace, "slip"):
         wheelset = train * (1 - trace["slip"].values[:, group])
-        panel.plot(time, wheelset, color=style.BLUE, linewidth=0.9, label="wheelset")
+        panel.plot(time, wheelset, color=palette.BLUE, linewidth=0.9, label="wheelset")
 
 
 def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    panel.plot(time, 100 * trace["slip"].values[:, group], color=style.BLUE, linewidth=0.9, label="slip")
+    panel.plot(time, 100 * trace["slip"].values[:, group], color=palette.BLUE, linewidth=0.9, label="slip")
     if _has_values(trace, "peak_slip"):
         best = 100 * trace["peak_slip"].values[:, group]
-        panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="of greatest adhesion")
+        panel.plot(time, best, color=palette.BLACK, linewidth=1.2, label="of greatest adhesion")
     # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
     panel.set_yscale("log")
     panel.set_ylim(0.1, 120)
@@ -282,7 +282,7 @@ def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
     # A plant that does not show its brakes has no bound.
     if _has_values(trace, "peak_adhesion"):
         best = trace["peak_adhesion"].values[:, group]
-        panel.plot(time, best, color=style.BLACK, linewidth=1.2, label="greatest possible")
+        panel.plot(time, best, color=palette.BLACK, linewidth=1.2, label="greatest possible")
     _draw_truth_and_estimate(panel, time, trace, "group_adhesion", "estimate_adhesion", group)
 
 
@@ -294,14 +294,14 @@ def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
 
 def _draw_pressure(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     pressure = trace["cylinder_pressure"].values[:, group] / 1e5
-    panel.plot(time, pressure, color=style.BLUE, linewidth=0.9, label="cylinder")
+    panel.plot(time, pressure, color=palette.BLUE, linewidth=0.9, label="cylinder")
 
 
 def _draw_truth_and_estimate(
     panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, truth: str, belief: str, group: int
 ) -> None:
     if _has_values(trace, truth):
-        panel.plot(time, trace[truth].values[:, group], color=style.BLUE, linewidth=1.0, label="true")
+        panel.plot(time, trace[truth].values[:, group], color=palette.BLUE, linewidth=1.0, label="true")
     if _has_values(trace, belief):
         _draw_estimate(panel, time, trace, belief, group)
 
@@ -329,5 +329,5 @@ def _draw_estimate(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, n
     mean = trace[name].values[:, group]
     if f"{name}_sd" in trace:
         spread = 2 * trace[f"{name}_sd"].values[:, group]
-        style.band(panel, time, mean - spread, mean + spread, style.ORANGE, 0.3, label="±2σ")
-    panel.plot(time, mean, color=style.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")
+        style.band(panel, time, mean - spread, mean + spread, palette.ORANGE, 0.3, label="±2σ")
+    panel.plot(time, mean, color=palette.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")

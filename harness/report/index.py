@@ -1,9 +1,9 @@
 """A report to open in a browser: one self-contained page of table, figures and definitions, made of result files."""
 
-import math
-from collections.abc import Callable, Sequence
+import hashlib
+import statistics
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -11,16 +11,16 @@ from railgrip.base.errors import RecordError
 from railgrip.report import style
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.distances import rows_of, tables_of, write_table
-from railgrip.report.distribution import distributions_of
-from railgrip.report.distribution_figure import distribution_figure
+from railgrip.report.distribution import distributions_of, quantile_table, worst_table
+from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
-from railgrip.report.page import image, write_page
+from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
-from railgrip.report.results import Result, Results, from_elsewhere, read_results
-from railgrip.report.table import names
+from railgrip.report.results import Result, Results, from_elsewhere, provenance, read_results
+from railgrip.report.row import Row
+from railgrip.report.stop_page import stop_page
+from railgrip.report.table import Table, change, names
 from railgrip.scenario.campaign import DRAW, Panels
-from railgrip.scenario.outcome import Outcome
-from railgrip.trace.metrics import meanings
 from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, others_like, read_stop
 
 _REFERENCES = (
@@ -34,16 +34,22 @@ Notify = Callable[[str], None]
 
 
 def write_report(
-    directory: Path, *, panels: Panels = "all", notify: Notify = lambda _: None, baseline: Path | None = None
+    directory: Path,
+    *,
+    panels: Panels = "all",
+    notify: Notify = lambda _: None,
+    baseline: Path | None = None,
+    formats: Sequence[str] = FORMATS[:1],
 ) -> Path:
-    """Write index.html, and for a campaign table and figures beside it; return the page.
+    """Write index.html, and for a campaign table, figures and the pages of its stops; return the page.
 
     Args:
         directory: Of a campaign (campaign.json) or a single stop (stop.json).
-        panels: Of which stops of a campaign to draw the panels: all, those with adhesion-based control, none. Without
-            them, the adhesion of ABC beside SBC is not drawn either.
+        panels: Which stops of a campaign get a page with their panels: all that have samples, those with
+            adhesion-based control, none. Without them, the adhesion of ABC beside SBC is not drawn either.
         notify: Called with the name of what is drawn next.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
+        formats: Of the figures beside the pages.
 
     Raises:
         RecordError: The folder has neither, or a result is unreadable.
@@ -51,81 +57,144 @@ def write_report(
     if (directory / CAMPAIGN_FILE).exists():
         results = read_results(directory)
         notes = [] if baseline is None else beyond_accepted(results, baseline)
-        return _campaign_report(results, directory, panels=panels, notify=notify, notes=notes)
+        page = _with_stops(results, directory, panels=panels, notify=notify, notes=notes)
+        return page.write(directory, formats)
     if (directory / STOP_FILE).exists():
         record = read_stop(directory)
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
         notify("stop")
-        page, figure = (directory / name for name in PAGE_FILES)
-        return write_page(
-            page, "report/stop.html.jinja", **_page_values(result, style.save(stop_figure(result), figure))
-        )
+        if record.has_trace:
+            style.save_as(stop_figure(result), directory / PAGE_FILES[1], formats)
+        return stop_page(result).write(directory)
     like = others_like(directory) or "; name the folder of a run or campaign"
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
 
 
-def _campaign_report(
-    results: Results, directory: Path, *, panels: Panels, notify: Notify, notes: Sequence[str]
-) -> Path:
+def _with_stops(results: Results, directory: Path, *, panels: Panels, notify: Notify, notes: Sequence[str]) -> Page:
+    """Write the table of a campaign and the pages of its stops; return its own page."""
     notify("table")
     write_table(results, directory, notes)
+    single = [stop for stop in results.stops if DRAW not in stop.variants]
+    pairs = _pairs(single) if panels != "none" else []
+    longest = {row["stop"] for row in worst_table(rows_of(results), {}).rows}
+    with_panels = {"all": results.stops, "abc": [abc for _, abc in pairs], "none": ()}[panels]
+    chosen = [stop for stop in with_panels if stop.record.has_trace and stop.name not in longest]
+    # The longest of all draws have a page even if their samples were not kept.
+    chosen += [stop for stop in results.stops if stop.name in longest]
+    pages = {stop.name: f"{stop.name}/index.html" for stop in chosen}
+    for stop in chosen:
+        notify(stop.name)
+        stop_page(stop, back="../index.html").write(directory / stop.name)
+    return campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify)
+
+
+def campaign_page(
+    results: Results,
+    *,
+    notes: Sequence[str],
+    pages: Mapping[str, str],
+    pairs: Sequence[tuple[Result, Result]],
+    notify: Notify,
+) -> Page:
+    """Return the page of a campaign.
+
+    Args:
+        results: Of its stops.
+        notes: Sentences below the tables.
+        pages: Name of a stop → address of its page.
+        pairs: Stops with SBC and with ABC whose adhesion is drawn.
+        notify: Called with the name of what is drawn next.
+    """
     rows = rows_of(results)
-    figures: dict[str, str] = {}
-
-    def add(name: str, caption: str, draw: Callable[[], Figure]) -> None:
-        notify(name)
-        figures[caption] = image(style.save(draw(), directory / "figures" / f"{name}.png"))
-
+    drawings: dict[str, tuple[str, Callable[[], Figure]]] = {}
     distributions = distributions_of(rows)
     if distributions:
-        add("distributions", "Braking distances over the draws", lambda: distribution_figure(distributions))
+        permitted = results.permitted_distance
+        drawings["exceedance"] = "", lambda: exceedance_figure(distributions, permitted)
+        drawings["distributions"] = "Braking distances over the draws", lambda: distribution_figure(distributions)
     single = [row for row in rows if row.draw is None]
     if any(row.distance_m is not None for row in single):
-        add("distances", "Braking distances", lambda: distance_figure(single))
+        drawings["distances"] = "Braking distances", lambda: distance_figure(single)
     scenarios = _longest_of_each_scenario([stop for stop in results.stops if stop.record.has_trace])
     if scenarios:
-        add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
-    single_stops = [stop for stop in results.stops if DRAW not in stop.variants]
-    pairs = _pairs(single_stops) if panels != "none" else []
-    with_panels = {stop.name for stop in single_stops} if panels == "all" else {abc.name for _, abc in pairs}
+        drawings["friction"] = "Maximum friction at the wheelsets", lambda: friction_figure(scenarios)
     for sbc, abc in pairs:
-        name = f"adhesion-{abc.name}"
-        add(name, f"Adhesion of the first wheelset, {abc.name}", lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc))
-    stops: list[dict[str, Any]] = []
-    for stop in single_stops:
-        signals = None
-        if stop.name in with_panels:
-            notify(stop.name)
-            signals = style.save(stop_figure(stop), directory / "figures" / f"stop-{stop.name}.png")
-        stops.append(_page_values(stop, signals))
-    return write_page(
-        directory / "index.html",
-        "report/campaign.html.jinja",
-        results=results,
-        paragraphs=(results.description, _REFERENCES),
-        tables=[table for table in tables_of(rows) if table],
-        notes=[*from_elsewhere(results.stops), *notes],
-        missing=names(results.missing),
+        caption = f"Adhesion of the first wheelset, {abc.name}"
+        drawings[f"adhesion-{abc.name}"] = caption, lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc)
+    figures: dict[str, Figure] = {}
+    for name, (_, draw) in drawings.items():
+        notify(name)
+        figures[f"figures/{name}.png"] = draw()
+    return Page(
+        title=f"Campaign {results.name}",
+        question="Which braking distance does each controller need in the same conditions? " + results.description,
+        answer=_answer(rows),
+        template="report/campaign.md.jinja",
+        values={
+            "references": _REFERENCES,
+            "quantiles": quantile_table(distributions, results.permitted_distance),
+            "worst": worst_table(rows, pages),
+            "tables": [table for table in tables_of(rows, pages) if table],
+            "notes": [*from_elsewhere(results.stops), *notes],
+            "missing": names(results.missing),
+            "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},
+            "scenarios": _scenarios(results.stops),
+        },
         figures=figures,
-        stops=stops,
+        provenance=_provenance(results),
     )
 
 
-def _page_values(result: Result, signals: Path | None) -> dict[str, Any]:
-    """Return what a page says of a stop."""
-    record = result.record
-    metrics = record.metrics
+def _answer(rows: Sequence[Row]) -> str:
+    """Return how many stops came to a standstill, and which controller needs the shortest distances."""
+    stood = sum(row.distance_m is not None for row in rows)
+    first = f"{stood} of {len(rows)} stops come to a standstill."
+    changes: dict[str, list[float]] = {}
+    for row in rows:
+        if row.reduction_vs_sbc is not None and row.controller != "ideal_bound":
+            changes.setdefault(row.controller_label, []).append(row.reduction_vs_sbc)
+    if not changes:
+        return first
+    best = max(changes, key=lambda label: statistics.median(changes[label]))
+    shares = changes[best]
+    median, least, most = (change(of(shares)) for of in (statistics.median, max, min))
+    return (
+        f"Against slip-based control with 10 and 15 %, {best} changes the distance by {median} in the median of "
+        f"{len(shares)} stops, from {least} to {most}; no other median is lower. {first}"
+    )
+
+
+def _scenarios(stops: Sequence[Result]) -> Table:
+    """Return what the rails are called, what they are, and with which seeds they were drawn."""
+    of_name: dict[str, list[Result]] = {}
+    for stop in stops:
+        of_name.setdefault(stop.record.scenario["name"], []).append(stop)
+    rows = []
+    for name, own in of_name.items():
+        seeds = sorted({stop.record.scenario["seed"] for stop in own})
+        rows.append(
+            {
+                "scenario": name,
+                "description": own[0].record.scenario.get("description", ""),
+                "seeds": str(seeds[0]) if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]}, {len(seeds)} of them",
+                "stops": len(own),
+            }
+        )
+    return Table(rows, left=("scenario", "description", "seeds"))
+
+
+def _provenance(results: Results) -> dict[str, str]:
+    """Return versions that the stops were run with, the digest of all scenarios and results, and when they ran."""
+    versions: dict[str, set[str]] = {}
+    for stop in results.stops:
+        for name, version in stop.record.versions.items():
+            versions.setdefault(name, set()).add(version)
+    digests = "".join(sorted(f"{stop.record.digest}{stop.record.trace_digest}" for stop in results.stops))
+    dates = sorted(filter(None, (provenance(stop.record)["result written"] for stop in results.stops)))
     return {
-        "name": result.name,
-        "headline": f"{metrics.distance:.1f} m in {metrics.duration:.1f} s"
-        if record.outcome is Outcome.STANDSTILL
-        else f"{record.outcome.value}: {record.reason}",
-        "doubts": metrics.doubts(),
-        "signals": None if signals is None else image(signals),
-        "metrics": [
-            (name.replace("_", " "), _text(getattr(metrics, name)), unit, meaning)
-            for name, (unit, meaning) in meanings().items()
-        ],
+        "digest of scenarios and traces (SHA-256)": hashlib.sha256(digests.encode()).hexdigest(),
+        "results written": f"{dates[0]} to {dates[-1]}" if dates else "–",
+        **{name: ", ".join(sorted(of)) for name, of in sorted(versions.items())},
     }
 
 
@@ -154,15 +223,3 @@ def _pairs(stops: Sequence[Result]) -> list[tuple[Result, Result]]:
 
 def _but_controller(stop: Result) -> tuple[tuple[str, str], ...]:
     return tuple((axis, variant) for axis, variant in stop.variants.items() if axis != "controller")
-
-
-def _text(value: object) -> str:
-    if isinstance(value, tuple):
-        return (
-            "\n".join(_text(element) for element in value)
-            if value and isinstance(value[0], tuple)
-            else ", ".join(_text(element) for element in value)
-        )
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "–"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,14 +1,22 @@
-"""Pages from templates: `*.html.jinja`, in which what is not markup of ours is escaped, and `*.md.jinja`."""
+"""Pages of results: a summary, figures, tables and provenance in one self-contained file; texts from templates."""
 
 import base64
+import gzip
+import json
+import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from functools import cache
+from importlib import metadata, resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined, select_autoescape
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markdown_it import MarkdownIt
+from markupsafe import Markup
 
+from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
 from railgrip.report.table import Table
 
@@ -17,79 +25,162 @@ if TYPE_CHECKING:
 
 _ROOT = Path(__file__).parents[1]
 
+FORMATS = ("png", "svg", "pdf")
+"""Formats of figures beside a page."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Page:
-    """What a study has to show: a page, the files beside it, and what a screen is told.
+    """What a stop, a campaign, a comparison or a study has to show.
 
     Attributes:
-        template: Path of the page's template in this package, `*.md.jinja` or `*.html.jinja`.
-        values: What it names; besides, each of `figures` is there by its file name, as the address of an image.
-        figures: File name → figure.
+        title: Heading of the page.
+        question: What was asked, in a sentence.
+        answer: What came out, in two sentences.
+        template: Path in this package of the text that follows, Markdown, `*.md.jinja`. It shows each figure but the
+            first as `![caption]({{ figures["name.png"] }})`, and tables as they are.
+        values: What the template names.
+        figures: File name → figure; the first one decides the question and stands below the answer.
+        plots: Name → `data` and `layout` of plotly.js, for figures that only the page has; they come before `figures`.
+        provenance: What the result rests on: versions, seeds, digests.
         tables: File name → table, as CSV.
         data: File name → content, as JSON.
         files: File name → what writes it.
-        screen: Tables and sentences.
+        screen: Tables and sentences for the terminal.
         exit_code: What the command line answers with; 0 where no case failed.
     """
 
+    title: str
+    question: str
+    answer: str
     template: str
-    values: Mapping[str, Any]
+    values: Mapping[str, Any] = field(default_factory=dict[str, Any])
     figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
+    plots: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Any])
+    provenance: Mapping[str, str] = field(default_factory=dict[str, str])
     tables: Mapping[str, Table] = field(default_factory=dict[str, Table])
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])
     files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Any])
     screen: Sequence[Table | str] = ()
     exit_code: int = 0
 
-    def write(self, folder: Path) -> Path:
-        """Write everything into a folder; return the page, index.html or what its template is called.
+    def write(self, folder: Path, formats: Sequence[str] = FORMATS[:1]) -> Path:
+        """Write index.html into a folder, and figures, tables and data beside it; return the page.
 
-        A page in HTML holds its figures, so that it can be mailed alone.
+        Args:
+            folder: Is made.
+            formats: Of the figures beside the page, of `FORMATS`.
         """
-        from railgrip.report.style import save  # matplotlib takes half a second to load
+        plots = dict(self.plots)
+        if self.figures:
+            from railgrip.report.interactive import interactive  # matplotlib takes half a second to load
+            from railgrip.report.style import save_as
 
-        is_html = self.template.endswith(".html.jinja")
-        addresses: dict[str, str] = {}
-        for name, figure in self.figures.items():
-            path = save(figure, folder / name)
-            addresses[name] = image(path) if is_html else name
+            for name, figure in self.figures.items():
+                save_as(figure, folder / name, formats)
+                plots[name] = interactive(figure)
         for name, table in self.tables.items():
             table.write_csv(folder / name)
         for name, content in self.data.items():
             write_json(folder / name, content)
         for name, write in self.files.items():
             write(folder / name)
-        name = "index.html" if is_html else Path(self.template).stem
-        return write_page(folder / name, self.template, figures=addresses, **self.values)
+        page = folder / "index.html"
+        write_text(page, self._html(plots))
+        return page
+
+    def _html(self, plots: Mapping[str, Mapping[str, Any]]) -> str:
+        names = {name: name for name in plots}
+        body = rendered(self.template, is_html=True, figures=names, **self.values)
+        origin = {
+            **self.provenance,
+            "railgrip": metadata.version("railgrip"),
+            **({"commit": commit()} if commit() else {}),
+            "page written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+        }
+        return rendered(
+            "report/page.html.jinja",
+            is_html=True,
+            page=self,
+            first=next(iter(plots), None),
+            body=Markup(_html_of(body)),
+            origin=Table([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
+            plots=_packed(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1),
+            plotly=_plotly(),
+            script=Markup((_ROOT / "report/page.js").read_text(encoding="utf-8")),
+        )
+
+
+def formats_of(text: str) -> list[str]:
+    """Return the formats of figures in a list with commas.
+
+    Raises:
+        InputError: One of them is none of `FORMATS`.
+    """
+    formats = [one.strip().lower() for one in text.split(",")]
+    unknown = [one for one in formats if one not in FORMATS]
+    if unknown:
+        raise InputError(f"--format {text}: {', '.join(FORMATS)} are possible, got '{unknown[0]}'.")
+    return formats
 
 
 def write_page(path: Path, template: str, **values: Any) -> Path:
-    """Write a page and return its path.
-
-    Args:
-        template: Its path in this package, as "report/campaign.html.jinja".
-        values: What the template names; of numbers and texts, `Table`s and images.
-    """
+    """Write a text from a template of Markdown and return its path; see `rendered`."""
     write_text(path, rendered(template, **values))
     return path
 
 
-def rendered(template: str, **values: Any) -> str:
-    """Return the text of a page; see `write_page`."""
-    return _environment().get_template(template).render(values).rstrip("\n") + "\n"
+def rendered(template: str, *, is_html: bool = False, **values: Any) -> str:
+    """Return the text of a template.
 
-
-def image(path: Path) -> str:
-    """Return a figure as the address of an image inside the page, so that the page can be mailed alone."""
-    return f"data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}"
+    Args:
+        template: Its path in this package, as "report/distances.md.jinja".
+        is_html: Whether texts are escaped and tables are those of HTML, which Markdown may hold.
+        values: What the template names.
+    """
+    return _environment(is_html).get_template(template).render(values).rstrip("\n") + "\n"
 
 
 @cache
-def _environment() -> Environment:
+def commit() -> str:
+    """Return the commit of the checkout that this package lies in, `-dirty` if files differ from it; "" elsewhere."""
+    checkout = _ROOT.parent
+    if not (checkout / ".git").exists():
+        return ""
+    command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=12"]
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=False).stdout.strip()
+    except (OSError, subprocess.TimeoutExpired):  # no git on this machine
+        return ""
+
+
+def _html_of(markdown: str) -> str:
+    """Return Markdown as HTML; an image of a figure becomes the place where plotly.js draws it."""
+    parser = MarkdownIt("commonmark", {"html": True}).enable("table")
+
+    def plot(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:
+        caption, name = tokens[index].content, tokens[index].attrGet("src")
+        return f'<span class="plot" data-plot="{name}"></span><span class="caption">{caption}</span>'
+
+    parser.add_render_rule("image", plot)
+    return parser.render(markdown)
+
+
+def _packed(content: bytes, level: int) -> str:
+    return base64.b64encode(gzip.compress(content, level, mtime=0)).decode()
+
+
+@cache
+def _plotly() -> str:
+    """Return plotly.js, compressed to two of its five megabytes; the browser unpacks it."""
+    return _packed((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes(), 9)
+
+
+@cache
+def _environment(is_html: bool) -> Environment:
     return Environment(
         loader=FileSystemLoader(_ROOT),
-        autoescape=select_autoescape(("html.jinja",)),
+        autoescape=is_html,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

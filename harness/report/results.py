@@ -4,6 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -44,12 +45,14 @@ class Results:
 
     Attributes:
         missing: Stops without a result, or with one of another scenario.
+        permitted_distance: That a stop may take [m]; None where the campaign says none.
     """
 
     name: str
     description: str
     stops: tuple[Result, ...]
     missing: tuple[str, ...]
+    permitted_distance: float | None = None
 
 
 def read_results(directory: Path) -> Results:
@@ -66,6 +69,7 @@ def read_results(directory: Path) -> Results:
             for stop in content["stops"]
         ]
         name, description = str(content["name"]), str(content["description"])
+        permitted = content.get("permitted_distance_m")
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such file; `railgrip campaign FILE --out DIR` makes one") from problem
     except (OSError, ValueError, KeyError, TypeError) as problem:
@@ -83,7 +87,13 @@ def read_results(directory: Path) -> Results:
         results.append(
             Result(name=stop, variants=variants, record=record, paper_distance=paper, conditioning=conditioning)
         )
-    return Results(name=name, description=description, stops=tuple(results), missing=tuple(missing))
+    return Results(
+        name=name,
+        description=description,
+        stops=tuple(results),
+        missing=tuple(missing),
+        permitted_distance=permitted,
+    )
 
 
 def clear_campaign(directory: Path, name: str) -> None:
@@ -103,7 +113,7 @@ def clear_campaign(directory: Path, name: str) -> None:
         earlier = name  # it is written anew
     if earlier != name:
         raise RecordError(f"{directory}: holds campaign '{earlier}'; name another folder for campaign '{name}'")
-    figures = (f"figures/{figure.name}" for figure in (directory / "figures").glob("*.png"))
+    figures = (f"figures/{figure.name}" for figure in (directory / "figures").glob("*.*"))
     remove(directory, "index.html", f"{name}.json", f"{name}.md", *figures)
 
 
@@ -137,3 +147,20 @@ def from_elsewhere(stops: Sequence[Result]) -> list[str]:
         for (name, tool), count in sorted(counts.items())
         if not tool.startswith(OURS)
     ]
+
+
+def provenance(record: StopRecord) -> dict[str, str]:
+    """Return seed, digests, versions and FMUs of a result, and when it was written."""
+    path = record.directory / STOP_FILE
+    written = datetime.fromtimestamp(path.stat().st_mtime, UTC).strftime("%Y-%m-%d %H:%M UTC") if path.exists() else ""
+    return {
+        "seed": str(record.scenario["seed"]),
+        "scenario digest": record.digest,
+        "trace digest (SHA-256)": record.trace_digest or "samples were not kept",
+        "result written": written,
+        **{name: version for name, version in record.versions.items() if name not in record.fmus},
+        **{
+            name: f"{record.versions.get(name) or 'unnamed tool'}, SHA-256 {digest}"
+            for name, digest in record.fmus.items()
+        },
+    }

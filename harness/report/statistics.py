@@ -48,11 +48,16 @@ def share_interval(count: int, of: int) -> tuple[float, float]:
 
 
 def median_interval(values: Sequence[float]) -> tuple[float, float] | None:
-    """Return the interval of a median from order statistics, for any distribution; None with too few values.
+    """Return the interval of a median; see `order_interval`."""
+    return order_interval(values, 0.5)
+
+
+def order_interval(values: Sequence[float], share: float) -> tuple[float, float] | None:
+    """Return the interval of a quantile from order statistics, for any distribution; None with too few values.
 
     Source: Conover, Practical Nonparametric Statistics (1999), section 3.2.
     """
-    interval = cast("Any", stats.quantile_test(values, q=0, p=0.5)).confidence_interval(CONFIDENCE)
+    interval = cast("Any", stats.quantile_test(values, q=0, p=share)).confidence_interval(CONFIDENCE)
     low, high = float(interval.low), float(interval.high)
     return None if math.isnan(low) or math.isnan(high) else (low, high)
 

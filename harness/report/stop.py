@@ -1,11 +1,12 @@
 """A stop that shows itself in a notebook."""
 
-from typing import TYPE_CHECKING, Any
+from math import isnan
+from typing import TYPE_CHECKING
 
 from railgrip.report.results import Result
 from railgrip.report.table import Table
 from railgrip.trace import stop
-from railgrip.trace.metrics import meanings
+from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.recorder import thinned
 
 if TYPE_CHECKING:
@@ -26,15 +27,29 @@ class Stop(stop.Stop):
 
     def _repr_html_(self) -> str:
         """Return headline and figures, for notebooks."""
-        rows: list[dict[str, Any]] = [
-            {"figure": name, "value": _text(getattr(self.metrics, name)), "unit": unit, "meaning": meaning}
-            for name, (unit, meaning) in meanings().items()
-        ]
-        table = Table(rows, left=("figure", "value", "unit", "meaning"))
-        return f"<pre>{self!r}</pre><details><summary>Figures</summary>{table.__html__()}</details>"
+        return (
+            f"<pre>{self!r}</pre><details><summary>Figures</summary>{metrics_table(self.metrics).__html__()}</details>"
+        )
 
 
-def _text(value: object) -> str:
+def metrics_table(metrics: Metrics) -> Table:
+    """Return the figures of a stop with units and definitions."""
+    rows = [
+        {
+            "figure": name.replace("_", " "),
+            "value": value_text(getattr(metrics, name)),
+            "unit": unit,
+            "meaning": meaning,
+        }
+        for name, (unit, meaning) in meanings().items()
+    ]
+    return Table(rows, left=("figure", "unit", "meaning"))
+
+
+def value_text(value: object) -> str:
+    """Return a number, or numbers one after the other, with four digits; a dash where there is none."""
     if isinstance(value, tuple):
-        return ", ".join(f"({_text(one)})" if isinstance(one, tuple) else _text(one) for one in value)
-    return f"{value:.4g}" if isinstance(value, float) else "" if value is None else str(value)
+        return ", ".join(f"({value_text(part)})" if isinstance(part, tuple) else value_text(part) for part in value)
+    if value is None or (isinstance(value, float) and isnan(value)):
+        return "–"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

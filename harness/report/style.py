@@ -2,26 +2,15 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from railgrip.base.files import replacing
-
-# Okabe and Ito's palette, which people with any common colour blindness can tell apart.
-BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
-    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000",
-)  # fmt: skip
-GREY = "#767676"
-DARK = {GREY, BLUE, BLACK}
-"""On these writing is white."""
-LIGHT_GREEN, LIGHT_VERMILION, LIGHT_ORANGE = "#80CFB9", "#EAAF80", "#F2CF80"  # halfway to white
-
-_LEAD_TO_TRAIL = LinearSegmentedColormap.from_list("lead_to_trail", [BLUE, "#7B5FC0", PURPLE])
+from railgrip.report.palette import BLACK
 
 KMH = 3.6
 
@@ -32,19 +21,6 @@ _READABLE = {"Pa": (1e-5, "bar"), "N": (1e-3, "kN"), "m-1": (1e3, "1/km")}
 def readable(unit: str) -> tuple[float, str]:
     """Return factor and unit in which people read what is kept in an SI unit."""
     return _READABLE.get(unit, (1.0, unit))
-
-
-def lead_to_trail(count: int) -> list[Any]:
-    """Return colours from blue, the first wheelset, to purple, the last."""
-    return [_LEAD_TO_TRAIL(number / max(count - 1, 1)) for number in range(count)]
-
-
-def lighter(colour: str, steps: int) -> str:
-    """Return a colour as #RRGGBB, nearer to white with each step."""
-    if steps == 0:
-        return colour
-    red, green, blue = (1 - (1 - part) / (1 + 0.5 * steps) for part in to_rgb(colour))
-    return to_hex((red, green, blue))
 
 
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:
@@ -95,13 +71,20 @@ def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
 
 
 def save(drawing: Figure, path: Path) -> Path:
-    """Write a figure as PNG, or as SVG by its name, whole or not at all; the same figure gives the same bytes."""
-    vectors = path.suffix == ".svg"
+    """Write a figure as PNG, SVG or PDF by its name, whole or not at all; the same figure gives the same bytes."""
+    dates = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
+    kind = path.suffix if path.suffix in dates else ".png"
     with replacing(path) as partial, rc_context({"svg.hashsalt": path.name}):
-        drawing.savefig(
-            partial, format="svg" if vectors else "png", dpi=150, metadata={"Date" if vectors else "Software": None}
-        )
+        drawing.savefig(partial, format=kind[1:], dpi=150, metadata=cast(Any, dates[kind]))
     return path
+
+
+def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
+    """Write a figure beside each other in some formats, in place of the suffix of a path."""
+    drawing.draw_without_rendering()
+    drawing.set_layout_engine("none")  # laid out once
+    for suffix in formats:
+        save(drawing, path.with_suffix(f".{suffix}"))
 
 
 def alike(columns: Sequence[Any]) -> list[list[int]]:

@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from railgrip.report import style
+from railgrip.report import palette, style
 
-_COLOURS = (style.BLUE, style.VERMILION, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK)
+_COLOURS = palette.LINES
 _MOST_TICKS = 20
 
 
@@ -28,10 +28,10 @@ def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float6
     places = np.arange(lines.shape[1])
     if len(lines) > len(_COLOURS):
         for line in lines:
-            panel.plot(places, line, ".", color=style.GREY, ms=3)
+            panel.plot(places, line, ".", color=palette.GREY, ms=3)
         with np.errstate(all="ignore"):
             median = np.nanmedian(lines, axis=0)
-        panel.plot(places, median, "o-", color=style.BLUE, label=f"median over {', '.join(others)}")
+        panel.plot(places, median, "o-", color=palette.BLUE, label=f"median over {', '.join(others)}")
     else:
         labels = _labels([(name, axes[name]) for name in names if name != longest])
         for line, label, colour in zip(lines, labels, _COLOURS, strict=False):

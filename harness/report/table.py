@@ -20,6 +20,21 @@ Form = str | Callable[[Any], str]
 
 _NAMES = 8
 
+_WIDE = 10
+"""Columns from which a table is printed on a page across."""
+
+
+class Link(str):
+    """A text that a page in HTML links to an address; elsewhere it is the text."""
+
+    __slots__ = ("address",)
+
+    def __new__(cls, text: str, address: str) -> Self:
+        """Return a text with an address, relative to the page."""
+        link = super().__new__(cls, text)
+        link.address = address
+        return link
+
 
 @dataclass(frozen=True, slots=True)
 class Table:
@@ -78,13 +93,22 @@ class Table:
         return "\n".join((f"| {' | '.join(self.columns)} |", f"|{'|'.join(rules)}|", *lines))
 
     def __html__(self) -> str:
-        """Return the table as HTML; columns of texts are of the class `text`."""
-        head = {column: column for column in self.columns}
-        return f"<table>{self._html_row('th', head)}{''.join(self._html_row('td', row) for row in self.texts)}</table>"
+        """Return the table as HTML; columns of texts are of the class `text`, numbers keep their values for sorting."""
+        kind = "data wide" if len(self.columns) >= _WIDE else "data"
+        head = "".join(self._cell("th", column, column) for column in self.columns)
+        rows = zip(self.rows, self.texts, strict=True)
+        lines = ("".join(self._cell("td", name, cells[name], row[name]) for name in cells) for row, cells in rows)
+        body = "".join(f"<tr>{line}</tr>" for line in lines)
+        columns = f' style="--columns: {len(self.columns)}"'
+        return f'<table class="{kind}"{columns}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
 
-    def _html_row(self, tag: str, row: Mapping[str, str]) -> str:
-        tags = {column: f'<{tag} class="text">' if column in self.left else f"<{tag}>" for column in row}
-        return f"<tr>{''.join(f'{tags[column]}{html.escape(cell)}</{tag}>' for column, cell in row.items())}</tr>"
+    def _cell(self, tag: str, column: str, cell: str, value: Any = None) -> str:
+        kind = ' class="text"' if column in self.left else ""
+        number = f' data-value="{value:.9g}"' if isinstance(value, int | float) else ""
+        shown = html.escape(cell)
+        if isinstance(value, Link):
+            shown = f'<a href="{html.escape(value.address)}">{shown}</a>'
+        return f"<{tag}{kind}{number}>{shown}</{tag}>"
 
     def write_csv(self, path: Path) -> None:
         """Write the values, not their texts, whole or not at all."""

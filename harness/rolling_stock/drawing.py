@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 
-from railgrip.report.style import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION, figure
+from railgrip.report.palette import BLACK, BLUE, GREY, ORANGE, SKY, VERMILION
+from railgrip.report.style import figure
 from railgrip.rolling_stock.schema import Train
 
 _ROW = 110.0  # m of train in a row of the figure

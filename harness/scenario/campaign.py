@@ -27,7 +27,7 @@ DRAW = "draw"
 """The axis of `draws`: stops that differ in nothing else are one distribution."""
 
 Panels = Literal["all", "abc", "none"]
-"""Of which stops the panels are drawn, about a second each: all, those with adhesion-based control, none."""
+"""Which stops get a page with panels, 3 MB each: all that keep samples, those with adhesion-based control, none."""
 
 
 class Reference(Table):
@@ -94,7 +94,10 @@ class CampaignFile(Table):
     conditioning: str | None = Field(
         default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
     )
-    panels: Panels = Field(default="all", description="of which stops the panels are drawn, about a second each")
+    permitted_distance: Annotated[float, Unit("m", above=0)] | None = Field(
+        default=None, description="distance that a stop may take; the page says how often draws exceed it"
+    )
+    panels: Panels = Field(default="all", description="which stops get a page with their panels")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,10 +121,11 @@ class PlannedStop:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Campaign:
-    """A named set of stops, what others found for some of them, and of which stops the panels are drawn.
+    """A named set of stops, what others found for some of them, and which stops get a page with their panels.
 
     Attributes:
         conditioning: The file that says how far their distances move with parameters in the seventh digit.
+        permitted_distance: That a stop may take [m].
     """
 
     name: str
@@ -130,6 +134,7 @@ class Campaign:
     references: tuple[Reference, ...]
     panels: Panels = "all"
     conditioning: Path | None = None
+    permitted_distance: float | None = None
 
     def only(self, keep: Callable[[PlannedStop], bool]) -> "Campaign":
         """Return the same campaign with some of its stops."""
@@ -181,6 +186,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         stops=stops,
         references=campaign.reference,
         panels=campaign.panels,
+        permitted_distance=campaign.permitted_distance,
         conditioning=path.parent / campaign.conditioning if campaign.conditioning else None,
     )
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from typer import Option
@@ -104,7 +104,7 @@ def _front(description: Description, volume: float, conductance: float) -> float
     return float((middle[-1] - middle[0]) / (begin[-1] - begin[0]))
 
 
-def table_of(speeds: Mapping[int, Mapping[Case, float]]) -> Table:
+def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> Table:
     """Return the front over grids, and the grid error of the trains in files."""
     finest = max(speeds)
     rows = [
@@ -150,12 +150,18 @@ class BrakePipe(Study):
     def page(self, work: Work) -> Page:
         """Return the speed of the front in each case; the small form has two grids."""
         grids = (1, CELLS_OF_A_CAR) if self.quick else GRIDS
-        table = table_of(dict(zip(grids, work.map(fronts, grids), strict=True)))
+        speeds = dict(zip(grids, work.map(fronts, grids), strict=True))
+        table, of_trains = table_of(speeds), speeds[CELLS_OF_A_CAR].values()
         rows = [] if self.quick else work.map(stop_row, EQUIPMENT)
         stops = Table(rows, _FORMS, ("`loco_coaches` from 160 km/h",), title="Emergency stops on a dry rail")
         if self.write:
             write_tables(PAGE, {FRONTS: table, STOPS: stops}, END)
         return Page(
+            title="Front of an emergency brake in the brake pipe",
+            question="How fast does an emergency brake run through the pipe of ten coaches, and is that the grid?",
+            answer=f"With {CELLS_OF_A_CAR} cells a vehicle, as in trains in files, the front runs at "
+            f"{min(of_trains):.0f} to {max(of_trains):.0f} m/s, depending on branches and accelerators. "
+            f"UIC 540 wants {LIMIT:g} m/s.",
             template="studies/brake_pipe.md.jinja",
             values={"fronts": table, "stops": stops, "limit": LIMIT, "cells": CELLS_OF_A_CAR, "finest": max(grids)},
             tables={"fronts.csv": table},

@@ -154,6 +154,9 @@ class FilterConsistency(Study):
         if self.write:
             write_tables(PAGE, tables, END)
         return Page(
+            title="What the filters of the train claim, by load and by fault",
+            question="Are the filters of the train as sure of adhesion as they are right, if the load is another one?",
+            answer=_answer({case: results[case] for case in loads}),
             template="studies/filter_consistency.md.jinja",
             values={"loads": tables[BY_LOAD], "faults": tables[BY_FAULT]},
             screen=tuple(tables.values()),
@@ -179,6 +182,16 @@ _FORMS = {
     **dict.fromkeys(("α RMSE", "α bias"), "{:.4f}"),
     **dict.fromkeys(("NEES 10 %", "NEES 50 %", "NEES 90 %"), "{:.2g}"),
 }
+
+
+def _answer(results: Results) -> str:
+    """Return the median consistency and the error of each filter over all loads."""
+    words: list[str] = []
+    for name in FILTERS:
+        own = [errors for case, errors in results.items() if case.filter == name]
+        rmse = float(np.sqrt(np.mean([one.rmse**2 for one in own])))
+        words.append(f"{name}: NEES {np.median([one.nees for one in own]):.2g}, RMSE of adhesion {rmse:.4f}")
+    return f"Medians over all loads, of which a NEES of 1 is consistent, are {'; '.join(words)}."
 
 
 def _cases(rails: Sequence[str], loads: Sequence[float], faults: Iterable[str], seeds: Sequence[int]) -> list[Case]:

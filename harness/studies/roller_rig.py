@@ -25,7 +25,7 @@ from railgrip.estimation.spec import (
     settings_for,
 )
 from railgrip.estimators.observability import along
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, extreme, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
@@ -271,7 +271,11 @@ class RollerRig(Study):
             figures[f"{file}_tunings.png"] = tunings(recording, estimates)
         figures["rig_sand_over_slip.png"] = over_slip(*tests[-1], between=DEEP_SLIDE, limit=LIMIT)
         scores = table_of(rows, scenario="scenario")
+        words = [f"{row['scenario']}, {row['filter']} {row['alpha_rmse']:.4f}" for row in rows]
         return Page(
+            title="Roller rig: adhesion and pad friction estimated",
+            question="How well do the filter of Schwarz and Keck (2020) and ours estimate adhesion on a roller rig?",
+            answer=f"RMSE of adhesion: {'; '.join(words)}.",
             template="studies/roller_rig.md.jinja",
             values={
                 "scores": scores,
@@ -346,11 +350,11 @@ def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, *, title: str)
     """Draw speeds and pad force above, adhesion and pad friction below (Schwarz and Keck, 2020, figures 4 and 5)."""
     time = recording["time"].values
     drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True)
-    above.plot(time, style.KMH * reading_of(recording, "speed"), color=style.BLACK, lw=1.2, label="roller")
+    above.plot(time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, lw=1.2, label="roller")
     above.plot(
         time,
         style.KMH * RADIUS * reading_of(recording, "wheelset_speed"),
-        color=style.BLUE,
+        color=palette.BLUE,
         lw=0.8,
         label="wheelset, at the rim",
     )
@@ -358,22 +362,27 @@ def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, *, title: str)
     style.dress(above, y="speed [km/h]")
     force = style.second_scale(above, "pad force [kN]")
     force.plot(
-        time, reading_of(recording, "pad_force") / 1e3, color=style.ORANGE, lw=0.7, alpha=0.8, label="pad force (right)"
+        time,
+        reading_of(recording, "pad_force") / 1e3,
+        color=palette.ORANGE,
+        lw=0.7,
+        alpha=0.8,
+        label="pad force (right)",
     )
     force.set_ylim(0, None)
     _legend(above, force)
     measured = reading_of(recording, "contact_force") / reading_of(recording, "wheelset_load")
     adhesion, pads = (estimates["mean"].sel(state=state) for state in ("alpha", "mu_b"))
-    below.plot(time, measured, color=style.ORANGE, lw=2.0, label="adhesion by load cells")
-    below.plot(time, adhesion, color=style.BLUE, lw=0.7, label="adhesion, estimated")
+    below.plot(time, measured, color=palette.ORANGE, lw=2.0, label="adhesion by load cells")
+    below.plot(time, adhesion, color=palette.BLUE, lw=0.7, label="adhesion, estimated")
     top = 1.1 * float(np.nanmax(measured))
     below.set_ylim(-0.01, top)
     style.dress(below, x="time [s]", y="adhesion")
     friction = style.second_scale(below, "pad friction")
     friction.plot(
-        time, truth_of(recording, "mu_b"), color=style.BLACK, lw=1.0, ls="--", label="pad friction, true (right)"
+        time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.0, ls="--", label="pad friction, true (right)"
     )
-    friction.plot(time, pads, color=style.VERMILION, lw=1.0, label="pad friction, estimated (right)")
+    friction.plot(time, pads, color=palette.VERMILION, lw=1.0, label="pad friction, estimated (right)")
     friction.set_ylim(0.0, 0.5)
     _legend(below, friction)
     return drawing
@@ -393,17 +402,17 @@ def over_slip(
     above.plot(
         slip,
         reading_of(part, "contact_force") / reading_of(part, "wheelset_load"),
-        color=style.GREY,
+        color=palette.GREY,
         lw=2.0,
         label="load cells",
     )
-    for (name, one), color in zip(estimates.items(), (style.VERMILION, style.BLUE, style.GREEN), strict=False):
+    for (name, one), color in zip(estimates.items(), (palette.VERMILION, palette.BLUE, palette.GREEN), strict=False):
         adhesion = one.sel(time=slice(*between))["mean"].sel(state="alpha").values
         above.plot(slip, adhesion, color=color, lw=0.9, label=name)
         below.plot(slip, np.abs(adhesion - truth_of(part, "alpha")), ".-", color=color, lw=0.6, ms=2.5, label=name)
     style.dress(above, y="adhesion", title=f"{part.attrs['name']}, {between[0]:g} to {between[1]:g} s")
     style.legend(above)
-    below.axhline(limit, color=style.BLACK, lw=0.8, ls=":")
+    below.axhline(limit, color=palette.BLACK, lw=0.8, ls=":")
     style.dress(below, x="slip", y="|error| of adhesion")
     return drawing
 
@@ -418,8 +427,8 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
             error = one["mean"].sel(state=state).values - truth_of(recording, state)
             spread = 2.0 * one["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
-            style.band(at, time, -spread, spread, style.SKY, 0.35, label="± 2 sd claimed")
-            at.plot(time, error, color=style.VERMILION, lw=0.6, label="error")
+            style.band(at, time, -spread, spread, palette.SKY, 0.35, label="± 2 sd claimed")
+            at.plot(time, error, color=palette.VERMILION, lw=0.6, label="error")
             at.set_ylim(-reach, reach)
             style.dress(at, x="time [s]" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
             style.legend(at, loc="upper right")

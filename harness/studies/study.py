@@ -1,15 +1,18 @@
 """The interface of a study, and how every study is run."""
 
+import platform
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
-from importlib import import_module
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from importlib import import_module, metadata
 from pathlib import Path
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.one_stop import make_folder
+from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
-from railgrip.report.page import Page
+from railgrip.report.page import FORMATS, Page
 from railgrip.studies import module_of, names
 
 
@@ -56,7 +59,13 @@ def study_named(name: str) -> type[Study]:
 
 
 def conduct(
-    study: Study, out: Path, *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
+    study: Study,
+    out: Path,
+    *,
+    workers: int = 2,
+    scheduler: str | None = None,
+    fresh: bool = False,
+    formats: Sequence[str] = FORMATS[:1],
 ) -> tuple[Page, Path]:
     """Run a study, write its page and the files beside it; return the page and its path.
 
@@ -68,8 +77,15 @@ def conduct(
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as session:
         page = study.page(session)
+        origin = {"study": repr(study), "sources": sources_digest(), **_versions()}
+        page = replace(page, provenance={**origin, **page.provenance})
         session.notify("page")
-        return page, page.write(folder)
+        return page, page.write(folder, formats)
+
+
+def _versions() -> dict[str, str]:
+    packages = ("numpy", "scipy", "casadi", "rumoca")
+    return {"python": platform.python_version()} | {name: metadata.version(name) for name in packages}
 
 
 def headlines(name: str, *, workers: int = 2) -> Findings:

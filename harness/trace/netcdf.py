@@ -1,6 +1,8 @@
 """The NetCDF file of a trace: the only format that is written, and read without a description of its contents."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import h5py
@@ -13,13 +15,16 @@ from railgrip.base.files import write_bytes
 
 FILE_NAME = "trace.nc"
 
-_ATTRIBUTES = ("units", "long_name")
+CONVENTIONS = "CF-1.11"
+"""Of the metadata: every variable has `long_name`, and `units` that UDUNITS reads where it has a unit."""
+
+_ATTRIBUTES = ("units", "long_name", "standard_name")
 _OF_ALL = ("name", "period")
 """Attributes of a recording; a stop has none."""
 
 
-def write_trace(trace: xarray.Dataset, path: Path) -> None:
-    """Write a trace as NetCDF 4; the same trace gives the same bytes.
+def write_trace(trace: xarray.Dataset, path: Path, about: Mapping[str, str | int] = MappingProxyType({})) -> None:
+    """Write a trace as NetCDF 4 with attributes `about` the whole file; the same trace gives the same bytes.
 
     Written through h5py, as it is read: neither xarray, which would add fill values and attributes of its own version's
     taste, nor h5netcdf, which takes longer for forty signals than to write them. Samples lie there as they are:
@@ -27,9 +32,9 @@ def write_trace(trace: xarray.Dataset, path: Path) -> None:
     """
     # HDF5 answers a full disk by a crash; a file that is made in memory is written by Python.
     with h5py.File(FILE_NAME, "w", driver="core", backing_store=False, track_order=True) as file:
-        for key in _OF_ALL:
-            if key in trace.attrs:
-                file.attrs[key] = trace.attrs[key]
+        of_all = {key: trace.attrs[key] for key in _OF_ALL if key in trace.attrs}
+        for key, value in ({"Conventions": CONVENTIONS} | dict(about) | of_all).items():
+            file.attrs[key] = value
         scales = {name: _written(file, str(name), trace[name]) for name in trace.sizes}
         for name, scale in scales.items():
             scale.make_scale(str(name))

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 import xarray
@@ -11,6 +12,9 @@ from railgrip.vehicle.formation import Formation, formation_of
 from railgrip.vehicle.signals import Signal, length, places
 
 _GROUPS = "group_of_wheelset"
+
+_STANDARD_NAMES = {"speed": {"standard_name": "platform_speed_wrt_ground"}}
+"""Signals that the CF convention has a standard name for; its table knows nothing else of trains."""
 
 
 class Recorder:
@@ -67,7 +71,7 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         signal.name: (
             ("time",) if signal.extent == "train" else ("time", signal.extent),
             block.reshape(count) if signal.extent == "train" else block,
-            {"units": signal.unit, "long_name": signal.meaning},
+            {"units": signal.unit, "long_name": signal.meaning, **_STANDARD_NAMES.get(signal.name, {})},
         )
         for signal, block in blocks.items()
     }
@@ -76,11 +80,19 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
         "group": (formation.groups, "group of wheelsets that turn as one"),
         "wheelset": (formation.wheelsets, "wheelset, lead to trail"),
     } | ({"coupler": (couplers, "coupler, lead to trail")} if couplers else {})
-    membership = {"long_name": "group that the wheelset turns with"}
+    of_wheelsets: dict[str, tuple[NDArray[Any], dict[str, str]]] = {
+        _GROUPS: (1 + formation.group_of_wheelset, {"long_name": "group that the wheelset turns with"})
+    }
+    if formation.position is not None:
+        behind = {"units": "m", "long_name": "distance of the wheelset behind the leading one"}
+        of_wheelsets["wheelset_position"] = formation.position, behind
+    if formation.wheelsets_per_car:
+        cars = np.repeat(1 + np.arange(formation.cars), formation.wheelsets_per_car)
+        of_wheelsets["car_of_wheelset"] = cars, {"long_name": "car that the wheelset carries"}
     # Time is counted and multiplied, never summed.
     time = np.arange(count) * period, {"units": "s", "long_name": "time since the brake demand"}
     return xarray.Dataset(
-        variables | {_GROUPS: (("wheelset",), 1 + formation.group_of_wheelset, membership)},
+        variables | {name: (("wheelset",), values, text) for name, (values, text) in of_wheelsets.items()},
         coords={"time": ("time", *time)}
         | {name: (name, np.arange(1, number + 1), {"long_name": text}) for name, (number, text) in numbers.items()},
     )

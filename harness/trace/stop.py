@@ -26,7 +26,7 @@ from railgrip.trace.recorder import thinned
 STOP_FILE = "stop.json"
 FILES = (STOP_FILE, TRACE_FILE)
 """What `write_stop` writes into a folder."""
-PAGE_FILES = ("index.html", "stop.png")
+PAGE_FILES = ("index.html", "stop.png", "stop.svg", "stop.pdf")
 """What `railgrip report` writes beside them."""
 CAMPAIGN_FILE = "campaign.json"
 """In the folder of a campaign, beside the folders of its stops."""
@@ -79,6 +79,27 @@ class Stop:
             f"{scenario.digest()[:8]}",
         )
         return "\n".join(lines)
+
+    def attributes(self) -> dict[str, str | int]:
+        """Return what trace.nc says of the stop, by CF's names where it has one.
+
+        There is no date among them: the same scenario gives the same bytes.
+        """
+        scenario = self.scenario
+        parts = {name: getattr(scenario, name).kind for name in ("controller", "estimator", "sensors", "actuation")}
+        digests = {name: f"{self.versions.get(name, '')}, SHA-256 {digest}" for name, digest in self.fmus.items()}
+        return {
+            "title": f"Stop of {scenario.name}, seed {scenario.seed}: {self.outcome.value}",
+            "source": f"railgrip {self.versions.get('railgrip', '')}, simulated",
+            "comment": f"{scenario.description}. {self.reason}",
+            "question": f"braking from {scenario.start.speed:.6g} m/s with "
+            + ", ".join(f"{name} {kind}" for name, kind in parts.items()),
+            "outcome": self.outcome.value,
+            "seed": scenario.seed,
+            "scenario_digest": scenario.digest(),
+            "versions": json.dumps(dict(sorted(self.versions.items()))),
+            "fmus": json.dumps(dict(sorted(digests.items()))),
+        }
 
     def record(self, directory: Path = Path()) -> "StopRecord":
         """Return what the file of the stop says, without reading one; the samples stay here."""
@@ -223,7 +244,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), path)
+            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
     except Unwritten:
         _write_content(content, directory)

@@ -1,15 +1,18 @@
 """Many draws become one line for each controller: its distribution, and its change draw by draw against SBC."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from pages import plots_of
 from scipy import stats
+from scipy.stats import norm
 
 from railgrip.report.distances import rows_of, write_table
-from railgrip.report.distribution import distribution_table, distributions_of, paired
-from railgrip.report.distribution_figure import distribution_figure
+from railgrip.report.distribution import distribution_table, distributions_of, paired, quantile_table
+from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
 from railgrip.report.row import Row
@@ -120,10 +123,11 @@ def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):
     assert text.count("| random |") == 4
     assert "change vs best tuned SBC" in text
     assert '"worst_draw"' in as_json.read_text(encoding="utf-8")
-    page = write_report(folder).read_text(encoding="utf-8")
-    assert page.count("<tr>") == 5
-    assert page.count("<summary>") == 0
-    assert 'alt="Braking distances over the draws"' in page
+    page = write_report(folder, panels="none")
+    assert list(plots_of(page)) == [f"figures/{name}.png" for name in ("exceedance", "distributions", "friction")]
+    assert (
+        page.read_text(encoding="utf-8").count('<td class="text">random</td>') == 4 + 4 + 1
+    )  # quantiles, distributions, scenarios
 
 
 def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):
@@ -154,3 +158,31 @@ def test_a_table_of_many_missing_stops_names_a_few(folder):
     results = replace(read_results(folder), missing=tuple(f"stop{n}" for n in range(40)))
     text = write_table(results, folder)[1].read_text(encoding="utf-8")
     assert "Not run: stop0, stop1, stop2, stop3, stop4, stop5, stop6, stop7 and 32 more." in text
+
+
+def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(folder):
+    """Ten thousand draws of a known distribution: quantiles lie in their intervals, and few points are drawn."""
+    (one, *_) = distributions_of(rows_of(read_results(folder)))
+    draws = 300.0 + 20.0 * norm.ppf((np.arange(10_000) + 0.5) / 10_000)
+    many = replace(one, draws=draws.size, stood=draws.size, distances_m=dict(enumerate(draws)))
+    (row,) = quantile_table([many], 340.0).rows
+    for share in (0.5, 0.95, 0.99):
+        value, low, high = map(float, re.findall(r"\d+\.\d", row[f"P{100 * share:.0f}"]))
+        exact = 300.0 + 20.0 * norm.ppf(share)
+        assert value == pytest.approx(exact, abs=0.1)
+        # Standard error of a quantile of n draws: sqrt(p(1-p)/n) over the density there; 1.96 of them to either side.
+        reach = 1.96 * np.sqrt(share * (1 - share) / draws.size) / norm.pdf(norm.ppf(share)) * 20.0
+        assert (exact - low, high - exact) == pytest.approx((reach, reach), abs=0.2 * reach + 0.1)
+    assert float(row["over 340 m"].split(" ")[0]) == pytest.approx(100 * norm.sf(2.0), abs=0.01)
+    counts, shares = exceedance_figure([many], 340.0).axes
+    assert len(counts.lines[0].get_xdata()) <= 60
+    assert np.interp(340.0, *shares.lines[0].get_data()) == pytest.approx(100 * norm.sf(2.0), rel=0.02)
+
+
+def test_the_longest_of_all_draws_have_pages(folder):
+    write_report(folder, panels="none")
+    rows = [row for row in rows_of(read_results(folder)) if row.controller != "ideal_bound"]
+    longest = sorted(rows, key=lambda row: -row.distance_m)[:10]
+    text = (folder / "index.html").read_text(encoding="utf-8")
+    assert [row.stop for row in longest if f'href="{row.stop}/index.html"' not in text] == []
+    assert all((folder / row.stop / "index.html").exists() for row in longest)

@@ -6,12 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
+from pages import needs_nothing_else, numbers, plots_of
 
 from railgrip.base.errors import RecordError
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.distances import rows_of
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.index import write_report
+from railgrip.report.interactive import interactive
 from railgrip.report.results import read_results
 from railgrip.trace.netcdf import write_trace
 
@@ -44,7 +47,7 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
         assert len(panel.lines) == len(np.unique(mu0, axis=1).T) == 4
         assert panel.lines[0].get_ydata() == pytest.approx(mu0[:, 0])
         assert panel.lines[-1].get_ydata() == pytest.approx(mu0[:, 5])
-        assert panel.lines[0].get_color() == pytest.approx(style.lead_to_trail(6)[0])
+        assert panel.lines[0].get_color() == pytest.approx(palette.lead_to_trail(6)[0])
     assert "[s]" in panels[-1].get_xlabel()
     assert panels[0].get_legend().get_texts()[0].get_text() == "wheelsets 1, 2"
 
@@ -139,20 +142,43 @@ def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
 
 
 def test_a_campaign_becomes_one_page_that_needs_nothing_else(folder):
-    page = write_report(folder, panels="abc")
-    text = page.read_text(encoding="utf-8")
-    assert not re.search(r'(src|href)="(?!data:)', text)
-    assert "http" not in text.replace("http-equiv", "")
-    # Distances, friction, and of every stop with ABC its adhesion and its panels.
-    assert text.count("data:image/png;base64,") == 2 + 3 + 3
+    page = write_report(folder, panels="abc", formats=("png", "svg", "pdf"))
+    assert needs_nothing_else(page)
+    # Distances, friction, and of every stop with ABC its adhesion.
+    assert len(plots_of(page)) == 2 + 3
     assert (folder / "table1.json").exists()
-    assert (folder / "figures" / "friction.png").exists()
-    assert "longest lock" in text
+    heads = {suffix: (folder / "figures" / f"friction.{suffix}").read_bytes()[:5] for suffix in ("png", "svg", "pdf")}
+    assert heads == {"png": b"\x89PNG\r", "svg": b"<?xml", "pdf": b"%PDF-"}
+    linked = set(re.findall(r'<a href="([^"]*)">', page.read_text(encoding="utf-8")))
+    assert linked == {f"{name}-ideal-adhesion_based/index.html" for name in ("trapezoid", "sine_sweep", "random")}
+    assert all((folder / one).exists() for one in linked)
 
 
-def test_a_single_stop_has_a_page_too(folder):
+def test_a_single_stop_has_a_page_too(folder, stops):
     page = write_report(folder / "trapezoid-ideal-adhesion_based")
-    assert "data:image/png" in page.read_text(encoding="utf-8")
+    assert needs_nothing_else(page)
+    lines, trace = plots_of(page)["signals"]["data"], stops["trapezoid-ideal-adhesion_based"].record.trace()
+    for panel, name in (("y3", "adhesion"), ("y4", "mu0")):
+        for k in range(6):
+            (line,) = [one for one in lines if (one["yaxis"], one["name"]) == (panel, f"wheelset {k + 1}")]
+            assert numbers(line["y"]) == pytest.approx(trace[name].values[:, k], rel=1e-6)
+    train = plots_of(page)["signals"]["layout"]["meta"]["train"]
+    assert numbers(train["distance"]) == pytest.approx(trace["distance"].values, rel=1e-6)
+    assert len(train["signals"]["slip"]["values"]) == len(train["positions"]) == 6
+
+
+def test_a_figure_on_a_page_has_the_data_of_the_figure_in_a_paper(stops):
+    drawing = friction_figure([stops["trapezoid-ideal-slip_two_state"], stops["random-ideal-slip_two_state"]])
+    plot = interactive(drawing)
+    drawn = [line for panel in drawing.axes for line in panel.lines]
+    for line, trace in zip(drawn, plot["data"], strict=True):
+        assert numbers(trace["y"]) == pytest.approx(line.get_ydata(), rel=1e-6)
+        assert trace["line"]["color"] == to_hex(line.get_color())
+    assert plot["layout"]["xaxis2"]["matches"] == "x"  # panels zoom together
+    assert plot["layout"]["yaxis"]["title"]["text"] == "maximum friction μ<sub>0</sub>"
+    assert [trace["name"] for trace in plot["data"] if trace["showlegend"]] == [
+        text.get_text() for text in drawing.axes[0].get_legend().get_texts()
+    ]
 
 
 def test_a_campaign_without_any_result_still_has_a_page(tmp_path, write_campaign):

@@ -3,8 +3,10 @@
 import csv
 import math
 
-from railgrip.report.page import rendered, write_page
-from railgrip.report.table import Table, change, yes_no
+from pages import needs_nothing_else
+
+from railgrip.report.page import Page, write_page
+from railgrip.report.table import Link, Table, change, yes_no
 
 TABLE = Table(
     [
@@ -24,14 +26,27 @@ def test_a_table_is_markdown():
     )
 
 
-def test_a_table_is_html_in_a_page_of_html():
-    text = rendered("report/campaign.html.jinja", **PAGE)
-    assert '<tr><td class="text">&lt;dry&gt;</td><td>12.3 m</td><td>−10.0 %</td><td>yes</td></tr>' in text
-    assert "<h1>Campaign a &amp; b</h1>" in text
-    assert "<p>less &lt; more</p>" in text
-    assert '<p class="bad">locked &gt; 5 s</p>' in text
-    assert text.count("<details>") == text.count("</details>") == 1
+def test_a_table_is_html_in_a_page_of_html(tmp_path):
+    page = Page(
+        title="a & b", question="less < more", answer="12 m.", template="report/campaign.md.jinja", values=VALUES
+    )
+    text = page.write(tmp_path).read_text(encoding="utf-8")
+    assert (
+        '<tr><td class="text">&lt;dry&gt;</td><td data-value="12.34">12.3 m</td><td data-value="0.1">−10.0 %</td>'
+        '<td data-value="1">yes</td></tr>'
+    ) in text
+    assert "<h1>a &amp; b</h1>" in text
+    assert "less &lt; more" in text
+    assert '<p class="bad">Not run: x &lt; y.</p>' in text
     assert text.startswith("<!doctype html>")
+    assert needs_nothing_else(tmp_path / "index.html")
+    assert 'id="plotly"' not in text  # without a figure there is nothing to draw
+
+
+def test_a_cell_links_to_a_page_and_is_text_elsewhere():
+    table = Table([{"stop": Link("a & b", "a/index.html")}])
+    assert '<td class="text"><a href="a/index.html">a &amp; b</a></td>' in table.__html__()
+    assert str(table).endswith("| a & b |")
 
 
 def test_a_table_is_csv_with_its_values(tmp_path):
@@ -55,20 +70,13 @@ def test_a_page_of_markdown_escapes_nothing(tmp_path):
     )
 
 
-PAGE = {
-    "results": {"name": "a & b"},
-    "paragraphs": ["less < more"],
+VALUES = {
+    "references": "",
     "tables": [TABLE.filled()],
+    "quantiles": None,
+    "worst": None,
     "notes": [],
-    "missing": "",
-    "figures": {"Distances": "data:image/png;base64,AAAA"},
-    "stops": [
-        {
-            "name": "s",
-            "headline": "12 m",
-            "doubts": ["locked > 5 s"],
-            "signals": None,
-            "metrics": [("d", "1", "m", "x")],
-        }
-    ],
+    "missing": "x < y",
+    "captions": {},
+    "scenarios": "",
 }

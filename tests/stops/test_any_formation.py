@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from pages import plots_of
 from PIL import Image
 
 from railgrip.__main__ import main
@@ -111,7 +112,8 @@ def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypa
     railgrip("report", "stop")
     with Image.open(tmp_path / "stop" / "stop.png") as figure:
         assert figure.width == 2100
-    assert "<img" in (tmp_path / "stop" / "index.html").read_text()
+    lines = plots_of(tmp_path / "stop" / "index.html")["signals"]["data"]
+    assert {line["name"] for line in lines} >= {f"wheelset {k + 1}" for k in range(sum(counts))}
 
 
 def _sensible(metrics: Metrics, groups: int) -> None:

@@ -5,10 +5,12 @@ import time
 
 import numpy as np
 import pytest
+import xarray
 from synthetic import LIBRARY, TWO_PART_TRAIN, stop_of, uniform_stop
 
 from railgrip.base.errors import RecordError
 from railgrip.base.files import replacing, write_text
+from railgrip.base.units import unit
 from railgrip.campaign.sweep import Result, Sweep
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
@@ -59,6 +61,27 @@ def test_the_same_stop_gives_the_same_bytes(stop, tmp_path):
     write_stop(stop, tmp_path / "other")
     for name in ("stop.json", "trace.nc"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
+
+
+def test_the_trace_says_what_was_asked_and_by_whom_as_cf_attributes(stop, tmp_path):
+    """Read by xarray itself, as people without this package do."""
+    write_stop(stop, tmp_path)
+    with xarray.open_dataset(tmp_path / "trace.nc", engine="h5netcdf") as trace:
+        assert trace.attrs["Conventions"] == "CF-1.11"
+        assert trace.attrs["seed"] == COARSE.seed
+        assert trace.attrs["scenario_digest"] == COARSE.digest()
+        assert json.loads(trace.attrs["versions"]) == stop.versions
+        assert "0" * 64 in json.loads(trace.attrs["fmus"])["Plant.fmu"]
+        assert COARSE.name in trace.attrs["title"]
+        assert "22.2222 m/s" in trace.attrs["question"]
+        assert all(variable.attrs["long_name"] for variable in trace.variables.values())
+        numbers = {"group", "wheelset", "group_of_wheelset", "car_of_wheelset"}
+        assert {name for name, variable in trace.variables.items() if "units" not in variable.attrs} == numbers
+        for variable in trace.variables.values():
+            unit(variable.attrs.get("units", "1"))  # raises where it is none
+        assert trace["speed"].attrs["standard_name"] == "platform_speed_wrt_ground"
+        assert trace["wheelset_position"].values.tolist() == list(TWO_PART_TRAIN.wheelset_position)
+        assert trace["car_of_wheelset"].values.tolist() == [1, 1, 1, 2, 2, 2]
 
 
 def test_stop_json_says_what_was_asked_and_what_came_out(stop, tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from railgrip.estimators.learned.preprocessing import BLOCKS
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average, exchanged, labels_of, parts_of
@@ -121,11 +121,11 @@ def draw(results: Results) -> dict[str, Figure]:
 def errors(results: Results) -> Figure:
     """Mean absolute error of each judgement, beside that of the mean label."""
     published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
-    rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, style.GREY)]
+    rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, palette.GREY)]
     for name, row, colour in (
-        *((f"4-6-1: {k}", v, style.BLUE) for k, v in results.split.items()),
-        *((f"4-6-1: {k}", v, style.VERMILION) for k, v in results.honest.items()),
-        *((f"all speeds: {k}", v, style.GREEN) for k, v in results.general.items()),
+        *((f"4-6-1: {k}", v, palette.BLUE) for k, v in results.split.items()),
+        *((f"4-6-1: {k}", v, palette.VERMILION) for k, v in results.honest.items()),
+        *((f"all speeds: {k}", v, palette.GREEN) for k, v in results.general.items()),
     ):
         mean = average(row.values())
         rows.append((name, mean.mae, mean.mae_of_mean, colour))
@@ -150,9 +150,15 @@ def campaign(results: Results) -> Figure:
             estimate = results.ensemble(spectral_features(run))
             place = k + np.linspace(-0.3, 0.3, len(estimate.friction))
             axes.vlines(
-                place, estimate.lower, estimate.upper, color=style.GREEN, alpha=0.3, linewidth=1, label="90 % interval"
+                place,
+                estimate.lower,
+                estimate.upper,
+                color=palette.GREEN,
+                alpha=0.3,
+                linewidth=1,
+                label="90 % interval",
             )
-            axes.plot(place, estimate.friction, ".", color=style.GREEN, markersize=3, label="estimate")
+            axes.plot(place, estimate.friction, ".", color=palette.GREEN, markersize=3, label="estimate")
             axes.plot([k - 0.4, k + 0.4], [run.friction] * 2, color="black", linewidth=1.6, label="label")
         if speed == next(iter(results.runs)):
             axes.legend(*(part[:3] for part in axes.get_legend_handles_labels()), fontsize=8, loc="upper left")
@@ -168,7 +174,7 @@ def processed(results: Results) -> Figure:
     """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8."""
     sheet = style.figure(8.0, 1.7 * len(results.runs))
     rows = np.atleast_1d(sheet.subplots(len(results.runs), 1))
-    colours = style.lead_to_trail(4)
+    colours = palette.lead_to_trail(4)
     for axes, (speed, runs) in zip(rows, results.runs.items(), strict=True):
         ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
         amplitudes = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
@@ -176,9 +182,9 @@ def processed(results: Results) -> Figure:
         for wheelset, colour in enumerate(colours):
             axes.plot(seconds, amplitudes[:, wheelset], color=colour, linewidth=0.8, label=f"wheelset {wheelset + 1}")
         for begin, end, run in zip([0.0, *ends[:-1]], ends, runs, strict=True):
-            axes.axvline(end, color=style.GREY, linewidth=0.8, linestyle=":")
+            axes.axvline(end, color=palette.GREY, linewidth=0.8, linestyle=":")
             axes.text((begin + end) / 2, 0.99, f"{run.friction:g}", transform=axes.get_xaxis_transform(), fontsize=8,
-                      ha="center", va="top", color=style.GREY)  # fmt: skip
+                      ha="center", va="top", color=palette.GREY)  # fmt: skip
         axes.set_xlim(0, ends[-1])
         axes.set_ylim(0, 1.25 * float(amplitudes.max()))
         last = speed == list(results.runs)[-1]
@@ -205,7 +211,7 @@ def over_time(results: Results) -> Figure:
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
             axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
             axes.plot(
-                seconds, fitted(np.vstack([x for x, _ in late])), color=style.ORANGE, linewidth=0.9, label="estimate"
+                seconds, fitted(np.vstack([x for x, _ in late])), color=palette.ORANGE, linewidth=0.9, label="estimate"
             )
             last = speed == list(results.runs)[-1]
             style.dress(

@@ -34,7 +34,8 @@ from railgrip.estimators.learned.ensemble import QUANTILE
 from railgrip.estimators.learned.preprocessing import BOXES
 from railgrip.estimators.learned.trained import Trained, load
 from railgrip.fmi import Binding, Description, Signal, bind, describe, open_plant
-from railgrip.report.style import GREEN, band, dress, panels
+from railgrip.report.palette import GREEN
+from railgrip.report.style import band, dress, panels
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.scenario.track.irregularity import TRACKS

@@ -17,12 +17,21 @@ from railgrip.estimators.learned.trained import Trained, as_fmu, save
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, without_each
+from railgrip.studies.axle_box.evaluate import Recipe, average, exchanged, within_runs, without_each
 from railgrip.studies.axle_box.instrumented_car import MPH
 from railgrip.studies.axle_box.own import judge_own, read_folder, read_own
 from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
 from railgrip.studies.axle_box.results import draw, tables_of
-from railgrip.studies.axle_box.training import FULL, QUICK, campaign, conducted, dry_or_not, estimators_of, passes
+from railgrip.studies.axle_box.training import (
+    FULL,
+    QUICK,
+    Results,
+    campaign,
+    conducted,
+    dry_or_not,
+    estimators_of,
+    passes,
+)
 from railgrip.studies.study import Study
 
 _SPEED: Final = 60
@@ -67,6 +76,9 @@ class AxleBox(Study):
         size = QUICK if self.quick else FULL
         results = conducted(size, Recipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
         return Page(
+            title="Friction from axle-box accelerations",
+            question="Can friction be estimated from the accelerations of an axle box on runs that no training saw?",
+            answer=_answer(results),
             template="studies/axle_box/report.md.jinja",
             values=tables_of(results),
             figures=draw(results),
@@ -82,6 +94,10 @@ class AxleBox(Study):
         runs, remarks = read_folder(folder, labels, specification.data, work.notify)
         tables, trained = judge_own(runs, network.recipe(), work)
         return Page(
+            title=f"Friction from axle-box accelerations: {len(runs)} runs",
+            question="Can friction be estimated from these accelerations of an axle box, on runs that no training saw?",
+            answer="The tables have the mean absolute error with each run left out once, in brackets that of always "
+            "saying the mean label. A network that was trained on a part of the same run only recognises it.",
             template="studies/axle_box/own.md.jinja",
             values={**tables, "count": len(runs), "remarks": remarks},
             files=_files(trained),
@@ -119,6 +135,17 @@ class AxleBox(Study):
 
 
 STUDY = AxleBox
+
+
+def _answer(results: Results) -> str:
+    """Return the errors on runs outside of the training, of the paper's networks and of the general estimator."""
+    words: list[str] = []
+    all_speeds = "one estimator for all speeds"
+    for who, rows in (("networks of the paper's kind", results.honest), (all_speeds, results.general)):
+        for name, row in rows.items():
+            mean = average(row.values())
+            words.append(f"{who}, {name}: {mean.mae:.4f} ({mean.mae_of_mean:.4f})")
+    return f"MAE on runs that no training saw, in brackets that of always saying the mean label: {'; '.join(words)}."
 
 
 def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]]:

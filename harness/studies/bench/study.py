@@ -45,6 +45,9 @@ class Bench(Study):
             rows += case()
         table = Table.of(("what", "measured", "target"), rows, title=machine())
         return Page(
+            title="Durations",
+            question="How long do the parts of a stop take, and how do their durations compare?",
+            answer=f"{len(rows)} durations and ratios were measured on {machine()}. The table has them beside targets.",
             template="studies/bench/bench.md.jinja",
             values={"machine": machine(), "durations": table},
             tables={"durations.csv": table},

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from railgrip.estimation.braking import Braking, braked, driven
 from railgrip.estimators.compiled import Estimates
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.studies.field_test.filtering import GROUPS, Task
 from railgrip.studies.field_test.runs import Run
 from railgrip.studies.field_test.score import R_WHEEL, Sweep
@@ -19,7 +19,7 @@ NOMINAL = 0.35
 """Pad friction of new pads, which normalises the paper's figure."""
 
 NAMES = ("MB 1", "JTB, front wheelset", "JTB, rear wheelset", "MB 2")
-COLOURS = (style.BLUE, style.ORANGE, style.GREEN, style.PURPLE)
+COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE)
 
 
 def track_figure(run: Run) -> Figure:
@@ -32,9 +32,9 @@ def track_figure(run: Run) -> Figure:
     reference = run.plan.laid().plan().horizontal_at(place)
     # Both in the frame of the plan: the recovered course has its own origin.
     shift = (reference - course.horizontal).mean(axis=0)
-    chart.plot(*reference.T[::-1], color=style.GREY, linewidth=4, alpha=0.5, label="laid")
-    chart.plot(*(course.horizontal + shift).T[::-1], color=style.BLUE, linewidth=1.4, label="recovered")
-    chart.plot(*reference[0][::-1], "o", color=style.BLACK, markersize=5)
+    chart.plot(*reference.T[::-1], color=palette.GREY, linewidth=4, alpha=0.5, label="laid")
+    chart.plot(*(course.horizontal + shift).T[::-1], color=palette.BLUE, linewidth=1.4, label="recovered")
+    chart.plot(*reference[0][::-1], "o", color=palette.BLACK, markersize=5)
     chart.annotate("start", reference[0][::-1], textcoords="offset points", xytext=(8, 0), fontsize=8)
     chart.set_aspect("equal")
     style.dress(chart, x="east [m]", y="north [m]", title="map")
@@ -48,11 +48,11 @@ def track_figure(run: Run) -> Figure:
         )
     ):  # fmt: skip
         panel = drawing.add_subplot(grid[row, 1])
-        panel.plot(course.distance, left, color=style.BLACK, linewidth=1.2)
+        panel.plot(course.distance, left, color=palette.BLACK, linewidth=1.2)
         style.dress(panel, y=label, title=title, x="distance [m]" if row else "")
-        other = style.second_scale(panel, unit, style.BLUE)
-        other.plot(course.distance, true, color=style.GREY, linewidth=3.5, alpha=0.5, label="laid")
-        other.plot(course.distance, estimate, color=style.BLUE, linewidth=1.1, label="recovered")
+        other = style.second_scale(panel, unit, palette.BLUE)
+        other.plot(course.distance, true, color=palette.GREY, linewidth=3.5, alpha=0.5, label="laid")
+        other.plot(course.distance, estimate, color=palette.BLUE, linewidth=1.1, label="recovered")
         if not row:
             style.legend(other, loc="upper left")
     return drawing
@@ -62,8 +62,8 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     """Return the speed of the whole run (figure 3)."""
     drawing, panel = style.panels(9, 3)
     time = run["time"].values
-    panel.plot(time, style.KMH * reading_of(run, "speed"), color=style.BLUE, linewidth=1.4, label="optical sensor")
-    for on, colour, label in ((driven(run), style.GREEN, "driving"), (braked(run), style.VERMILION, "braking")):
+    panel.plot(time, style.KMH * reading_of(run, "speed"), color=palette.BLUE, linewidth=1.4, label="optical sensor")
+    for on, colour, label in ((driven(run), palette.GREEN, "driving"), (braked(run), palette.VERMILION, "braking")):
         panel.fill_between(time, 0, 1, where=on, transform=panel.get_xaxis_transform(), color=colour, alpha=0.15,
                            linewidth=0, label=label)  # fmt: skip
     style.dress(panel, x="time [s]", y="speed [km/h]")
@@ -82,7 +82,7 @@ def readings_figure(braking: Braking) -> Figure:
         pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
         upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=NAMES[group])
     lower.plot(
-        time, style.KMH * reading_of(recording, "speed"), color=style.BLACK, linewidth=1.4, label="train, optical"
+        time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, linewidth=1.4, label="train, optical"
     )
     for group in (MB1, JTB1):
         rim = style.KMH * R_WHEEL * reading_of(recording, f"wheelset_speed[{group + 1}]")
@@ -116,7 +116,7 @@ def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
             slip = 100 * (1 - R_WHEEL * w / v)
             alpha = estimate.mean[:, 1 + 2 * GROUPS + group]
             true_slip = 100 * (1 - R_WHEEL * task.truth[:, 1 + group] / task.truth[:, 0])
-            curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=style.GREY, linewidth=2.5,
+            curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
             curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=NAMES[group])
         widest = 2 * np.sqrt(estimate.variance[window, 1 + GROUPS + MB1].max()) / NOMINAL
@@ -141,12 +141,12 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
         (panels[1], trusted, "factor on R alone", "equation (14) rewards repeating the readings"),
     ):
         for name, colour, label in (
-            ("deviation", style.BLACK, "equation (14) [m/s]"),
-            ("adhesion", style.BLUE, "RMSE of adhesion"),
-            ("pad_friction", style.ORANGE, "RMSE of pad friction"),
+            ("deviation", palette.BLACK, "equation (14) [m/s]"),
+            ("adhesion", palette.BLUE, "RMSE of adhesion"),
+            ("pad_friction", palette.ORANGE, "RMSE of pad friction"),
         ):
             panel.loglog(sweep["factor"], sweep[name], color=colour, marker="o", markersize=3, label=label)
-        panel.loglog(sweep["factor"], sweep["nees"], color=style.VERMILION, linestyle="--", label="NEES, 1 wanted")
+        panel.loglog(sweep["factor"], sweep["nees"], color=palette.VERMILION, linestyle="--", label="NEES, 1 wanted")
         style.dress(panel, x=x, title=title)
     style.legend(panels[0])
     return drawing

@@ -13,7 +13,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work
 from railgrip.report.page import Page
-from railgrip.report.style import band, dress, figure, lead_to_trail, legend
+from railgrip.report.palette import lead_to_trail
+from railgrip.report.style import band, dress, figure, legend
 from railgrip.report.table import Table
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
@@ -71,6 +72,10 @@ class KFactors(Study):
         shown = table(brake, result)
         lines = sentences(brake, distance, result, loop, work.count)
         return Page(
+            title=f"K factors of {specification.name}",
+            question="Which share of its nominal deceleration does the train keep with the confidence that ETCS wants?",
+            answer=f"K_dry_rst for {brake.outputs[0]} falls from {_text(plain(result.k[0][0]))} at EBCL 0 to "
+            f"{_text(plain(result.k[0][-1]))} at EBCL {len(PROBABILITIES) - 1}. {lines[1]}",
             template="studies/k_factors/k_factors.md.jinja",
             values={"specification": specification, "table": shown, "sentences": lines},
             figures={"k_factors.png": draw(brake, result)},
@@ -199,7 +204,7 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
             np.array([getattr(course[number], of) for course in courses]) for of in ("value", "low", "high")
         )
         draws = counts * len(runs[0].values) / 1e3
-        right.plot(draws, k, color=colours[-1], lw=1.2)
+        right.plot(draws, k, ".-", color=colours[-1], lw=1.2, ms=3)
         band(right, draws, low, high, colours[-1], 0.25)
         right.set_ylim(k[-1] - _HALF_HEIGHT, k[-1] + _HALF_HEIGHT)
         title = "" if number else f"Estimate and 95 % interval, {brake.outputs[-1]}"

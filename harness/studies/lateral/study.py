@@ -1,6 +1,6 @@
 """The lateral study: its runs, its page with a figure of each test, and headline numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -11,7 +11,7 @@ from typer import Option
 
 from railgrip.campaign.work import Work
 from railgrip.estimation.run import Kind
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
@@ -121,6 +121,9 @@ def page_of(plan: Plan, work: Work) -> Page:
     files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in drawn}
     drawings = work.map(test_figure, files.values(), keep=False)
     return Page(
+        title="Wheelset with lateral and yaw dynamics",
+        question="Can friction be estimated from lateral and yaw acceleration of a wheelset, and what has to be known?",
+        answer=_answer(rows),
         template="studies/lateral/lateral.md.jinja",
         values={
             "seeds": plan.seeds,
@@ -146,6 +149,16 @@ def page_of(plan: Plan, work: Work) -> Page:
         figures=dict(zip(files, drawings, strict=True)),
         tables={"errors.csv": flat(rows)},
     )
+
+
+def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the largest median RMS error of friction of each filter on the plant that it has as model."""
+    errors: dict[str, list[float]] = {}
+    for row in rows:
+        if row["plant"] == "paper" and row["quantity"] == "friction":
+            errors.setdefault(TITLES[row["filter"]], []).append(row["rmse"].median)
+    words = (f"{name} {min(own):.3g} to {max(own):.3g}" for name, own in errors.items())
+    return f"Median RMSE of friction over tests and speeds, with the exact model: {'; '.join(words)}."
 
 
 _TOLERANCE: Final = 0.05
@@ -209,7 +222,7 @@ def _of_filter(who: str, name: str, measures: dict[str, Any]) -> list[Finding]:
     return findings
 
 
-COLOURS: Final = {"literal": style.VERMILION, "known_track": style.BLUE, "unknown_track": style.GREEN}
+COLOURS: Final = {"literal": palette.VERMILION, "known_track": palette.BLUE, "unknown_track": palette.GREEN}
 LABELS: Final = {
     "lateral_velocity": "lateral velocity [m/s]",
     "yaw_rate": "yaw rate [rad/s]",
@@ -227,7 +240,7 @@ def test_figure(case: Case) -> Figure:
     for (left, right), quantity in zip(panels, QUANTITIES, strict=True):
         truth = trace.truth[quantity]
         size = float(np.max(np.abs(truth)))
-        left.plot(trace.time, truth, color=style.BLACK, linewidth=1.2, label="true")
+        left.plot(trace.time, truth, color=palette.BLACK, linewidth=1.2, label="true")
         for name in NAMES:
             mean = beliefs[name][quantity].mean
             left.plot(trace.time, mean, color=COLOURS[name], linewidth=0.8, linestyle="--", label=TITLES[name])
@@ -242,7 +255,7 @@ def test_figure(case: Case) -> Figure:
         style.dress(right, y=f"|error| [{unit}" if unit else "|error|")
         for axes in (left, right):
             for change in trace.changes[1:]:
-                axes.axvline(change, color=style.GREY, linewidth=0.8, linestyle=":")
+                axes.axvline(change, color=palette.GREY, linewidth=0.8, linestyle=":")
     panels[0, 0].legend(ncols=2, fontsize=7, loc="upper right", framealpha=0.9)
     for axes in panels[-1]:
         axes.set_xlabel("time [s]")

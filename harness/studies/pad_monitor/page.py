@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor.evidence import formation
 from railgrip.studies.pad_monitor.watch import Design, History
@@ -64,18 +64,18 @@ def draw(history: History, design: Design) -> Figure:
         left, right = axes[g]
         distinct = history.deviation[:, g] < design.told_apart
         left.plot(
-            number[distinct], history.evidence[distinct, g], ".", color=style.GREY, markersize=3, label="one stop"
+            number[distinct], history.evidence[distinct, g], ".", color=palette.GREY, markersize=3, label="one stop"
         )
-        left.plot(number, history.index[:, g], color=style.BLUE, label="index")
+        left.plot(number, history.index[:, g], color=palette.BLUE, label="index")
         reach = 2.0 * history.index_sd[:, g]
-        style.band(left, number, history.index[:, g] - reach, history.index[:, g] + reach, style.BLUE, 0.2)
-        right.plot(number, history.chart[:, g], color=style.BLUE)
-        right.axhline(history.threshold[g], color=style.VERMILION, lw=1.0, label="alarm")
+        style.band(left, number, history.index[:, g] - reach, history.index[:, g] + reach, palette.BLUE, 0.2)
+        right.plot(number, history.chart[:, g], color=palette.BLUE)
+        right.axhline(history.threshold[g], color=palette.VERMILION, lw=1.0, label="alarm")
         for alarm in history.alarms:
             if alarm.group == g:
                 for part in (left, right):
-                    part.axvline(alarm.stop + 1, color=style.VERMILION, lw=1.0, ls="--")
-                left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=style.VERMILION, fontsize=8, ha="right")
+                    part.axvline(alarm.stop + 1, color=palette.VERMILION, lw=1.0, ls="--")
+                left.annotate(alarm.kind, (alarm.stop + 1, 0.36), color=palette.VERMILION, fontsize=8, ha="right")
         left.set_ylim(0.3, 1.4)
         # Steps after an alarm go on; what matters is what led to it.
         right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)

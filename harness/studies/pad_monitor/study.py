@@ -61,8 +61,15 @@ class PadMonitor(Study):
         """Return what the monitor makes of all lives, and a figure of the first."""
         design, plan = Design(), lives(self.seeds, self.stops, self.pressure_offset)
         evidence = work.map(evidence_of_life, plan)
-        table = assessment_of(plan, evidence, design).table()
+        assessment = assessment_of(plan, evidence, design)
+        table = assessment.table()
         return Page(
+            title="The brake monitor in simulated lives",
+            question="How soon does the monitor find a group of wheelsets that has lost 20 % of its friction or no "
+            "longer releases, and how often does it alarm without cause?",
+            answer=f"Stops until the alarm: {_delays(assessment.worn_delays)} (friction lost), "
+            f"{_delays(assessment.stuck_delays)} (not released). {assessment.false_alarms} false alarms in "
+            f"{assessment.healthy} healthy stops of a group.",
             template="studies/pad_monitor/pad_monitor.md.jinja",
             values={"table": table},
             figures={"life.png": draw(watch(evidence[0], design), design)},

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from railgrip.api import Scenario
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.table1 import ABC, BOUNDS, DEFAULT, EQUAL, SBC, SCENARIOS, Fitted, stop_of
@@ -91,8 +91,8 @@ def profile_figure(fits: Sequence[Fitted]) -> Figure:
     drawing, panels = style.panels(10, 5.6, 2, 3, sharey=True)
     for panel, name in zip(panels.flat, BOUNDS, strict=True):
         shown = [one for one in fits if np.isfinite(one.largest)]
-        panel.plot([_value(one, name) for one in shown], [100 * one.largest for one in shown], ".", color=style.BLUE)
-        panel.axhline(100 * EQUAL, color=style.GREY, linestyle="--", linewidth=1)
+        panel.plot([_value(one, name) for one in shown], [100 * one.largest for one in shown], ".", color=palette.BLUE)
+        panel.axhline(100 * EQUAL, color=palette.GREY, linestyle="--", linewidth=1)
         style.dress(panel, x=name, y="largest error of six [%]" if panel in panels[:, 0] else "")
         panel.set_yscale("log")
         panel.set_xscale("linear" if name == "A" else "log")
@@ -118,12 +118,13 @@ def adhesion_figure(stops: Mapping[str, Stop]) -> Figure:
     drawing, panels = style.panels(10, 3.4 * len(laws), len(laws), 1, sharex=True, sharey=True)
     end = max(float(stop.trace["time"].values[-1]) for stop in stops.values())
     for panel, law in zip(panels, laws, strict=True):
-        for name, stop, colour in (("SBC", sbc, style.BLUE), (law, stops[law], style.ORANGE)):
+        for name, stop, colour in (("SBC", sbc, palette.BLUE), (law, stops[law], palette.ORANGE)):
             time = stop.trace["time"].values
             panel.plot(time, stop.trace["adhesion"].values[:, 0], color=colour, linewidth=0.7, alpha=0.8, label=name)
-            panel.plot(time, stop.trace["peak_adhesion"].values[:, 0], color=style.BLACK if name == law else style.GREY,
-                       linewidth=1.3, label=f"greatest possible, {name}")  # fmt: skip
-        panel.axhline(LIMIT, color=style.VERMILION, linewidth=1, linestyle="--", label=f"limit {LIMIT:g}")
+            colour = palette.BLACK if name == law else palette.GREY
+            panel.plot(time, stop.trace["peak_adhesion"].values[:, 0], color=colour, linewidth=1.3,
+                       label=f"greatest possible, {name}")  # fmt: skip
+        panel.axhline(LIMIT, color=palette.VERMILION, linewidth=1, linestyle="--", label=f"limit {LIMIT:g}")
         style.dress(panel, y="adhesion of wheelset 1", title=f"{law}: {_metres(stops[law])}; SBC: {_metres(sbc)}")
         panel.set_xlim(0, end)
         panel.set_ylim(0, 0.25)

@@ -55,8 +55,13 @@ class Papers(Study):
             write_fits(FITS, fits)
             write_fits(IDENTIFIED, [identified])
             write_tables(PAGE, {begin(name): table for name, table in tables.items()}, END)
+        error = tables["alternatives"].texts[0]["largest error"]
         work.notify("figure 4")
         return Page(
+            title="Adhesion-based control: Table 1 identified",
+            question="Which creep curve, levels and law of the paper on adhesion-based control give its Table 1?",
+            answer=f"The identified fit has all six distances within {error} of the published ones. It is refined from "
+            f"the best of {len(fits)} fits.",
             template="studies/papers/papers.md.jinja",
             values=dict(tables),
             figures={

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.report.table import Table
@@ -151,7 +151,10 @@ def page_of(
     sanders = table_of_sanders(comparisons)
     drawings = {stop.train.name: f"figures/{stop.train.name}.png" for stop in stops}
     return Page(
-        template="studies/trains/trains.html.jinja",
+        title="Trains against reality",
+        question="Do the trains of this project stop as a calculation by hand and published distances say?",
+        answer=_answer(stops),
+        template="studies/trains/trains.md.jinja",
         values={
             "distances": distances,
             "published": _published(stops),
@@ -165,6 +168,7 @@ def page_of(
             "drawings": drawings,
         },
         figures={
+            "figures/distances.png": _distance_figure(stops),
             **{drawings[stop.train.name]: drawing(stop.train) for stop in stops},
             **({"figures/cost.png": _cost_figure(series)} if series else {}),
             "figures/sanders.png": _sander_figure(comparisons),
@@ -174,6 +178,15 @@ def page_of(
             "sanders.json": {"rows": rows, "law": law},
         },
         screen=(distances, protected, sanders),
+    )
+
+
+def _answer(stops: Sequence[DryStop]) -> str:
+    """Return how far the dry stops are from the calculation by hand."""
+    differences = [100 * (stop.distance / stop.hand.distance - 1) for stop in stops]
+    return (
+        f"{len(stops)} dry emergency stops differ from the calculation by hand of EN 14531-1 by "
+        f"{min(differences):+.1f} to {max(differences):+.1f} %. Published distances stand beside them below."
     )
 
 
@@ -290,11 +303,24 @@ def _costs(stops: Sequence[DryStop]) -> Table:
     return Table(rows, {"build": "{:.1f} s", "plant step": "{:.1f} µs", "cycle": "{:.1f} µs"}, ("train",))
 
 
+def _distance_figure(stops: Sequence[DryStop]) -> Figure:
+    figure, axes = style.panels(8.0, 0.9 + 0.5 * len(stops))
+    places = np.arange(len(stops))
+    axes.barh(places - 0.2, [stop.distance for stop in stops], 0.4, color=palette.BLUE, label="simulated")
+    axes.barh(places + 0.2, [stop.hand.distance for stop in stops], 0.4, color=palette.SKY, label="by hand")
+    axes.set_yticks(places, [f"{stop.train.name}, {3.6 * stop.speed:.0f} km/h" for stop in stops])
+    axes.invert_yaxis()
+    style.dress(axes, x="dry emergency stop [m]")
+    axes.grid(visible=False, axis="y")
+    style.legend(axes, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return figure
+
+
 def _cost_figure(series: Sequence[DryStop]) -> Figure:
     figure, axes = style.panels(6.4, 3.4)
     cars = [len(stop.train.cars) for stop in series]
-    axes.plot(cars, [stop.plant_step_us for stop in series], "o-", color=style.BLUE, label="plant step")
-    axes.plot(cars, [stop.cycle_us for stop in series], "s-", color=style.ORANGE, label="cycle of the loop")
+    axes.plot(cars, [stop.plant_step_us for stop in series], "o-", color=palette.BLUE, label="plant step")
+    axes.plot(cars, [stop.cycle_us for stop in series], "s-", color=palette.ORANGE, label="cycle of the loop")
     axes.legend(frameon=False)
     axes.set_ylim(bottom=0)
     style.dress(axes, x="cars of four axles", y="time of 1 ms [µs]")
@@ -304,8 +330,10 @@ def _cost_figure(series: Sequence[DryStop]) -> Figure:
 def _sander_figure(comparisons: Sequence[Comparison]) -> Figure:
     figure, axes = style.panels(6.4, 3.4)
     places = np.arange(len(comparisons))
-    axes.bar(places - 0.2, [comparison.measured for comparison in comparisons], 0.4, color=style.GREY, label="measured")
-    colours = [style.ORANGE if comparison.fitted else style.BLUE for comparison in comparisons]
+    axes.bar(
+        places - 0.2, [comparison.measured for comparison in comparisons], 0.4, color=palette.GREY, label="measured"
+    )
+    colours = [palette.ORANGE if comparison.fitted else palette.BLUE for comparison in comparisons]
     axes.bar(
         places + 0.2, [comparison.distance or 0.0 for comparison in comparisons], 0.4, color=colours, label="simulated"
     )

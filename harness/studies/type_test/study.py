@@ -15,7 +15,7 @@ from typer import Option
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
-from railgrip.report import style
+from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.index import write_report as write_panels
 from railgrip.report.page import Page
@@ -176,10 +176,15 @@ def page_of(
     variants_of = {stop.case: stop.variants for stop in stops}
     leaders = leaderboard(board)
     return Page(
-        template="studies/type_test/type_test.html.jinja",
+        title="Type test of wheel-slide protection",
+        question="Which controller stops the train shortest in cases that it was not tuned on, and does it keep the "
+        "clauses of a type test?",
+        answer=answer(board, len(variants_of)),
+        template="studies/type_test/type_test.md.jinja",
         values={
             "board": leaders,
             "clauses": clauses(board, limits),
+            "failed_by_bound": failed_by_bound(board, limits),
             "count": len(variants_of),
             "is_validation": any(case.endswith(f"-{VALIDATION_SEED}") for case in variants_of),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
@@ -295,12 +300,57 @@ def clauses(board: Sequence[Summary], limits: Limits) -> Table:
     rows = [
         {
             "clause": getattr(limits, clause).clause,
-            "limit": getattr(limits, clause).limit,
+            "limit": _limit(clause, getattr(limits, clause).limit),
             **{summary.controller: summary.kept[clause] for summary in board},
         }
         for clause in JUDGED
     ]
-    return Table(rows, {"limit": "{:g}"} | {summary.controller: share for summary in board}, ("clause",))
+    return Table(rows, {summary.controller: share for summary in board}, ("clause", "limit"))
+
+
+_LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
+    "extension": ("≤", 100, "%"),
+    "lock": ("≤", 1, "s"),
+    "locked_distance": ("≤", 1, "m"),
+    "reservoir": ("≥", 1e-5, "bar"),
+    "utilisation": ("≥", 100, "%"),
+}
+"""Clause → sense of its limit, and factor and unit in which it is shown."""
+
+
+def _limit(clause: str, limit: float | None) -> str:
+    if limit is None:
+        return "not judged" if clause in _LIMITS else ""
+    sense, factor, unit = _LIMITS[clause]
+    return f"{sense} {factor * limit:g} {unit}"
+
+
+def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
+    """Return a sentence for each clause that the ideal bound does not keep in all cases."""
+    return [
+        f"“{getattr(limits, clause).clause}” is kept by {summary.description} in {share(kept)} of the cases only. "
+        "In the others the rail has too little adhesion for any controller to keep it."
+        for summary in board
+        if summary.role == "bound"
+        for clause in JUDGED
+        if (kept := summary.kept[clause]) is not None and kept < 1
+    ]
+
+
+def answer(board: Sequence[Summary], count: int) -> str:
+    """Return who stops shortest in the median, beside the ideal bound, and who keeps all clauses most often."""
+    ranked = [summary for summary in board if summary.role != "bound" and summary.median is not None]
+    if not ranked:
+        return f"No controller was compared in {count} cases."
+    best = min(ranked, key=lambda summary: summary.median or math.inf)
+    over = "" if best.over_bound is None else f" and {best.over_bound:.3f} of the ideal bound"
+    kept = "; ".join(
+        f"{clause.replace('_', ' ')} {share(value)}" for clause, value in best.kept.items() if value is not None
+    )
+    return (
+        f"Over {count} cases {best.description} stops shortest: its median distance is {best.median:.3f} of that of "
+        f"the best tuned baseline{over}. It keeps the clauses in these shares of the cases: {kept}."
+    )
 
 
 def ranking(stops: Sequence[Judged], case: str) -> Table:
@@ -349,7 +399,7 @@ def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
 
 
 def _colours(board: Sequence[Summary]) -> dict[str, tuple[str, str]]:
-    colours = (style.BLUE, style.ORANGE, style.GREEN, style.VERMILION, style.PURPLE, style.SKY, style.BLACK)
+    colours = palette.LINES
     return {
         summary.controller: (colours[n % len(colours)], "-" if n < len(colours) else "--")
         for n, summary in enumerate(board)
@@ -367,7 +417,7 @@ def _ratios(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
             axes.step(
                 ratios, (1 + np.arange(ratios.size)) / len(stops_of), dash, where="post", color=colour, label=name
             )
-    axes.axvline(1.0, color=style.GREY, linewidth=0.8)
+    axes.axvline(1.0, color=palette.GREY, linewidth=0.8)
     axes.set_xscale("log")
     axes.set_xticks([0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "0.9", "1", "1.2", "1.5", "2", "3"])
     axes.set_xticks([], minor=True)
@@ -393,11 +443,12 @@ def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
     ]  # fmt: skip
     figure = style.figure(8.0, 1.2 + 0.32 * len(board))
     axes = figure.subplots()
-    axes.imshow(values, vmin=0.4, vmax=1.0, cmap="RdYlGn", aspect="auto")
+    axes.imshow(values, vmin=0.4, vmax=1.0, cmap="viridis", aspect="auto")
     for row, line in enumerate(values):
         for column, value in enumerate(line):
             if np.isfinite(value):
-                axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8)
+                colour = "white" if value < 0.7 else "black"
+                axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=colour)
     axes.set_xticks(range(len(curves)), [curve.replace("_", "\n") for curve in curves], fontsize=8)
     axes.set_yticks(range(len(board)), [summary.controller for summary in board], fontsize=8)
     return figure

@@ -1,0 +1,317 @@
+"""A figure of matplotlib as one of Plotly: drawn once, printed in papers, zoomed and read off on a page.
+
+Plotly's own converter, `plotly.tools.mpl_to_plotly`, drops shaded bands, bars, annotations and shared axes.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import Collection, LineCollection, PolyCollection
+from matplotlib.colors import to_hex, to_rgba
+from matplotlib.container import BarContainer
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.text import Annotation, Text
+
+from railgrip.report.signals_plot import array
+
+Plot = dict[str, Any]
+"""`data` and `layout` of plotly.js."""
+
+_PIXELS = 105.0
+"""Of an inch of a figure, so that letters of 8 to 11 points are as large as the text of a page."""
+
+_BAR = 26
+"""Above the figure, for the buttons of plotly.js."""
+
+_DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
+_SHAPES = {"steps-post": "hv", "steps": "vh", "steps-pre": "vh", "steps-mid": "hvh"}
+_MARKERS = {".": "circle", "o": "circle", "x": "x-thin", "|": "line-ns", "_": "line-ew", "s": "square", "D": "diamond",
+            "^": "triangle-up", "v": "triangle-down", "+": "cross-thin", "*": "star"}  # fmt: skip
+_ANCHORS = {"center": "middle", "baseline": "bottom", "center_baseline": "middle"}
+
+
+def interactive(drawing: Figure) -> Plot:
+    """Return lines, areas, bars, images, texts, scales and legends of a figure for plotly.js.
+
+    Raises:
+        TypeError: The figure has an artist that has no form here; on the page it would be missing.
+    """
+    drawing.draw_without_rendering()  # lays out panels, ticks and legends
+    plot = _Plot()
+    for axes in drawing.axes:
+        plot.add(axes)
+    for legend in drawing.legends:
+        plot.add_legend(legend, {})
+    if drawing.get_suptitle():
+        plot.annotations.append(_note(drawing.get_suptitle(), 0.005, 1.0, "left", "top", 12))
+    for text in drawing.texts:
+        if text.get_text() != drawing.get_suptitle():
+            plot.annotations.append(
+                _note(
+                    text.get_text(),
+                    *text.get_position(),
+                    text.get_horizontalalignment(),
+                    text.get_verticalalignment(),
+                    9,
+                )
+            )
+    supported = cast(Text | None, getattr(drawing, "_supxlabel", None))
+    if supported is not None:
+        plot.annotations.append(_note(supported.get_text(), 0.5, 0.0, "center", "bottom", 9))
+    width, height = drawing.get_size_inches()
+    layout = {
+        "annotations": plot.annotations,
+        "barmode": "overlay",
+        "height": round(_PIXELS * height) + _BAR,
+        "meta": {"width": round(_PIXELS * width)},
+        "margin": {"l": 0, "r": 0, "t": _BAR, "b": 0},
+        "hovermode": "closest",
+        "showlegend": True,
+    }
+    return {"data": plot.data, "layout": layout | plot.layout}
+
+
+@dataclass(slots=True)
+class _Plot:
+    """What a figure has become so far."""
+
+    data: list[Plot] = field(default_factory=list[Plot])
+    layout: Plot = field(default_factory=dict[str, Any])
+    annotations: list[Plot] = field(default_factory=list[Plot])
+    panels: list[Axes] = field(default_factory=list[Axes])
+
+    def add(self, axes: Axes) -> None:
+        """Add a panel."""
+        self.panels.append(axes)
+        number = len(self.panels)
+        box = axes.get_position()
+        below = next((k for k, one in enumerate(self.panels[:-1], 1) if one.get_position().bounds == box.bounds), None)
+        for letter, domain in (("x", (box.x0, box.x1)), ("y", (box.y0, box.y1))):
+            axis = _axis(axes, letter, domain) | {"anchor": f"{'y' if letter == 'x' else 'x'}{_index(number)}"}
+            siblings = getattr(axes, f"get_shared_{letter}_axes")().get_siblings(axes)
+            first = next(k for k, one in enumerate(self.panels, 1) if one in siblings)
+            axis |= {"matches": f"{letter}{_index(first)}"} if first < number else {}
+            axis |= {} if below is None else {"overlaying": f"{letter}{_index(below)}", "showgrid": False}
+            axis |= {"side": "right"} if below is not None and letter == "y" else {}
+            self.layout[f"{letter}axis{_index(number)}"] = axis
+        place = {"xaxis": f"x{_index(number)}", "yaxis": f"y{_index(number)}"}
+        names: dict[str, Plot] = {}
+        for trace in _traces(axes):
+            label = str(trace.pop("label", ""))
+            trace |= place | {"name": label if label and not label.startswith("_") else "", "showlegend": False}
+            if trace["name"]:
+                names.setdefault(trace["name"], trace)
+            self.data.append(trace)
+        for title, x, align in (
+            (axes.get_title(loc="left"), box.x0, "left"),
+            (axes.get_title(), (box.x0 + box.x1) / 2, "center"),
+        ):
+            if title:
+                self.annotations.append(_note(title, x, box.y1, align, "bottom", 11))
+        self.annotations += [_text(text, axes, place) for text in axes.texts if text.get_text()]
+        legend = axes.get_legend()
+        if legend is not None:
+            self.add_legend(legend, names)
+
+    def add_legend(self, legend: Legend, names: dict[str, Plot]) -> None:
+        """Add a legend where it stands; what it names that is no trace is drawn in the legend alone."""
+        number = 1 + sum(key.startswith("legend") for key in self.layout)
+        key = f"legend{_index(number)}"
+        box = legend.get_window_extent().transformed(cast(Figure, legend.get_figure(root=True)).transFigure.inverted())
+        is_wide = len({round(text.get_window_extent().y0) for text in legend.get_texts()}) < len(legend.get_texts())
+        edge, y = ("bottom", box.y0) if box.y0 + box.y1 < 1 else ("top", box.y1)
+        self.layout[key] = {"x": min(box.x0, 0.98), "y": y, "xanchor": "left", "yanchor": edge,
+                            "orientation": "h" if is_wide else "v", "bgcolor": "rgba(255,255,255,0.7)",
+                            "font": {"size": 11}, "xref": "paper", "yref": "paper"}  # fmt: skip
+        for text, handle in zip(legend.get_texts(), legend.legend_handles, strict=True):
+            name = text.get_text()
+            if name in names:
+                names[name] |= {"legend": key, "showlegend": True}
+                continue
+            proxy = {"type": "scatter", "x": [None], "y": [None], "mode": "lines"}
+            if isinstance(handle, Line2D):
+                proxy |= _style(handle)
+            elif isinstance(handle, Patch):
+                proxy |= {"mode": "markers", "marker": {"symbol": "square", "color": to_hex(handle.get_facecolor())}}
+            self.data.append({**proxy, "name": _plain(name), "legend": key, "showlegend": True})
+
+
+def _index(number: int) -> str:
+    return "" if number == 1 else str(number)
+
+
+def _plain(text: str) -> str:
+    return text.replace("$\\mu_0$", "μ<sub>0</sub>").replace("\n", "<br>")
+
+
+def _note(text: str, x: float, y: float, across: str, along: str, size: float) -> Plot:
+    return {"text": _plain(text), "x": x, "y": y, "xref": "paper", "yref": "paper", "showarrow": False, "align": across,
+            "xanchor": across, "yanchor": _ANCHORS.get(along, along), "font": {"size": size}}  # fmt: skip
+
+
+def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
+    """Return scale, limits, label and grid of an axis; its ticks where the figure names them."""
+    axis = axes.xaxis if letter == "x" else axes.yaxis
+    is_log = axis.get_scale() == "log"
+    limits = axes.get_xlim() if letter == "x" else axes.get_ylim()
+    ticks = axis.get_tick_params(which="major")
+    labelled = ticks.get("labelbottom" if letter == "x" else "labelleft", True) or ticks.get("labelright", False)
+    texts = [one.get_text() for one in axis.get_ticklabels()]
+    places = axis.get_majorticklocs()
+    plot: Plot = {
+        "domain": [max(domain[0], 0.0), min(domain[1], 1.0)],
+        "type": "log" if is_log else "linear",
+        "range": [float(one) for one in (np.log10(limits) if is_log else limits)],
+        "title": {"text": _plain(axis.label.get_text()), "standoff": 6},
+        "showticklabels": bool(labelled and any(texts)),
+        "showgrid": bool(ticks.get("gridOn", False)),
+        "exponentformat": "power",
+        "zeroline": False,
+        "visible": bool(axes.axison),
+    }
+    if len(places) == len(texts) and type(axis.get_major_formatter()).__name__ in ("FixedFormatter", "FuncFormatter"):
+        plot |= {"tickvals": [float(one) for one in places], "ticktext": [_plain(text) for text in texts]}
+    if letter == "y" and axes.get_aspect() == 1.0:
+        plot |= {"scaleanchor": "x", "scaleratio": 1}
+    return plot
+
+
+def _traces(axes: Axes) -> Iterator[Plot]:
+    """Yield what is drawn in a panel, from the back to the front, each with its `label`."""
+    bars = [one for one in axes.containers if isinstance(one, BarContainer)]
+    in_bars = {id(patch) for container in bars for patch in container.patches}
+    for image in axes.images:
+        yield _image(image)
+    for collection in axes.collections:
+        yield _collection(collection, axes)
+    for container in bars:
+        yield _bars(container)
+    for patch in axes.patches:
+        if id(patch) not in in_bars:
+            corners = _in_data(patch.get_transform().transform_path(patch.get_path()).to_polygons(), axes)
+            yield {**_area(corners, patch.get_facecolor(), patch.get_edgecolor(), patch.get_linewidth()),
+                   "label": patch.get_label()}  # fmt: skip
+    for line in axes.lines:
+        points = np.column_stack([np.asarray(line.get_xdata(orig=False), float), line.get_ydata(orig=False)])
+        if line.get_transform() != axes.transData:
+            (points,) = _in_data([line.get_transform().transform(points)], axes)
+        yield {"type": "scatter", "x": array(points[:, 0]), "y": array(points[:, 1]), **_style(line),
+               "label": line.get_label()}  # fmt: skip
+
+
+def _in_data(shapes: Sequence[Any], axes: Axes) -> list[np.ndarray]:
+    """Return points on the drawing, shape (n, 2) each, in the units of the axes."""
+    return [axes.transData.inverted().transform(np.asarray(points, float)) for points in shapes if len(points)]
+
+
+def _style(line: Line2D) -> Plot:
+    has_line, marker = line.get_linestyle() not in ("None", "", " "), line.get_marker()
+    has_marker = marker not in ("None", "", " ", None)
+    mode = "+".join([*(["lines"] if has_line else []), *(["markers"] if has_marker else [])])
+    style: Plot = {"mode": mode or "none", "opacity": line.get_alpha() or 1.0}
+    color = to_hex(line.get_color())
+    if has_line:
+        style["line"] = {
+            "color": color,
+            "width": 1.3 * line.get_linewidth(),
+            "dash": _DASHES.get(str(line.get_linestyle()), "dash"),
+            "shape": _SHAPES.get(line.get_drawstyle(), "linear"),
+        }
+    if has_marker:
+        size = line.get_markersize() * (0.8 if marker == "." else 1.3)
+        style["marker"] = {"symbol": _MARKERS.get(str(marker), "circle"), "size": size,
+                           "color": to_hex(line.get_markerfacecolor() if marker in ("o", ".", "s") else color),
+                           "line": {"width": 1.5 if marker in ("x", "|", "_", "+") else 0, "color": color}}  # fmt: skip
+    return style
+
+
+def _area(corners: Sequence[np.ndarray], face: Any, edge: Any, width: float) -> Plot:
+    """Return polygons of one colour; a gap stands between two."""
+    gap = np.full((1, 2), np.nan)
+    points = np.vstack([part for one in corners for part in (one, gap)]) if corners else gap
+    return {"type": "scatter", "mode": "lines", "fill": "toself", "x": array(points[:, 0]), "y": array(points[:, 1]),
+            "fillcolor": _rgba(face), "hoverinfo": "skip",
+            "line": {"width": width if to_rgba(edge)[3] else 0, "color": _rgba(edge)}}  # fmt: skip
+
+
+def _rgba(color: Any) -> str:
+    red, green, blue, alpha = to_rgba(color)
+    return f"rgba({round(255 * red)},{round(255 * green)},{round(255 * blue)},{alpha:.3g})"
+
+
+def _collection(collection: Collection, axes: Axes) -> Plot:
+    transform = collection.get_transform()
+    corners = _in_data([transform.transform(path.vertices) for path in collection.get_paths()], axes)
+    label, widths = collection.get_label(), np.ravel(np.asarray(collection.get_linewidth()))
+    if isinstance(collection, LineCollection):
+        return {**_area(corners, "none", collection.get_colors()[0], 1.3 * float(widths[0])), "fill": "none",
+                "label": label}  # fmt: skip
+    if isinstance(collection, PolyCollection):
+        edges = cast(Any, collection.get_edgecolor())
+        return {**_area(corners, cast(Any, collection.get_facecolor())[0], edges[0] if len(edges) else "none",
+                        float(widths[0])), "label": label}  # fmt: skip
+    raise TypeError(f"{collection}: has no form on a page; give it one in railgrip.report.interactive")
+
+
+def _bars(container: BarContainer) -> Plot:
+    bars = cast(Sequence[Rectangle], container.patches)
+    is_upright = container.orientation == "vertical"
+    along = [(bar.get_y(), bar.get_height()) if is_upright else (bar.get_x(), bar.get_width()) for bar in bars]
+    across = [(bar.get_x(), bar.get_width()) if is_upright else (bar.get_y(), bar.get_height()) for bar in bars]
+    middles, lengths = array([start + size / 2 for start, size in across]), array([size for _, size in along])
+    return {
+        "type": "bar",
+        "orientation": "v" if is_upright else "h",
+        "x": middles if is_upright else lengths,
+        "y": lengths if is_upright else middles,
+        "base": array([start for start, _ in along]),
+        "width": array([size for _, size in across]),
+        "marker": {"color": [_rgba(bar.get_facecolor()) for bar in bars],
+                   "line": {"width": bars[0].get_linewidth() if bars else 0,
+                            "color": [_rgba(bar.get_edgecolor()) for bar in bars]}},
+        "label": str(container.get_label()),
+    }  # fmt: skip
+
+
+def _image(image: Any) -> Plot:
+    values, (left, right, bottom, top) = np.ma.filled(image.get_array(), np.nan), image.get_extent()
+    rows, columns = values.shape
+    low, high = image.get_clim()
+    shades = [[share, to_hex(image.get_cmap()(share))] for share in np.linspace(0, 1, 16).tolist()]
+    dx, dy = (right - left) / columns, (bottom - top) / rows
+    return {"type": "heatmap", "z": [[None if np.isnan(one) else float(one) for one in row] for row in values],
+            "x0": left + dx / 2, "dx": dx, "y0": top + dy / 2, "dy": dy, "zmin": low, "zmax": high,
+            "colorscale": shades, "showscale": False, "label": ""}  # fmt: skip
+
+
+def _text(text: Text, axes: Axes, place: Plot) -> Plot:
+    shift = (0.0, 0.0)
+    if isinstance(text, Annotation):
+        point = axes.transData.transform(cast(Any, text.xy))
+        shift = text.xyann if text.anncoords == "offset points" else shift
+    else:
+        point = text.get_transform().transform(text.get_position())
+    (x, y), transform = axes.transAxes.inverted().transform(point), axes.transData.inverted()
+    is_inside = -0.001 <= x <= 1.001 and -0.001 <= y <= 1.001
+    note = _note(
+        text.get_text(),
+        x,
+        y,
+        text.get_horizontalalignment(),
+        text.get_verticalalignment(),
+        1.2 * float(text.get_fontsize()),
+    )
+    note |= {"xref": f"{place['xaxis']} domain", "yref": f"{place['yaxis']} domain"}
+    if is_inside and text.get_transform() != axes.transAxes:  # moves with what it names
+        x, y = transform.transform(point)
+        note |= {"xref": place["xaxis"], "yref": place["yaxis"]}
+        note |= {"x": float(np.log10(x) if axes.get_xscale() == "log" else x)}
+        note |= {"y": float(np.log10(y) if axes.get_yscale() == "log" else y)}
+    note["font"]["color"] = to_hex(text.get_color())
+    return note | {"xshift": shift[0], "yshift": shift[1]}

@@ -1,0 +1,143 @@
+"use strict";
+// Tables sort by a click on a column and filter by a word. No library: those that were tried fix the width of columns, which
+// cuts wide tables off on paper.
+for (const table of document.querySelectorAll("table")) {
+  const box = document.createElement("div");
+  box.className = table.classList.contains("wide") ? "scroll wide" : "scroll";
+  table.before(box);
+  box.append(table);
+}
+for (const table of document.querySelectorAll("table.data")) {
+  const body = table.tBodies[0];
+  if (body.rows.length < 3) continue;
+  table.classList.add("sortable");
+  for (const [column, head] of [...table.tHead.rows[0].cells].entries()) {
+    head.onclick = () => {
+      const sign = head.ariaSort === "ascending" ? -1 : 1;
+      for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
+      head.ariaSort = sign > 0 ? "ascending" : "descending";
+      const key = (row) => row.cells[column].dataset.value ?? row.cells[column].textContent;
+      const order = (a, b) => sign * (a - b || String(a).localeCompare(String(b), undefined, { numeric: true }));
+      body.append(...[...body.rows].sort((a, b) => order(key(a), key(b))));
+    };
+  }
+  if (body.rows.length < 9) continue;
+  const filter = Object.assign(document.createElement("input"), { className: "filter", placeholder: "Show rows with …", type: "search" });
+  filter.oninput = () => {
+    const words = filter.value.toLowerCase().split(/\s+/);
+    for (const row of body.rows) row.hidden = !words.every((word) => row.textContent.toLowerCase().includes(word));
+  };
+  table.parentElement.before(filter);
+}
+
+async function unpacked(id) {
+  const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (letter) => letter.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+}
+
+function numbers({ bdata }) {
+  return [...new Float32Array(Uint8Array.from(atob(bdata), (letter) => letter.charCodeAt(0)).buffer)];
+}
+
+// A figure is drawn as large as for a paper, or smaller with its letters, so that nothing overlaps that does not in print.
+const NARROWEST = 900;
+function fit(layout, width) {
+  const share = Math.min(1, width / (layout.meta.width ?? width));
+  layout.width = Math.min(width, layout.meta.width ?? width);
+  layout.height *= share;
+  layout.font = { size: 12 * share };
+  const texts = [...layout.annotations ?? [], ...Object.keys(layout).filter((key) => key.startsWith("legend")).map((key) => layout[key])];
+  for (const one of texts) if (one.font?.size) one.font.size *= share;
+}
+
+async function draw() {
+  const plots = JSON.parse(await unpacked("plots"));
+  const script = document.createElement("script");
+  script.textContent = await unpacked("plotly");
+  document.head.append(script);
+  for (const place of document.querySelectorAll(".plot")) {
+    const { data, layout } = plots[place.dataset.plot];
+    if (layout.meta.train) for (const line of data) line.x = layout.meta.train.time;
+    fit(layout, Math.max(NARROWEST, place.clientWidth));
+    await Plotly.newPlot(place, data, layout, { displaylogo: false });
+    if (layout.meta.train) train(place, layout.meta.train);
+  }
+  document.body.dataset.drawn = "yes";
+}
+if (document.getElementById("plots")) draw();
+
+// Paper: everything is open, and fits on a page of A4 between its margins.
+const PAPER = { width: 690, height: 960 };
+addEventListener("beforeprint", () => {
+  for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
+  for (const one of document.querySelectorAll(".plot")) {
+    const { width, height } = one.layout ?? PAPER;
+    one.style.zoom = Math.min(1, PAPER.width / width, PAPER.height / height);
+  }
+});
+addEventListener("afterprint", () => {
+  for (const one of document.querySelectorAll("details[data-closed]")) one.open = false;
+  for (const one of document.querySelectorAll(".plot")) one.style.zoom = "";
+});
+
+// The train over its signals: axles coloured by slip or adhesion at a cursor that the mouse or a clock moves.
+function train(place, { positions, cars, time, distance, signals }) {
+  const lines = place.data, x = { time: (time = numbers(time)), distance: (distance = numbers(distance)) };
+  for (const one of Object.values(signals)) one.values = one.values.map(numbers);
+  const length = Math.max(...positions) || 1;
+  const box = document.createElement("div");
+  box.innerHTML = `<div class="controls"><button>▶ Play</button><input type="range" min="0" max="${time.length - 1}" value="0">
+    <label>axles by <select class="by">${Object.keys(signals).map((name) => `<option>${name}</option>`).join("")}</select></label>
+    <label>over <select class="over"><option value="time">time</option><option value="distance">distance</option></select></label></div>
+    <svg viewBox="-30 0 1060 105" width="100%" style="max-height: 8rem"></svg>`;
+  place.before(box);
+  const [button, slider, by, over] = ["button", "input", ".by", ".over"].map((name) => box.querySelector(name));
+  const svg = box.querySelector("svg"), at = (wheelset) => (1000 * positions[wheelset]) / length;
+  const radius = Math.min(13, 400 / positions.length);
+  const bodies = [...new Set(cars)].map((car) => positions.flatMap((_, k) => (cars[k] === car ? [at(k)] : [])));
+  svg.innerHTML =
+    bodies.map((axles) => `<rect x="${Math.min(...axles) - 20}" y="18" width="${Math.max(...axles) - Math.min(...axles) + 40}" height="36" rx="8" fill="#eef2f5" stroke="#777"/>`).join("") +
+    `<line x1="-30" x2="1030" y1="${64 + radius}" y2="${64 + radius}" stroke="#777" stroke-width="2"/>` +
+    positions.map((_, k) => `<circle cx="${at(k)}" cy="64" r="${radius}" stroke="#000"><title>wheelset ${k + 1}</title></circle>`).join("") +
+    '<text x="-30" y="12" font-size="13"></text>';
+  const wheels = [...svg.querySelectorAll("circle")], text = svg.querySelector("text");
+  const shade = (share, colours) => {
+    const place = Math.max(0, Math.min(1, share || 0)) * (colours.length - 1), low = Math.min(Math.floor(place), colours.length - 2);
+    return `rgb(${colours[low].map((part, k) => Math.round(part + (place - low) * (colours[low + 1][k] - part)))})`;
+  };
+  let index = 0;
+  const show = (k) => {
+    slider.value = index = k;
+    const { values, low, high, unit, colours, factor } = signals[by.value];
+    for (const [wheelset, wheel] of wheels.entries()) {
+      const value = values[wheelset][k];
+      wheel.setAttribute("fill", Number.isNaN(value) ? "none" : shade(Math.log(Math.max(value, low) / low) / Math.log(high / low), colours));
+      wheel.firstChild.textContent = `wheelset ${wheelset + 1}: ${Number.isNaN(value) ? "–" : (factor * value).toPrecision(3)} ${unit}`;
+    }
+    const span = [low, high].map((value) => `${+(factor * value).toPrecision(2)}${unit && " " + unit}`).join(" (light) to ");
+    text.textContent = `${time[k].toFixed(2)} s, ${distance[k].toFixed(1)} m; ${by.value} from ${span} (dark)`;
+    Plotly.relayout(place, { "shapes[0].x0": x[over.value][k], "shapes[0].x1": x[over.value][k] });
+  };
+  slider.oninput = () => show(+slider.value);
+  by.onchange = () => show(index);
+  over.onchange = () => {
+    Plotly.update(place, { x: lines.map(() => x[over.value]) },
+      { "xaxis.autorange": true, "xaxis.title.text": over.value === "time" ? "time since the brake demand [s]" : "distance since the brake demand [m]" });
+    show(index);
+  };
+  place.on("plotly_hover", ({ points: [point] }) => show(point.pointNumber % time.length));
+  let started = null;
+  const step = (now) => {
+    if (started === null) return;
+    const seconds = started.from + (now - started.at) / 1000, next = time.findIndex((one) => one >= seconds);
+    show(next < 0 ? time.length - 1 : next);
+    if (next < 0) started = null; else requestAnimationFrame(step);
+    button.textContent = started ? "⏸ Pause" : "▶ Play";
+  };
+  button.onclick = () => {
+    started = started ? null : { from: index >= time.length - 1 ? time[0] : time[index], at: performance.now() };
+    button.textContent = started ? "⏸ Pause" : "▶ Play";
+    requestAnimationFrame(step);
+  };
+  show(Math.floor(time.length / 3));
+}

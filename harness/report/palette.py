@@ -1,0 +1,37 @@
+"""Colours of all figures, on paper and on pages, without a library that draws.
+
+The lines' colours were searched for distance under simulated colour blindness and for steps of lightness in grey;
+tests/report/test_palette.py says how much there is of both.
+"""
+
+BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
+    "#003D7C", "#FE9207", "#00A661", "#AE1E03", "#B416FF", "#3FDCFF", "#000000",
+)  # fmt: skip
+GREY = "#767676"
+LINES = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+"""In this order for lines that mean no certain thing."""
+DARK = {GREY, BLUE, VERMILION, PURPLE, BLACK}
+"""On these writing is white."""
+
+SHADES = ((253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135), (68, 1, 84))
+"""From low, light, to high, dark, as red, green and blue; viridis of Smith and van der Walt (2015), reversed."""
+
+_LEAD_TO_TRAIL = (BLUE, "#7B5FC0", "#E39BD3")
+
+
+def mixed(first: str, second: str, share: float) -> str:
+    """Return a colour as #RRGGBB between two."""
+    parts = ((int(one[k : k + 2], 16) for one in (first, second)) for k in (1, 3, 5))
+    return "#" + "".join(f"{round(low + share * (high - low)):02X}" for low, high in parts)
+
+
+def lighter(colour: str, steps: int) -> str:
+    """Return a colour nearer to white with each step."""
+    return mixed(colour, "#FFFFFF", 1 - 1 / (1 + 0.5 * steps)) if steps else colour
+
+
+def lead_to_trail(count: int) -> list[str]:
+    """Return colours from blue, the first wheelset, to purple, the last."""
+    first, middle, last = _LEAD_TO_TRAIL
+    places = [2 * number / max(count - 1, 1) for number in range(count)]
+    return [mixed(first, middle, place) if place <= 1 else mixed(middle, last, place - 1) for place in places]

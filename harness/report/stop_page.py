@@ -1,0 +1,81 @@
+"""The page of a stop: how far it went, its signals, what was asked, its figures, and what they rest on."""
+
+from collections.abc import Mapping
+from math import isfinite
+from typing import Any
+
+from railgrip.report.comparison import flat, unit_of
+from railgrip.report.page import Page
+from railgrip.report.reference import label
+from railgrip.report.results import Result, provenance
+from railgrip.report.signals_plot import signals_plot
+from railgrip.report.stop import metrics_table, value_text
+from railgrip.report.table import Table
+from railgrip.scenario.outcome import Outcome
+from railgrip.trace.stop import StopRecord
+
+
+def stop_page(result: Result, *, back: str = "") -> Page:
+    """Return the page of a stop; without samples it has no figure of the signals.
+
+    Args:
+        result: The stop.
+        back: Address of the page of its campaign.
+
+    Raises:
+        RecordError: The samples are not those that were written with the figures.
+    """
+    record = result.record
+    scenario = record.scenario
+    return Page(
+        title=f"Stop {result.name}",
+        question=question(scenario),
+        answer=answer(record),
+        template="report/stop.md.jinja",
+        values={
+            "back": back,
+            "doubts": record.metrics.doubts(),
+            "reason": record.reason,
+            "description": scenario.get("description", ""),
+            "scenario": scenario_table(scenario),
+            "metrics": metrics_table(record.metrics),
+        },
+        plots={"signals": signals_plot(record.trace())} if record.has_trace else {},
+        provenance=provenance(record),
+    )
+
+
+def question(scenario: Mapping[str, Any]) -> str:
+    """Return what a scenario asks, in a sentence."""
+    estimator, speed = scenario["estimator"]["kind"], 3.6 * scenario["start"]["speed"]
+    return (
+        f"How far does the train travel from {speed:.0f} km/h on the rail “{scenario['name'].replace('_', ' ')}” under "
+        f"{label(scenario)}, with {scenario['actuation']['kind']} actuation, {scenario['sensors']['kind']} sensors and "
+        f"{'no estimator' if estimator == 'none' else f'estimator {estimator}'}?"
+    )
+
+
+def answer(record: StopRecord) -> str:
+    """Return distance and duration, and how well the adhesion was used, in two sentences."""
+    metrics = record.metrics
+    way = f"{metrics.distance_travelled:.1f} m in {metrics.duration:.1f} s"
+    first = (
+        f"The train stops in {way}."
+        if record.outcome is Outcome.STANDSTILL
+        else f"The train does not come to a standstill: the stop ends with {record.outcome.value} after {way}."
+    )
+    share = f"It uses {100 * metrics.utilisation:.1f} % of the possible adhesion, and its"
+    second = (
+        f"{share if isfinite(metrics.utilisation) else 'Its'} longest lock lasts {max(metrics.longest_lock):.2f} s."
+    )
+    return f"{first} {second}"
+
+
+def scenario_table(scenario: Mapping[str, Any]) -> Table:
+    """Return every key of a scenario, all in SI units."""
+    rows = [
+        {"key": key, "value": ", ".join(map(value_text, value)) if isinstance(value, list) else value_text(value),
+         "unit": unit_of(key)}
+        for key, value in flat(scenario).items()
+    ]  # fmt: skip
+    return Table(rows, left=("key", "value", "unit"))

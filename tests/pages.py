@@ -1,0 +1,26 @@
+"""What is inside a page."""
+
+import base64
+import gzip
+import json
+import re
+
+import numpy as np
+
+
+def plots_of(page):
+    """Return the figures of a page by name, as data and layout of plotly.js."""
+    packed = re.search(r'id="plots">([^<]*)<', page.read_text(encoding="utf-8")).group(1)
+    return json.loads(gzip.decompress(base64.b64decode(packed)))
+
+
+def numbers(packed):
+    """Return the numbers of an array of a figure."""
+    return np.frombuffer(base64.b64decode(packed["bdata"]), dtype=packed["dtype"])
+
+
+def needs_nothing_else(page):
+    """Return whether a page loads nothing and fetches nothing: links to other pages are allowed."""
+    text = page.read_text(encoding="utf-8")
+    loaded = re.findall(r"<(?:script|img|link|iframe)[^>]*(?:src|href)=|@import|url\(|fetch\(|https?:", text)
+    return not loaded and page.stat().st_size < 5e6

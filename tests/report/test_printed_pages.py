@@ -1,0 +1,100 @@
+"""Pages come out of a printer whole: every column of the widest table, and what is folded on the screen."""
+
+import re
+import shutil
+import subprocess
+from unicodedata import normalize
+
+import numpy as np
+import pytest
+
+from railgrip.report.distances import rows_of, tables_of
+from railgrip.report.index import write_report
+from railgrip.report.page import Page
+from railgrip.report.results import read_results
+from railgrip.report.style import panels
+from railgrip.trace.metrics import meanings
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+A4 = {(595, 842), (842, 595)}  # points
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, write_campaign):
+    directory = tmp_path_factory.mktemp("printed")
+    write_campaign(directory, lambda stop: stop.name.startswith("trapezoid-service"))
+    write_report(directory)
+    return directory
+
+
+def printed(page, folder):
+    """Return the text of each printed page, without spaces, and their sizes in points."""
+    from pypdf import PdfReader  # only where there is a browser
+
+    path = folder / "printed.pdf"
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
+    command = [BROWSER, *options, f"--user-data-dir={folder / 'profile'}", "--virtual-time-budget=20000",
+               "--no-pdf-header-footer", f"--print-to-pdf={path}", page.resolve().as_uri()]  # fmt: skip
+    subprocess.run(command, check=True, capture_output=True, timeout=300)
+    pages = PdfReader(path).pages
+    return [bare(one.extract_text()) for one in pages], {
+        (round(p.mediabox.width), round(p.mediabox.height)) for p in pages
+    }
+
+
+def bare(text):
+    return re.sub(r"\s", "", normalize("NFKC", text))  # printed letters may be joined, as in ﬁ
+
+
+def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
+    texts, sizes = printed(folder / "index.html", tmp_path)
+    assert sizes <= {
+        (w + dx, h + dy) for w, h in A4 for dx in (-1, 0, 1) for dy in (-1, 0, 1)
+    }  # rounded by the browser
+    _, table = tables_of(rows_of(read_results(folder)))
+    (first,) = [text for text in texts if bare("adhesion used") in text][:1]
+    assert len(table.columns) >= 15
+    assert [column for column in table.columns if bare(column) not in first] == []
+    everything = "".join(texts)
+    assert [cell for row in table.texts for cell in row.values() if bare(cell) not in everything] == []
+
+
+def test_a_stop_is_on_paper_with_what_is_folded_on_the_screen(folder, tmp_path):
+    stop = next(one for one in read_results(folder).stops if one.variants["controller"] == "adhesion_based")
+    texts, _ = printed(folder / stop.name / "index.html", tmp_path)
+    everything = "".join(texts)
+    assert [
+        text for text in ("periods.communication", "limits.alpha_max", stop.record.digest) if text not in everything
+    ] == []
+    assert [meaning for _, meaning in meanings().values() if bare(meaning) not in everything] == []
+    labels = (
+        "speed[km/h]",
+        "slip[%]",
+        "adhesion",
+        "padfriction",
+        "cylinderpressure[bar]",
+        "timesincethebrakedemand[s]",
+    )
+    assert [label for label in labels if label not in everything] == []
+    assert "wheelset6" in everything
+
+
+def test_every_kind_of_figure_is_drawn(tmp_path):
+    drawing, (image, bars) = panels(8, 4, 1, 2)
+    image.imshow([[0.0, 1.0], [0.5, np.nan]])
+    image.text(0, 0, "in the image")
+    bars.bar([0, 1], [1.0, 2.0], label="bars")
+    bars.axhline(1.5)
+    bars.fill_between([0, 1], [0.0, 0.5], [1.0, 1.5], label="band")
+    bars.annotate("at a bar", (1, 2.0), xytext=(0, 3), textcoords="offset points")
+    bars.set_xticks([0, 1], ["left tick", "right tick"])
+    bars.legend()
+    drawing.suptitle("above both")
+    values = dict.fromkeys(("distances", "parameters", "profile", "alternatives"), "")
+    figures = dict.fromkeys(("figure_4.png", "profile.png"), drawing)
+    template = "studies/papers/papers.md.jinja"
+    page = Page(title="t", question="q", answer="a", template=template, values=values, figures=figures)
+    texts, _ = printed(page.write(tmp_path), tmp_path)
+    for text in ("in the image", "at a bar", "left tick", "bars", "band", "above both"):
+        assert "".join(texts).count(bare(text)) == 2
