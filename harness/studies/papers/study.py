@@ -2,29 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated
 
 from typer import Option
 
 from railgrip.campaign.work import Work
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.studies.papers import adhesion_based
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
+from railgrip.studies.papers.pages import write_results
 from railgrip.studies.papers.table1 import Fitted, read_fits, refined, search, write_fits
 from railgrip.studies.study import Study
 
-PAGE = Path("docs/papers/adhesion_based.md")
-"""From the folder of the project, where the command runs."""
-END = "<!-- end -->"
-"""Mark after each table of the page."""
-
-
-def begin(name: str) -> str:
-    """Return the mark before a table."""
-    return f"<!-- {name}: written by `railgrip study papers --write` -->"
+PAGE = "adhesion_based.md"
 
 
 def tables_of(fits: Sequence[Fitted], identified: Fitted) -> dict[str, Table]:
@@ -54,7 +45,7 @@ class Papers(Study):
         if self.write:
             write_fits(FITS, fits)
             write_fits(IDENTIFIED, [identified])
-            write_tables(PAGE, {begin(name): table for name, table in tables.items()}, END)
+            write_results(PAGE, self.name, tables)
         work.notify("figure 4")
         return Page(
             template="studies/papers/papers.md.jinja",
