@@ -1,10 +1,11 @@
 """Figures over a campaign: the friction of its scenarios, the adhesion that was used, the distances."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil, isfinite
 
 import numpy as np
 import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
@@ -40,21 +41,20 @@ _MOST_BARS = 9
 """Scenarios side by side, whose bars still have room for a number."""
 
 
-def friction_figure(stops: Sequence[Result]) -> Figure:
-    """Return the maximum friction over time at each wheelset, a panel for each stop (one of each scenario).
+def friction_figure(traces: Mapping[str, xarray.Dataset]) -> Figure:
+    """Return the maximum friction over time at each wheelset, a panel for the trace of each title.
 
     Source of the form: Schwarz, Posielek and Goetjes, Fig. 3.
     """
-    drawing = style.figure(9, 2.4 * len(stops))
-    panels = drawing.subplots(len(stops), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, stop in zip(panels, stops, strict=True):
-        trace = stop.record.trace()
+    drawing = style.figure(9, 2.4 * len(traces))
+    panels = drawing.subplots(len(traces), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, (title, trace) in zip(panels, traces.items(), strict=True):
         mu0, time = trace["mu0"].values, trace["time"].values
         colours = style.lead_to_trail(mu0.shape[1])
         for wheelsets in style.alike(list(mu0.T)):
             axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
             panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
-        style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
+        style.dress(panel, y="maximum friction $\\mu_0$", title=title)
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
     panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
@@ -63,42 +63,50 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
 
 
 def adhesion_figure(sbc: Result, abc: Result) -> Figure:
-    """Return the adhesion of the first wheelset: SBC, ABC, estimated, and the greatest possible.
+    """Return the adhesion of the first wheelset: SBC, ABC, estimated, and the greatest possible in both stops.
 
-    Source of the form: Schwarz, Posielek and Goetjes, Fig. 4. The greatest possible adhesion is that of the ABC stop's
-    rail and speed, before the operator's limit, which is a line of its own.
+    Source of the form: Schwarz, Posielek and Goetjes, Fig. 4.
     """
     slide, seek = sbc.record.trace(), abc.record.trace()
     drawing, panel = style.panels(10, 4.8)
-    time = seek["time"].values
-    panel.plot(
-        slide["time"].values, slide["adhesion"].values[:, 0], color=style.BLUE, linewidth=0.9, label="SBC, two-state"
-    )
-    panel.plot(time, seek["adhesion"].values[:, 0], color=style.ORANGE, linewidth=1.2, label="ABC")
+    draw_adhesion(panel, {"SBC, two-state": slide, "ABC": seek}, abc.record.scenario["limits"]["alpha_max"])
     if "estimate_adhesion" in seek:
         panel.plot(
-            time,
+            seek["time"].values,
             seek["estimate_adhesion"].values[:, 0],
             color=style.VERMILION,
             linewidth=1.2,
             linestyle=(0, (1, 1.6)),
             label="ABC, estimated",
         )
-    panel.plot(time, seek["peak_adhesion"].values[:, 0], color=style.BLACK, linewidth=1.4, label="greatest possible")
-    limit = abc.record.scenario["limits"]["alpha_max"]
-    panel.axhline(limit, color=style.GREY, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
     style.dress(
         panel,
         x="time since the brake demand [s]",
         y="adhesion of wheelset 1",
-        title=f"{_title(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
+        title=f"{title_of(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
         f"sensors {abc.record.scenario['sensors']['kind']}: "
         f"{_distance(sbc.record)} with SBC, {_distance(abc.record)} with ABC",
     )
-    panel.set_xlim(0, None)
     panel.set_ylim(0, None)
-    style.legend(panel, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.12))
+    style.legend(panel, ncols=6, loc="upper center", bbox_to_anchor=(0.5, -0.12))
     return drawing
+
+
+def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float) -> None:
+    """Draw adhesion of the first wheelset and the greatest possible in a stop with SBC and one with ABC, and the limit.
+
+    The greatest possible is that of the rail at the speed of each stop, before the operator's limit.
+    """
+    colours = ((style.BLUE, style.GREY), (style.ORANGE, style.BLACK))
+    for (name, trace), (colour, _) in zip(traces.items(), colours, strict=True):
+        panel.plot(trace["time"].values, trace["adhesion"].values[:, 0], color=colour, linewidth=0.9, label=name)
+    for (name, trace), (_, colour) in zip(traces.items(), colours, strict=True):
+        greatest = trace["peak_adhesion"].values[:, 0]
+        name = f"greatest possible, {name.partition(',')[0]}"
+        # Wide and below, so that adhesion that has reached it is seen on it.
+        panel.plot(trace["time"].values, greatest, color=colour, linewidth=2.6, label=name, zorder=1.5)
+    panel.axhline(limit, color=style.VERMILION, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
+    panel.set_xlim(0, max(float(trace["time"].values[-1]) for trace in traces.values()))
 
 
 def distance_figure(rows: Sequence[Row]) -> Figure:
@@ -208,7 +216,7 @@ def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
     )
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     drawing.suptitle(
-        f"{_title(stop)}: {label(scenario)}, actuation "
+        f"{title_of(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {_distance(stop.record)} in "
         f"{metrics.duration:.1f} s{utilisation_text}{consistency}",
         x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
@@ -247,7 +255,7 @@ def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
     return drawing, np.hstack(parts)
 
 
-def _title(stop: Result) -> str:
+def title_of(stop: Result) -> str:
     """Return the name of a scenario; of a random rail the seed, too, for it is one draw of many."""
     scenario = stop.record.scenario
     name = scenario["name"].replace("_", " ")

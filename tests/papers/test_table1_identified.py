@@ -9,11 +9,12 @@ from railgrip.report.marked import with_tables
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.polach import named_set
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
-from railgrip.studies.papers.pages import END, FOLDER, marked
+from railgrip.studies.papers.pages import END, FOLDER, marked, measures_of
 from railgrip.studies.papers.study import PAGE, tables_of
 from railgrip.studies.papers.table1 import SCENARIOS, median_distance, read_fits
 
-PATH = Path(__file__).parents[2] / FOLDER / PAGE
+PROJECT = Path(__file__).parents[2]
+PATH = PROJECT / FOLDER / PAGE
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,7 @@ def identified():
 
 @pytest.fixture(scope="module")
 def tables(identified):
-    return marked("papers", tables_of(read_fits(FITS), identified))
+    return marked("papers", tables_of(read_fits(FITS), identified, measures_of(PAGE, PROJECT)))
 
 
 def test_the_page_says_what_the_files_of_results_say(tables):

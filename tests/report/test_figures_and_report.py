@@ -35,7 +35,7 @@ def stops(folder):
 
 def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     selection = [stops[f"{name}-ideal-slip_two_state"] for name in ("trapezoid", "sine_sweep", "random")]
-    panels = friction_figure(selection).axes
+    panels = friction_figure({stop.name: stop.record.trace() for stop in selection}).axes
     assert len(panels) == 3
     for panel, stop in zip(panels, selection, strict=True):
         assert "mu_0" in panel.get_ylabel()
@@ -53,10 +53,13 @@ def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
     lines = {line.get_label(): line for line in panel.lines}
-    assert list(lines) == ["SBC, two-state", "ABC", "ABC, estimated", "greatest possible", "limit 0.15"]
-    trace = abc.record.trace()
-    assert lines["ABC"].get_ydata() == pytest.approx(trace["adhesion"].values[:, 0])
-    assert lines["greatest possible"].get_ydata() == pytest.approx(trace["peak_adhesion"].values[:, 0])
+    stops_of = {"SBC": sbc.record.trace(), "ABC": abc.record.trace()}
+    greatest = [f"greatest possible, {name}" for name in stops_of]
+    assert list(lines) == ["SBC, two-state", "ABC", *greatest, "limit 0.15", "ABC, estimated"]
+    assert lines["ABC"].get_ydata() == pytest.approx(stops_of["ABC"]["adhesion"].values[:, 0])
+    for name, trace in stops_of.items():
+        assert lines[f"greatest possible, {name}"].get_ydata() == pytest.approx(trace["peak_adhesion"].values[:, 0])
+    assert panel.get_xlim()[1] == max(trace["time"].values[-1] for trace in stops_of.values())
 
 
 def test_distances_stand_beside_the_published_ones(folder):
@@ -134,7 +137,9 @@ def test_controllers_of_one_kind_have_a_bar_each(folder):
 
 def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
     stop = stops["trapezoid-ideal-slip_two_state"]
-    one, other = (style.save(friction_figure([stop]), tmp_path / f"{k}.png").read_bytes() for k in (1, 2))
+    one, other = (
+        style.save(friction_figure({"a stop": stop.record.trace()}), tmp_path / f"{k}.png").read_bytes() for k in (1, 2)
+    )
     assert one == other
 
 

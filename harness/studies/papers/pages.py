@@ -1,11 +1,15 @@
 """Pages of published papers in docs/papers: a study writes its tables between marks, and its figures beside them."""
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
+from PIL import Image
 
+from railgrip.base.files import write_json
 from railgrip.report.marked import write_tables
 from railgrip.report.style import save
 from railgrip.report.table import Form, Table, percent, text
@@ -70,22 +74,41 @@ def marked(study: str, tables: Mapping[str, Table | str]) -> dict[str, Table | s
 
 
 def write_results(
-    page: str, study: str, tables: Mapping[str, Table | str], figures: Mapping[str, Figure] | None = None
+    page: str,
+    study: str,
+    tables: Mapping[str, Table | str],
+    figures: Mapping[str, Figure] | None = None,
+    measures: Mapping[str, Any] | None = None,
 ) -> None:
-    """Write tables between the marks of a page and figures into `figures`.
+    """Write tables between the marks of a page; figures and what is measured in them into `figures`.
 
     Args:
         page: File name of the page in `FOLDER`.
         study: Whose command, with `--write`, writes them.
         tables: By the names in the marks.
         figures: By their file names, which begin with that of the page: all pages share the folder.
+        measures: JSON values that tables are made of, so that tests need not run the study; see `measures_of`.
 
     Raises:
         RecordError: The page cannot be read, or lacks a mark.
     """
     write_tables(FOLDER / page, marked(study, tables), END)
     for name, figure in (figures or {}).items():
-        save(figure, FOLDER / "figures" / name)
+        path = save(figure, FOLDER / "figures" / name)
+        if path.suffix == ".png":
+            # Lines in a few colours need no more, and the file is a third as large.
+            Image.open(path).convert("RGB").quantize(128).save(path, optimize=True)
+    if measures is not None:
+        write_json(_measures_file(page), measures)
+
+
+def measures_of(page: str, project: Path = Path()) -> Any:
+    """Return what `write_results` wrote of a page in the folder of a project."""
+    return json.loads((project / _measures_file(page)).read_text(encoding="utf-8"))
+
+
+def _measures_file(page: str) -> Path:
+    return (FOLDER / "figures" / page).with_suffix(".json")
 
 
 def _change(ours: float, published: float) -> str:
