@@ -11,6 +11,7 @@ from railgrip.studies.papers.pages import Compared, comparison
     ("published", "ours", "shown", "difference"),
     [
         (400.0, 410.0, "400.00 m", "+2.5 %"),
+        (0.0, -0.01, "0.00 m", "−0.01 m"),
         ((0.02, 0.05), 0.03, "0.02 m to 0.05 m", "within"),
         ((0.02, 0.05), 0.06, "0.02 m to 0.05 m", "0.01 m above"),
         ((0.02, 0.05), 0.01, "0.02 m to 0.05 m", "0.01 m below"),

@@ -47,9 +47,10 @@ class Compared:
         published, ours = self.published, self.ours
         difference = self.difference
         if not isinstance(ours, str) and not isinstance(published, str) and not difference:
-            difference = (
-                _beyond(ours, *published, self.form) if isinstance(published, tuple) else _change(ours, published)
-            )
+            if isinstance(published, tuple):
+                difference = _beyond(ours, *published, self.form)
+            else:
+                difference = percent(ours / published - 1) if published else text(ours, self.form)
         return {
             "figure": self.figure,
             "quantity": self.quantity,
@@ -63,7 +64,8 @@ class Compared:
 def comparison(rows: Sequence[Compared], command: str) -> Table:
     """Return the table of a page: figure, quantity, published, ours, difference, command.
 
-    The difference from a number is a change in percent, from a range "within" or the distance to its nearer bound.
+    The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
+    its nearer bound.
     """
     return Table([row.row(command) for row in rows], left=("figure", "quantity", "command"))
 
@@ -109,10 +111,6 @@ def measures_of(page: str, project: Path = Path()) -> Any:
 
 def _measures_file(page: str) -> Path:
     return (FOLDER / "figures" / page).with_suffix(".json")
-
-
-def _change(ours: float, published: float) -> str:
-    return percent(ours / published - 1)
 
 
 def _range(low: float, high: float, form: Form) -> str:
