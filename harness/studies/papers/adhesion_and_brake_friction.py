@@ -187,11 +187,14 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     inputs.set_ylim(0, 1.25 * START_SPEED[test])
     _legend(inputs, force)
     measured = measured_adhesion(recording)
-    adhesion.plot(time, measured, color=LOAD_CELLS, lw=2.2, label="load cells")
     friction.plot(time, truth_of(recording, "mu_b"), color=style.BLACK, lw=1.2, ls="--", label="true")
+    # The noisiest line, as wide as a band, lies below what it is compared with.
     for name, one in estimates.items():
-        for panel, state in ((adhesion, "alpha"), (friction, "mu_b")):
-            panel.plot(time, one["mean"].sel(state=state), color=COLOURS[name], lw=0.7, label=NAMES[name])
+        width = 1.6 if name == "rig-paper" else 0.6
+        adhesion.plot(time, one["mean"].sel(state="alpha"), color=COLOURS[name], lw=width, label=NAMES[name])
+        friction.plot(time, one["mean"].sel(state="mu_b"), color=COLOURS[name], lw=0.8, label=NAMES[name])
+        if name == "rig-paper":
+            adhesion.plot(time, measured, color=LOAD_CELLS, lw=1.4, label="load cells")
     top = 1.35 * float(np.nanmax(measured))
     adhesion.set_ylim(-0.01, top)
     style.dress(adhesion, y="adhesion")

@@ -99,7 +99,8 @@ def write_results(
         path = save(figure, FOLDER / "figures" / name)
         if path.suffix == ".png":
             # Lines in a few colours need no more, and the file is a third as large.
-            Image.open(path).convert("RGB").quantize(128).save(path, optimize=True)
+            picture = Image.open(path).convert("RGB")
+            picture.quantize(128, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
     if measures is not None:
         write_json(_measures_file(page), measures)
 
