@@ -41,25 +41,31 @@ _MOST_BARS = 9
 """Scenarios side by side, whose bars still have room for a number."""
 
 
-def friction_figure(traces: Mapping[str, xarray.Dataset]) -> Figure:
-    """Return the maximum friction over time at each wheelset, a panel for the trace of each title.
+def friction_figure(stops: Sequence[Result]) -> Figure:
+    """Return the maximum friction over time at each wheelset, a panel for each stop (one of each scenario).
 
     Source of the form: Schwarz, Posielek and Goetjes, Fig. 3.
     """
-    drawing = style.figure(9, 2.4 * len(traces))
-    panels = drawing.subplots(len(traces), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, (title, trace) in zip(panels, traces.items(), strict=True):
+    drawing = style.figure(9, 2.4 * len(stops))
+    panels = drawing.subplots(len(stops), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, stop in zip(panels, stops, strict=True):
+        trace = stop.record.trace()
         mu0, time = trace["mu0"].values, trace["time"].values
-        colours = style.lead_to_trail(mu0.shape[1])
-        for wheelsets in style.alike(list(mu0.T)):
-            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
-            panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
-        style.dress(panel, y="maximum friction $\\mu_0$", title=title)
+        draw_wheelsets(panel, time, mu0)
+        style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
     panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
     panels[-1].set_xlabel("time since the brake demand [s]")
     return drawing
+
+
+def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
+    """Draw maximum friction over time, shape (samples, wheelsets), from blue, the first wheelset, to purple."""
+    colours = style.lead_to_trail(mu0.shape[1])
+    for wheelsets in style.alike(list(mu0.T)):
+        axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
+        panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
 
 
 def adhesion_figure(sbc: Result, abc: Result) -> Figure:
@@ -83,7 +89,7 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
         panel,
         x="time since the brake demand [s]",
         y="adhesion of wheelset 1",
-        title=f"{title_of(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
+        title=f"{_title(abc)}, actuation {abc.record.scenario['actuation']['kind']}, "
         f"sensors {abc.record.scenario['sensors']['kind']}: "
         f"{_distance(sbc.record)} with SBC, {_distance(abc.record)} with ABC",
     )
@@ -216,7 +222,7 @@ def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
     )
     consistency = "" if metrics.nis_ratio is None else f"; median NIS {metrics.nis_ratio:.2g} of the expected one"
     drawing.suptitle(
-        f"{title_of(stop)}: {label(scenario)}, actuation "
+        f"{_title(stop)}: {label(scenario)}, actuation "
         f"{scenario['actuation']['kind']}, sensors {scenario['sensors']['kind']}; {_distance(stop.record)} in "
         f"{metrics.duration:.1f} s{utilisation_text}{consistency}",
         x=0.01, y=1 - 0.22 / drawing.get_figheight(), ha="left", fontsize=11,
@@ -255,7 +261,7 @@ def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
     return drawing, np.hstack(parts)
 
 
-def title_of(stop: Result) -> str:
+def _title(stop: Result) -> str:
     """Return the name of a scenario; of a random rail the seed, too, for it is one draw of many."""
     scenario = stop.record.scenario
     name = scenario["name"].replace("_", " ")

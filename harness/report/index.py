@@ -13,7 +13,7 @@ from railgrip.report.baseline import beyond_accepted
 from railgrip.report.distances import rows_of, tables_of, write_table
 from railgrip.report.distribution import distributions_of
 from railgrip.report.distribution_figure import distribution_figure
-from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure, title_of
+from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.page import image, write_page
 from railgrip.report.reference import is_published
 from railgrip.report.results import Result, Results, from_elsewhere, read_results
@@ -84,11 +84,7 @@ def _campaign_report(
         add("distances", "Braking distances", lambda: distance_figure(single))
     scenarios = _longest_of_each_scenario([stop for stop in results.stops if stop.record.has_trace])
     if scenarios:
-        add(
-            "friction",
-            "Maximum friction at the wheelsets",
-            lambda: friction_figure({title_of(stop): stop.record.trace() for stop in scenarios}),
-        )
+        add("friction", "Maximum friction at the wheelsets", lambda: friction_figure(scenarios))
     single_stops = [stop for stop in results.stops if DRAW not in stop.variants]
     pairs = _pairs(single_stops) if panels != "none" else []
     with_panels = {stop.name for stop in single_stops} if panels == "all" else {abc.name for _, abc in pairs}

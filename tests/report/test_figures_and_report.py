@@ -35,7 +35,7 @@ def stops(folder):
 
 def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     selection = [stops[f"{name}-ideal-slip_two_state"] for name in ("trapezoid", "sine_sweep", "random")]
-    panels = friction_figure({stop.name: stop.record.trace() for stop in selection}).axes
+    panels = friction_figure(selection).axes
     assert len(panels) == 3
     for panel, stop in zip(panels, selection, strict=True):
         assert "mu_0" in panel.get_ylabel()
@@ -137,9 +137,7 @@ def test_controllers_of_one_kind_have_a_bar_each(folder):
 
 def test_the_same_figure_gives_the_same_bytes(stops, tmp_path):
     stop = stops["trapezoid-ideal-slip_two_state"]
-    one, other = (
-        style.save(friction_figure({"a stop": stop.record.trace()}), tmp_path / f"{k}.png").read_bytes() for k in (1, 2)
-    )
+    one, other = (style.save(friction_figure([stop]), tmp_path / f"{k}.png").read_bytes() for k in (1, 2))
     assert one == other
 
 

@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 
 from railgrip.api import Scenario
 from railgrip.report import style
-from railgrip.report.figures import draw_adhesion, friction_figure
+from railgrip.report.figures import draw_adhesion, draw_wheelsets
 from railgrip.report.table import Table
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CreepCurve
@@ -155,9 +155,17 @@ def block_diagram() -> Figure:
 
 def rail_figure(stops: Mapping[str, Stop]) -> Figure:
     """Draw maximum friction of the rails over time (figure 3)."""
-    drawing = friction_figure({name.replace("_", " "): stops[f"library {name}"].trace for name in SCENARIOS})
-    drawing.axes[0].axvline(LAST_RISE, color=style.BLACK, linestyle="--", linewidth=1)
-    drawing.axes[0].text(LAST_RISE - 0.15, 0.1, "published:\nlast rise", fontsize=8, ha="right")
+    drawing, panels = style.panels(9, 6.6, len(SCENARIOS), 1, sharex=True)
+    for panel, name in zip(panels, SCENARIOS, strict=True):
+        trace = stops[f"library {name}"].trace
+        draw_wheelsets(panel, trace["time"].values, trace["mu0"].values)
+        style.dress(panel, y="maximum friction $\\mu_0$", title=name.replace("_", " "))
+        panel.set_ylim(bottom=0)
+    panels[0].axvline(LAST_RISE, color=style.BLACK, linestyle="--", linewidth=1)
+    panels[0].text(LAST_RISE - 0.15, 0.1, "published:\nlast rise", fontsize=8, ha="right")
+    style.legend(panels[0], ncols=4, loc="lower left")
+    panels[-1].set_xlabel("time since the brake demand [s]")
+    panels[-1].set_xlim(0, None)
     return drawing
 
 
