@@ -1,10 +1,11 @@
 """Figures over a campaign: the friction of its scenarios, the adhesion that was used, the distances."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil, isfinite
 
 import numpy as np
 import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
@@ -50,10 +51,7 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
     for panel, stop in zip(panels, stops, strict=True):
         trace = stop.record.trace()
         mu0, time = trace["mu0"].values, trace["time"].values
-        colours = palette.lead_to_trail(mu0.shape[1])
-        for wheelsets in style.alike(list(mu0.T)):
-            axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
-            panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
+        draw_wheelsets(panel, time, mu0)
         style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
@@ -62,31 +60,31 @@ def friction_figure(stops: Sequence[Result]) -> Figure:
     return drawing
 
 
-def adhesion_figure(sbc: Result, abc: Result) -> Figure:
-    """Return the adhesion of the first wheelset: SBC, ABC, estimated, and the greatest possible.
+def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
+    """Draw maximum friction over time, shape (samples, wheelsets), from blue, the first wheelset, to purple."""
+    colours = palette.lead_to_trail(mu0.shape[1])
+    for wheelsets in style.alike(list(mu0.T)):
+        axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
+        panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
 
-    Source of the form: Schwarz, Posielek and Goetjes, Fig. 4. The greatest possible adhesion is that of the ABC stop's
-    rail and speed, before the operator's limit, which is a line of its own.
+
+def adhesion_figure(sbc: Result, abc: Result) -> Figure:
+    """Return the adhesion of the first wheelset: SBC, ABC, estimated, and the greatest possible in both stops.
+
+    Source of the form: Schwarz, Posielek and Goetjes, Fig. 4.
     """
     slide, seek = sbc.record.trace(), abc.record.trace()
     drawing, panel = style.panels(10, 4.8)
-    time = seek["time"].values
-    panel.plot(
-        slide["time"].values, slide["adhesion"].values[:, 0], color=palette.BLUE, linewidth=0.9, label="SBC, two-state"
-    )
-    panel.plot(time, seek["adhesion"].values[:, 0], color=palette.ORANGE, linewidth=1.2, label="ABC")
+    draw_adhesion(panel, {"SBC, two-state": slide, "ABC": seek}, abc.record.scenario["limits"]["alpha_max"])
     if "estimate_adhesion" in seek:
         panel.plot(
-            time,
+            seek["time"].values,
             seek["estimate_adhesion"].values[:, 0],
             color=palette.VERMILION,
             linewidth=1.2,
             linestyle=(0, (1, 1.6)),
             label="ABC, estimated",
         )
-    panel.plot(time, seek["peak_adhesion"].values[:, 0], color=palette.BLACK, linewidth=1.4, label="greatest possible")
-    limit = abc.record.scenario["limits"]["alpha_max"]
-    panel.axhline(limit, color=palette.GREY, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
     style.dress(
         panel,
         x="time since the brake demand [s]",
@@ -95,10 +93,26 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
         f"sensors {abc.record.scenario['sensors']['kind']}: "
         f"{_distance(sbc.record)} with SBC, {_distance(abc.record)} with ABC",
     )
-    panel.set_xlim(0, None)
     panel.set_ylim(0, None)
-    style.legend(panel, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.12))
+    style.legend(panel, ncols=6, loc="upper center", bbox_to_anchor=(0.5, -0.12))
     return drawing
+
+
+def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float) -> None:
+    """Draw adhesion of the first wheelset and the greatest possible in a stop with SBC and one with ABC, and the limit.
+
+    The greatest possible is that of the rail at the speed of each stop, before the operator's limit.
+    """
+    colours = ((palette.BLUE, palette.GREY), (palette.ORANGE, palette.BLACK))
+    for (name, trace), (colour, _) in zip(traces.items(), colours, strict=True):
+        panel.plot(trace["time"].values, trace["adhesion"].values[:, 0], color=colour, linewidth=0.9, label=name)
+    for (name, trace), (_, colour) in zip(traces.items(), colours, strict=True):
+        greatest = trace["peak_adhesion"].values[:, 0]
+        name = f"greatest possible, {name.partition(',')[0]}"
+        # Wide and below, so that adhesion that has reached it is seen on it.
+        panel.plot(trace["time"].values, greatest, color=colour, linewidth=2.6, label=name, zorder=1.5)
+    panel.axhline(limit, color=palette.VERMILION, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
+    panel.set_xlim(0, max(float(trace["time"].values[-1]) for trace in traces.values()))
 
 
 def distance_figure(rows: Sequence[Row]) -> Figure:

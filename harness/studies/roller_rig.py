@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 import numpy as np
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from typer import Option
@@ -27,23 +26,20 @@ from railgrip.estimation.spec import (
 from railgrip.estimators.observability import along
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, extreme, mean
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Form, Table, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.sensors.white import White
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.papers import adhesion_and_brake_friction as published
+from railgrip.studies.papers.adhesion_and_brake_friction import LIMIT, RECOVERY
+from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 from railgrip.trace.samples import evenly, period_of, reading_of, samples, truth_of, with_signals
 
 Mask = NDArray[np.bool_]
-
-LIMIT = 0.02
-"""Error of adhesion that Schwarz and Keck (2020), §4, keep outside protection events."""
-
-RECOVERY = 0.1
-"""Time in which they correct a larger one [s]; a protection answers in 0.2 s."""
 
 
 def outside_events(recording: xarray.Dataset, settled: float) -> Mask:
@@ -86,12 +82,9 @@ def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: fl
 
 
 FILTERS = ("rig_paper", "rig_own")
-SCENARIOS = ("rig_slide", "rig_sand")
+SCENARIOS: tuple[str, ...] = ("rig_slide", "rig_sand")
 SETTLED = 0.5
 """Seconds after the start in which estimates are not judged."""
-DEEP_SLIDE = (3.0, 11.0)
-"""Seconds of the sanding test in which adhesion passes its peak, falls, comes back and goes to zero: figure 6."""
-
 PERIODS = (5e-3, 10e-3, 20e-3)
 SPEED_NOISES = (0.5e-4, 1e-4, 3.2e-4)
 """Of the roller's encoder [m/s]; the last is what the R of equation (20) says, the square root of 1e-7."""
@@ -109,9 +102,8 @@ DRAWS = 10
 FIT_PERIODS = (5e-3, 10e-3, 12e-3, 16e-3, 20e-3, 30e-3)
 """Periods at which equation (20) as printed is tried with each encoder [s]."""
 
-PAGE = Path("docs/papers.md")
-"""From the folder of the project, where the command runs."""
-BEGIN, END = "<!-- rig: written by `railgrip study roller_rig --write` -->", "<!-- end of rig -->"
+FIRST = "adhesion_and_brake_friction_4.png"
+"""Figure that decides the question."""
 
 Row = dict[str, Any]
 """One filter on one run, as the files have it; errors against the truth, after the start has settled.
@@ -253,38 +245,45 @@ def _resampled(name: str, period: float, noise: float) -> Scenario:
 class RollerRig(Study):
     """Run the roller-rig tests of Schwarz and Keck (2020) with their filter and ours; write figures and tables."""
 
-    write: Annotated[bool, Option("--write", help="Write what fits equation (20) into docs/papers.md.")] = False
+    write: Annotated[
+        bool, Option("--write", help="Write figures and tables into docs/papers/adhesion_and_brake_friction.md.")
+    ] = False
 
     def page(self, work: Work) -> Page:
         """Return both tests with both filters, and the sliding test with other periods and encoders."""
         scenarios = [load(Path(name)) for name in SCENARIOS]
-        tests = work.map(tested, scenarios)
+        tests = dict(zip(SCENARIOS, work.map(tested, scenarios), strict=True))
         sensitivity = [row for rows in work.map(with_encoder, _other_encoders()) for row in rows]
-        rows = _rows(scenarios, tests)
+        rows = _rows(scenarios, list(tests.values()))
         fits = fit_table(work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS]))
-        if self.write:
-            write_tables(PAGE, {BEGIN: fits}, END)
-        figures: dict[str, Figure] = {}
-        for file, scenario, (recording, estimates) in zip(SCENARIOS, scenarios, tests, strict=True):
-            for name, one in estimates.items():
-                figures[f"{file}_{name}.png"] = rig_run(recording, one, title=f"{scenario.description}: {name}")
-            figures[f"{file}_tunings.png"] = tunings(recording, estimates)
-        figures["rig_sand_over_slip.png"] = over_slip(*tests[-1], between=DEEP_SLIDE, limit=LIMIT)
+        slide = published.points_of_slide(tests["rig_sand"][0], VehicleData(scenarios[-1]).contact)
+        found = published.measures(tests, rows, slide)
         scores = table_of(rows, scenario="scenario")
+        tables = {
+            "published": published.table(found),
+            "scores": scores,
+            "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
+            "fits": fits,
+        }
+        figures = published.figures(tests, slide)
+        if self.write:
+            write_results(published.PAGE, self.name, tables, figures, found)
+        charts = dict(list(figures.items())[2:])  # without the schematic drawings of wagon and rig
+        errors_of_tests = {f"{name}_tunings.png": tunings(*test) for name, test in tests.items()}
         words = [f"{row['scenario']}, {row['filter']} {row['alpha_rmse']:.4f}" for row in rows]
         return Page(
             title="Roller rig: adhesion and pad friction estimated",
             question="How well do the filter of Schwarz and Keck (2020) and ours estimate adhesion on a roller rig?",
             answer=f"RMSE of adhesion: {'; '.join(words)}.",
             template="studies/roller_rig.md.jinja",
-            values={
-                "scores": scores,
-                "fits": fits,
-                "sensitivity": table_of(sensitivity, period="period", **{"σ of v": "speed_noise"}),
-            },
-            figures=figures,
+            values=tables,
+            figures={FIRST: figures[FIRST], **charts, **errors_of_tests},
             tables={"scores.csv": Table(rows), "sensitivity.csv": Table(sensitivity)},
-            screen=(scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")), fits),
+            screen=(
+                tables["published"].without(("command",)),
+                scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")),
+                fits,
+            ),
         )
 
     def headlines(self, work: Work) -> list[Finding]:
@@ -343,80 +342,6 @@ _FORMS: Mapping[str, Form] = {
 }
 
 
-RADIUS = 0.46  # m, of the rig's wheelset
-
-
-def rig_run(recording: xarray.Dataset, estimates: xarray.Dataset, *, title: str) -> Figure:
-    """Draw speeds and pad force above, adhesion and pad friction below (Schwarz and Keck, 2020, figures 4 and 5)."""
-    time = recording["time"].values
-    drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True)
-    above.plot(time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, lw=1.2, label="roller")
-    above.plot(
-        time,
-        style.KMH * RADIUS * reading_of(recording, "wheelset_speed"),
-        color=palette.BLUE,
-        lw=0.8,
-        label="wheelset, at the rim",
-    )
-    drawing.suptitle(title, fontsize=10)
-    style.dress(above, y="speed [km/h]")
-    force = style.second_scale(above, "pad force [kN]")
-    force.plot(
-        time,
-        reading_of(recording, "pad_force") / 1e3,
-        color=palette.ORANGE,
-        lw=0.7,
-        alpha=0.8,
-        label="pad force (right)",
-    )
-    force.set_ylim(0, None)
-    _legend(above, force)
-    measured = reading_of(recording, "contact_force") / reading_of(recording, "wheelset_load")
-    adhesion, pads = (estimates["mean"].sel(state=state) for state in ("alpha", "mu_b"))
-    below.plot(time, measured, color=palette.ORANGE, lw=2.0, label="adhesion by load cells")
-    below.plot(time, adhesion, color=palette.BLUE, lw=0.7, label="adhesion, estimated")
-    top = 1.1 * float(np.nanmax(measured))
-    below.set_ylim(-0.01, top)
-    style.dress(below, x="time [s]", y="adhesion")
-    friction = style.second_scale(below, "pad friction")
-    friction.plot(
-        time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.0, ls="--", label="pad friction, true (right)"
-    )
-    friction.plot(time, pads, color=palette.VERMILION, lw=1.0, label="pad friction, estimated (right)")
-    friction.set_ylim(0.0, 0.5)
-    _legend(below, friction)
-    return drawing
-
-
-def over_slip(
-    recording: xarray.Dataset,
-    estimates: Mapping[str, xarray.Dataset],
-    *,
-    between: tuple[float, float],
-    limit: float,
-) -> Figure:
-    """Draw adhesion over slip and its error (figure 6), for every filter, from `between[0]` to `between[1]` seconds."""
-    part = recording.sel(time=slice(*between))
-    slip = truth_of(part, "slip")
-    drawing, (above, below) = style.panels(10, 7, 2, 1, sharex=True)
-    above.plot(
-        slip,
-        reading_of(part, "contact_force") / reading_of(part, "wheelset_load"),
-        color=palette.GREY,
-        lw=2.0,
-        label="load cells",
-    )
-    for (name, one), color in zip(estimates.items(), (palette.VERMILION, palette.BLUE, palette.GREEN), strict=False):
-        adhesion = one.sel(time=slice(*between))["mean"].sel(state="alpha").values
-        above.plot(slip, adhesion, color=color, lw=0.9, label=name)
-        below.plot(slip, np.abs(adhesion - truth_of(part, "alpha")), ".-", color=color, lw=0.6, ms=2.5, label=name)
-    style.dress(above, y="adhesion", title=f"{part.attrs['name']}, {between[0]:g} to {between[1]:g} s")
-    style.legend(above)
-    below.axhline(limit, color=palette.BLACK, lw=0.8, ls=":")
-    style.dress(below, x="slip", y="|error| of adhesion")
-    return drawing
-
-
 def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
     """Draw error and claimed spread of adhesion and pad friction, one column a filter."""
     drawing, axes = style.panels(10, 6, 2, len(estimates), sharex=True, squeeze=False)
@@ -433,10 +358,3 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
             style.dress(at, x="time [s]" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
             style.legend(at, loc="upper right")
     return drawing
-
-
-def _legend(axes: Axes, other: Axes) -> None:
-    """Name the lines of both scales above the axes, where none of them runs."""
-    lines = [*axes.get_lines(), *other.get_lines()]
-    names = [str(line.get_label()) for line in lines]
-    style.legend(axes, lines, names, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4)

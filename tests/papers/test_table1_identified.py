@@ -9,10 +9,12 @@ from railgrip.report.marked import with_tables
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.polach import named_set
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
-from railgrip.studies.papers.study import END, PAGE, begin, tables_of
+from railgrip.studies.papers.pages import END, FOLDER, marked, measures_of
+from railgrip.studies.papers.study import PAGE, tables_of
 from railgrip.studies.papers.table1 import SCENARIOS, median_distance, read_fits
 
 PROJECT = Path(__file__).parents[2]
+PATH = PROJECT / FOLDER / PAGE
 
 
 @pytest.fixture(scope="module")
@@ -22,16 +24,16 @@ def identified():
 
 @pytest.fixture(scope="module")
 def tables(identified):
-    return {begin(name): table for name, table in tables_of(read_fits(FITS), identified).items()}
+    return marked("papers", tables_of(read_fits(FITS), identified, measures_of(PAGE, PROJECT)))
 
 
 def test_the_page_says_what_the_files_of_results_say(tables):
-    text = (PROJECT / PAGE).read_text(encoding="utf-8")
+    text = PATH.read_text(encoding="utf-8")
     assert with_tables(text, tables, END) == text
 
 
 def test_a_stale_number_is_found(tables):
-    text = (PROJECT / PAGE).read_text(encoding="utf-8")
+    text = PATH.read_text(encoding="utf-8")
     assert "382.9 m" in text
     stale = text.replace("382.9 m", "382.8 m")
     assert with_tables(stale, tables, END) == text != stale

@@ -56,10 +56,13 @@ def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
     lines = {line.get_label(): line for line in panel.lines}
-    assert list(lines) == ["SBC, two-state", "ABC", "ABC, estimated", "greatest possible", "limit 0.15"]
-    trace = abc.record.trace()
-    assert lines["ABC"].get_ydata() == pytest.approx(trace["adhesion"].values[:, 0])
-    assert lines["greatest possible"].get_ydata() == pytest.approx(trace["peak_adhesion"].values[:, 0])
+    stops_of = {"SBC": sbc.record.trace(), "ABC": abc.record.trace()}
+    greatest = [f"greatest possible, {name}" for name in stops_of]
+    assert list(lines) == ["SBC, two-state", "ABC", *greatest, "limit 0.15", "ABC, estimated"]
+    assert lines["ABC"].get_ydata() == pytest.approx(stops_of["ABC"]["adhesion"].values[:, 0])
+    for name, trace in stops_of.items():
+        assert lines[f"greatest possible, {name}"].get_ydata() == pytest.approx(trace["peak_adhesion"].values[:, 0])
+    assert panel.get_xlim()[1] == max(trace["time"].values[-1] for trace in stops_of.values())
 
 
 def test_distances_stand_beside_the_published_ones(folder):

@@ -3,14 +3,21 @@
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.ndimage import uniform_filter1d
 
 from railgrip.api import Scenario
 from railgrip.report import palette, style
+from railgrip.report.figures import draw_adhesion, draw_wheelsets
 from railgrip.report.table import Table
 from railgrip.simulate.run import run_stop
+from railgrip.studies.papers.creep_curves import CreepCurve
+from railgrip.studies.papers.lyapunov import course_of, violations
+from railgrip.studies.papers.pages import Compared
+from railgrip.studies.papers.schematic import arrow, box, canvas
 from railgrip.studies.papers.table1 import ABC, BOUNDS, DEFAULT, EQUAL, SBC, SCENARIOS, Fitted, stop_of
 from railgrip.trace.stop import Stop
 
@@ -99,38 +106,180 @@ def profile_figure(fits: Sequence[Fitted]) -> Figure:
     return drawing
 
 
+LAWS = ("ABC, as printed", "ABC, ours")
+"""Both forms of adhesion-based control."""
+
+
 def stops_of(identified: Fitted) -> dict[str, Stop]:
-    """Return the stops of figure 4: the identified pair, and our law on the scenario as it is."""
-    level = identified.levels["trapezoid"]
-    return {
-        "SBC": run_stop(stop_of("trapezoid", identified.candidate, level, "sbc")),
-        "ABC, as printed": run_stop(stop_of("trapezoid", identified.candidate, level, "abc")),
-        "ABC, ours": run_stop(
-            Scenario.load("trapezoid", {"adhesion.polach": identified.candidate.polach, "adhesion.level": level})
-        ),
-    }
+    """Return the stops of figures 3 and 4: slip-based control on each rail, on the trapezoid both laws, too.
+
+    "library NAME": On the rail as the scenarios of the library have it, for another creep curve.
+    """
+    curve, levels = identified.candidate, identified.levels
+    trapezoid = {"adhesion.polach": curve.polach, "adhesion.level": levels["trapezoid"]}
+    slip_based = {"controller.kind": "slip_two_state", "estimator.kind": "none"}
+    scenarios = {name: stop_of(name, curve, levels[name], "sbc") for name in SCENARIOS}
+    scenarios |= {f"library {name}": Scenario.load(name, slip_based) for name in SCENARIOS}
+    laws = (
+        stop_of("trapezoid", curve, levels["trapezoid"], "abc"),
+        Scenario.load("trapezoid", trapezoid),
+    )
+    return {name: run_stop(one) for name, one in (scenarios | dict(zip(LAWS, laws, strict=True))).items()}
+
+
+def block_diagram() -> Figure:
+    """Draw plant, adhesion estimator and controller, and what each is written in (figure 2)."""
+    drawing, axes = canvas(9, 3.9)
+    box(
+        axes,
+        (0.4, 2.4),
+        (2.3, 1.1),
+        "controller",
+        "$u = L\\,\\mathrm{sgn}(\\dot s\\,\\dot\\alpha)$ or ours\nCasADi formula as C",
+    )
+    box(axes, (3.5, 2.4), (2.3, 1.1), "plant", "train, contact, brakes\nModelica, FMU", "--")
+    box(axes, (6.6, 2.4), (1.9, 1.1), "sensors", "noise, faults, sampling\nC")
+    box(axes, (3.5, 0.35), (5.0, 1.2), "adhesion estimator", "extended Kalman filter\nC")
+    axes.texts[-2].set_x(7.35)
+    axes.texts[-1].set_x(7.35)
+    box(axes, (3.7, 0.5), (2.3, 0.9), "prediction", "f, h, Jacobians\nModelica, FMU", "--")
+    arrow(axes, (2.7, 2.95), (3.5, 2.95), "$p_{1\\ldots4}$", (3.1, 3.12))
+    arrow(axes, (5.8, 2.95), (6.6, 2.95), "$y$", (6.2, 3.1))
+    arrow(axes, (7.55, 2.4), (7.55, 1.55), "$v, \\omega, \\Delta z, \\dot v$", (7.65, 1.97), ha="left")
+    axes.plot([3.5, 1.55], [0.95, 0.95], color=palette.BLACK, linewidth=1.3)
+    arrow(axes, (1.55, 0.95), (1.55, 2.4), "$\\hat\\alpha$, $\\hat s$", (1.65, 1.6), ha="left")
+    arrow(axes, (4.65, 3.85), (4.65, 3.5), "friction $\\mu_0$ of the rail", (4.75, 3.72), ha="left")
+    axes.text(0.4, 0.25, "dashed: Modelica\nsolid: C, in the paper Matlab", fontsize=8.5, va="center")
+    return drawing
+
+
+def rail_figure(stops: Mapping[str, Stop]) -> Figure:
+    """Draw maximum friction of the rails over time (figure 3)."""
+    drawing, panels = style.panels(9, 6.6, len(SCENARIOS), 1, sharex=True)
+    for panel, name in zip(panels, SCENARIOS, strict=True):
+        trace = stops[f"library {name}"].trace
+        draw_wheelsets(panel, trace["time"].values, trace["mu0"].values)
+        style.dress(panel, y="maximum friction $\\mu_0$", title=name.replace("_", " "))
+        panel.set_ylim(bottom=0)
+    panels[0].axvline(LAST_RISE, color=palette.BLACK, linestyle="--", linewidth=1)
+    panels[0].text(LAST_RISE - 0.15, 0.1, "published:\nlast rise", fontsize=8, ha="right")
+    style.legend(panels[0], ncols=4, loc="lower left")
+    panels[-1].set_xlabel("time since the brake demand [s]")
+    panels[-1].set_xlim(0, None)
+    return drawing
 
 
 def adhesion_figure(stops: Mapping[str, Stop]) -> Figure:
-    """Draw adhesion of the first wheelset and the greatest possible in both stops, for each law (figure 4)."""
-    sbc = stops["SBC"]
-    laws = [name for name in stops if name != "SBC"]
-    drawing, panels = style.panels(10, 3.4 * len(laws), len(laws), 1, sharex=True, sharey=True)
-    end = max(float(stop.trace["time"].values[-1]) for stop in stops.values())
-    for panel, law in zip(panels, laws, strict=True):
-        for name, stop, colour in (("SBC", sbc, palette.BLUE), (law, stops[law], palette.ORANGE)):
-            time = stop.trace["time"].values
-            panel.plot(time, stop.trace["adhesion"].values[:, 0], color=colour, linewidth=0.7, alpha=0.8, label=name)
-            colour = palette.BLACK if name == law else palette.GREY
-            panel.plot(time, stop.trace["peak_adhesion"].values[:, 0], color=colour, linewidth=1.3,
-                       label=f"greatest possible, {name}")  # fmt: skip
-        panel.axhline(LIMIT, color=palette.VERMILION, linewidth=1, linestyle="--", label=f"limit {LIMIT:g}")
+    """Draw adhesion of the first wheelset with SBC and each law, with statements of the text (figure 4)."""
+    sbc = stops["trapezoid"]
+    drawing, panels = style.panels(9, 6, len(LAWS), 1, sharex=True, sharey=True)
+    for panel, law in zip(panels, LAWS, strict=True):
+        draw_adhesion(panel, {"SBC": sbc.trace, law: stops[law].trace}, LIMIT)
+        for begin, end, place, words in (
+            (*COUPLED, COUPLED[0] + 0.15, "published: below the greatest"),
+            (LAST_RISE, 40, LAST_RISE + 2.0, "published:\nchattering"),
+        ):
+            panel.axvspan(begin, end, color=palette.SKY, alpha=0.2, linewidth=0)
+            panel.text(place, 0.008, words, fontsize=8)
         style.dress(panel, y="adhesion of wheelset 1", title=f"{law}: {_metres(stops[law])}; SBC: {_metres(sbc)}")
-        panel.set_xlim(0, end)
-        panel.set_ylim(0, 0.25)
+        panel.set_ylim(0, 0.24)
         style.legend(panel, ncols=3, loc="upper left")
     panels[-1].set_xlabel("time since the brake demand [s]")
     return drawing
+
+
+COUPLED, LAST_RISE = (9.0, 16.0), 25.0
+"""When adhesion is below the greatest possible, and when friction rises last, after the text of the paper [s]."""
+
+
+def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str, Any]:
+    """Return what is measured in our figures, by name; the table of the page is made of it.
+
+    `minima`: of friction, by stop and wheelset; `maxima`: slips, by creep curve; `rise`: when friction begins its last
+    rise [s]; `violations`: see `lyapunov`. By stop of figure 4: `duration` [s]; `used`: adhesion over the greatest
+    possible up to the limit, means before, in and after `COUPLED`; `chatter`: rms deviation of adhesion from its mean
+    over 0.2 s, before and after `LAST_RISE`.
+    """
+    rail = stops["trapezoid"].trace
+    mu0, time = rail["mu0"].values[:, 0], rail["time"].values
+    before = time < 26.0
+    found: dict[str, Any] = {
+        "minima": {
+            name: stop.trace["mu0"].values.min(axis=0).tolist() for name, stop in stops.items() if name not in LAWS
+        },
+        "maxima": {line.label: [slip for slip, _ in line.maxima] for line in lines},
+        "rise": float(time[before][np.flatnonzero(np.diff(mu0[before]) <= 0)[-1] + 1]),
+        "violations": violations({law: course_of(stops[law]) for law in LAWS}),
+    }
+    for name in ("trapezoid", *LAWS):
+        found[name] = _course_of_adhesion(stops[name])
+    return found
+
+
+def _course_of_adhesion(stop: Stop) -> dict[str, Any]:
+    """Return duration, used adhesion and chatter of a stop; see `measures`."""
+    trace = stop.trace
+    time, adhesion, greatest = trace["time"].values, trace["adhesion"].values[:, 0], trace["peak_adhesion"].values[:, 0]
+    window = round(0.2 / float(time[1] - time[0]))
+    deviation = adhesion - uniform_filter1d(adhesion, window)
+    used = adhesion / np.minimum(greatest, LIMIT)
+    parts = {"before": time < COUPLED[0], "coupled": (time >= COUPLED[0]) & (time < COUPLED[1])}
+    parts["after"] = (time >= COUPLED[1]) & (time < LAST_RISE)
+    return {
+        "duration": stop.metrics.duration,
+        "used": {name: float(np.mean(used[there])) for name, there in parts.items()},
+        "chatter": [float(np.sqrt(np.mean(deviation[there] ** 2))) for there in (time < LAST_RISE, time >= LAST_RISE)],
+    }
+
+
+def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
+    """Return the published quantities beside ours; `found` are `measures`."""
+    rows = [
+        Compared(figure="Fig. 1", quantity=f"slip of maxima, {name}", published="two distinct maxima, no numbers",
+                 ours=", ".join(f"{100 * slip:.1f} %" for slip in slips))
+        for name, slips in found["maxima"].items()
+    ]  # fmt: skip
+    rows += [
+        Compared(figure="Fig. 3", quantity=f"minimum of μ0 from front to rear, {_rail(name)}", published="rises",
+                 ours=f"{minima[0]:.3f} to {minima[-1]:.3f}",
+                 difference="" if minima[-1] > minima[0] else "does not rise")
+        for name, minima in found["minima"].items()
+    ]  # fmt: skip
+    for title, paper, own in (("SBC", SBC, identified.sbc), ("ABC as printed", ABC, identified.abc)):
+        rows += [
+            Compared(figure="Table 1", quantity=f"{title}, {_rail(name)}", published=paper[name], ours=own[name],
+                     form="{:.1f} m")
+            for name in SCENARIOS
+        ]  # fmt: skip
+    rows.append(
+        Compared(figure="Fig. 4", quantity="begin of the last rise of μ0", published=LAST_RISE, ours=found["rise"],
+                 form="{:.1f} s")
+    )  # fmt: skip
+    for law in LAWS:
+        rows += _compared_of_law(law, found)
+    return rows
+
+
+def _compared_of_law(law: str, found: Mapping[str, Any]) -> list[Compared]:
+    """Return what the text says of figure 4, beside one of the laws."""
+    course, span = found[law], f"{COUPLED[0]:g} to {COUPLED[1]:g} s"
+    return [
+        Compared(figure="Fig. 4", quantity=f"{law}: SBC takes longer by", published=2.0,
+                 ours=found["trapezoid"]["duration"] - course["duration"], form="{:.1f} s"),
+        Compared(figure="Fig. 4", quantity=f"{law}: adhesion over the greatest possible, before / in / after {span}",
+                 published="very close / suboptimal / very close",
+                 ours=" / ".join(f"{100 * used:.0f} %" for used in course["used"].values())),
+        Compared(figure="Fig. 4", quantity=f"{law}: rms of fast changes of adhesion, before / after {LAST_RISE:g} s",
+                 published="significant chattering after 25 s",
+                 ours=" / ".join(f"{deviation:.4f}" for deviation in course["chatter"])),
+    ]  # fmt: skip
+
+
+def _rail(name: str) -> str:
+    """Return the name of a rail of `stops_of` for people."""
+    library, _, shape = name.rpartition("library ")
+    level = "library" if shape != name else "identified level"
+    return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
 def _metres(stop: Stop) -> str:

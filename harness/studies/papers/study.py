@@ -1,39 +1,35 @@
 """Figures and tables of published papers, ours beside theirs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from typer import Option
 
 from railgrip.campaign.work import Work
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.studies.papers import adhesion_based
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
+from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
+from railgrip.studies.papers.lyapunov import violations_table
+from railgrip.studies.papers.pages import comparison, write_results
 from railgrip.studies.papers.table1 import Fitted, read_fits, refined, search, write_fits
 from railgrip.studies.study import Study
 
-PAGE = Path("docs/papers/adhesion_based.md")
-"""From the folder of the project, where the command runs."""
-END = "<!-- end -->"
-"""Mark after each table of the page."""
+PAGE = "adhesion_based.md"
+COMMAND = "railgrip study papers --write"
 
 
-def begin(name: str) -> str:
-    """Return the mark before a table."""
-    return f"<!-- {name}: written by `railgrip study papers --write` -->"
-
-
-def tables_of(fits: Sequence[Fitted], identified: Fitted) -> dict[str, Table]:
-    """Return the tables of the page on adhesion-based control by name."""
+def tables_of(fits: Sequence[Fitted], identified: Fitted, found: Mapping[str, Any]) -> dict[str, Table]:
+    """Return the tables of the page on adhesion-based control by name; `found` are `measures` of the figures."""
     return {
+        "published": comparison(adhesion_based.compared(identified, found), COMMAND),
         "distances": adhesion_based.distances(identified),
         "parameters": adhesion_based.parameters(identified),
         "profile": adhesion_based.profile(fits),
         "alternatives": adhesion_based.alternatives(fits),
+        "lyapunov": violations_table(found["violations"]),
     }
 
 
@@ -47,28 +43,33 @@ class Papers(Study):
     ] = False
 
     def page(self, work: Work) -> Page:
-        """Return the tables of the fit, and figure 4."""
+        """Return figures and tables of the paper."""
         fits = search(work) if self.fit else read_fits(FITS)
         identified = refined(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
-        tables = tables_of(fits, identified)
+        work.notify("figures")
+        stops, curves = adhesion_based.stops_of(identified), figure_1_curves()
+        found = adhesion_based.measures(stops, curves)
+        tables = tables_of(fits, identified, found)
+        figures = {
+            "adhesion_based_4.png": adhesion_based.adhesion_figure(stops),
+            "adhesion_based_1.svg": figure_1(curves),
+            "adhesion_based_3.png": adhesion_based.rail_figure(stops),
+        }
         if self.write:
             write_fits(FITS, fits)
             write_fits(IDENTIFIED, [identified])
-            write_tables(PAGE, {begin(name): table for name, table in tables.items()}, END)
+            diagram = {"adhesion_based_2.svg": adhesion_based.block_diagram()}
+            write_results(PAGE, self.name, tables, figures | diagram, found)
         error = tables["alternatives"].texts[0]["largest error"]
-        work.notify("figure 4")
         return Page(
-            title="Adhesion-based control: Table 1 identified",
+            title="Adhesion-based control: published figures and ours",
             question="Which creep curve, levels and law of the paper on adhesion-based control give its Table 1?",
             answer=f"The identified fit has all six distances within {error} of the published ones. It is refined from "
             f"the best of {len(fits)} fits.",
             template="studies/papers/papers.md.jinja",
             values=dict(tables),
-            figures={
-                "figure_4.png": adhesion_based.adhesion_figure(adhesion_based.stops_of(identified)),
-                "profile.png": adhesion_based.profile_figure(fits),
-            },
-            screen=(tables["distances"], tables["alternatives"]),
+            figures=figures | {"profile.png": adhesion_based.profile_figure(fits)},
+            screen=(tables["published"].without(("command",)), tables["lyapunov"], tables["alternatives"]),
         )
 
 

@@ -1,0 +1,473 @@
+"""Schwarz and Keck (2020): their figures on wagon, roller rig and estimates, ours beside, with what the text states."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
+from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
+
+from railgrip.estimation.judge import errors
+from railgrip.report import palette, style
+from railgrip.report.table import Table
+from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.studies.papers.schematic import arrow, canvas, dimension
+from railgrip.trace.contact import Contact
+from railgrip.trace.samples import period_of, reading_of, truth_of
+
+Vector = NDArray[np.float64]
+
+PAGE = "adhesion_and_brake_friction.md"
+
+RADIUS = 0.46
+"""Of the rig's wheelset [m]."""
+LIMIT = 0.02
+"""Error of adhesion that the paper keeps outside protection events."""
+RECOVERY = 0.1
+"""Time in which it corrects a larger one [s]; a protection answers in 0.2 s."""
+PRESSED = 3e3
+"""Pad force from which the brake counts as applied [N]: 30 times the noise of its load cell."""
+
+COLOURS = {"rig-paper": palette.ORANGE, "rig-own": palette.BLUE}
+LOAD_CELLS = "#B8B8B8"
+NAMES = {"rig-paper": "Q and R of equation (20)", "rig-own": "noises of sensors and physics"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Statement:
+    """What the text says of a test from `begin` to `end` [s]: words, and the bounds of adhesion, if it has any."""
+
+    begin: float
+    end: float
+    words: str
+    adhesion: tuple[float, float] | None = None
+
+
+STATEMENTS: Mapping[str, Sequence[Statement]] = {
+    "rig_slide": (
+        Statement(begin=18, end=33, words="three short\nbrakings"),
+        Statement(begin=42, end=110, words="stop braking, adhesion 0.02 to 0.05", adhesion=(0.02, 0.05)),
+        Statement(begin=110, end=200, words="fast changes,\npad friction rises"),
+    ),
+    "rig_sand": (
+        Statement(begin=4, end=11, words="0.1, 0.05,\nagain 0.1, 0", adhesion=(0.0, 0.1)),
+        Statement(begin=55, end=200, words="pad friction rises"),
+    ),
+}
+"""By test. The end of the tests is in the images only."""
+
+START_SPEED = {"rig_slide": 120.0, "rig_sand": 200.0}
+"""Published [km/h]."""
+
+DEEP_SLIDE = (3.0, 11.0)
+"""Seconds of the sanding test in which adhesion passes its peak, falls, comes back and goes to zero: figure 6."""
+
+
+def measured_adhesion(recording: xarray.Dataset) -> Vector:
+    """Return adhesion by the load cells of the rig, equation 2."""
+    return reading_of(recording, "contact_force") / reading_of(recording, "wheelset_load")
+
+
+def wagon_figure() -> Figure:
+    """Draw the wagon with forces and torques, positive as in equations 1 to 6 (figure 1)."""
+    drawing, axes = canvas(8, 4.2)
+    axes.add_patch(Rectangle((1.0, 2.1), 6.0, 1.25, fill=False, linewidth=1.4))
+    axes.plot([0.3, 7.7], [0.5, 0.5], color=palette.BLACK, linewidth=2)
+    axes.plot(4.0, 2.6, "o", color=palette.BLACK)
+    arrow(axes, (4.0, 2.6), (4.0, 1.6), "$m g$", (4.25, 1.75))
+    arrow(axes, (4.4, 3.65), (5.6, 3.65), "$v_x$", (5.0, 3.85))
+    arrow(axes, (7.0, 2.7), (7.9, 2.7), "$F_{TR} + k_d v_x^2$", (7.35, 2.95))
+    for x, name in ((5.9, "f"), (2.1, "r")):
+        axes.add_patch(Circle((x, 1.2), 0.7, fill=False, linewidth=1.4))
+        axes.add_patch(Circle((x, 1.2), 0.36, fill=False, linestyle="--", linewidth=1.0))
+        axes.plot([x, x], [1.2, 2.1], color=palette.GREY, linewidth=3, alpha=0.5)
+        arrow(axes, (x, 0.5), (x + 0.85, 0.5), f"$F_{{x,{name}}}$", (x + 0.75, 0.72), palette.VERMILION)
+        arrow(axes, (x, 0.0), (x, 0.48), f"$F_{{z,{name}}}$", (x - 0.28, 0.2), palette.VERMILION)
+        arrow(axes, (x - 1.2, 1.2), (x - 0.36, 1.2), f"$F_{{\\perp,{name}}}$", (x - 1.0, 1.4), palette.BLUE)
+        axes.text(x + 0.06, 1.38, "$r_B$", fontsize=9, color=palette.GREY)
+        axes.text(x + 0.36, 0.84, "$r_W$", fontsize=9, color=palette.GREY)
+        axes.plot([x, x + 0.34], [1.2, 1.32], color=palette.GREY, linewidth=0.9)
+        axes.plot([x, x + 0.66], [1.2, 0.97], color=palette.GREY, linewidth=0.9)
+        axes.annotate("", (x + 0.75, 1.55), (x + 0.1, 2.0), arrowprops={
+            "arrowstyle": "-|>", "connectionstyle": "arc3,rad=-0.3", "color": palette.BLACK, "lw": 1.2})  # fmt: skip
+        axes.text(x + 0.62, 1.88, f"$\\omega_{name}$, $M_{{W,{name}}}$", fontsize=9)
+    dimension(axes, (2.1, 0.3), (5.9, 0.3), "$a$", (0.0, -0.13))
+    dimension(axes, (3.6, 0.5), (3.6, 2.6), "$h$", (-0.15, 0.0))
+    return drawing
+
+
+def rig_figure() -> Figure:
+    """Draw the roller rig: wheelset, roller, cylinders with load cells, drive (figure 2)."""
+    drawing, axes = canvas(8, 4.6)
+    roller, wheelset = (3.6, 1.35), (3.6, 3.02)
+    for centre, radius in ((roller, 1.1), (wheelset, 0.57)):
+        axes.add_patch(Circle(centre, radius, fill=False, linewidth=1.6))
+        axes.plot(*centre, "o", color=palette.BLACK, markersize=4)
+    axes.add_patch(Circle(wheelset, 0.3, fill=False, linestyle="--"))
+    for corner, size in (((1.7, 2.92), (0.5, 0.2)), ((3.5, 3.95), (0.2, 0.4))):
+        axes.add_patch(Rectangle(corner, *size, facecolor=palette.ORANGE, edgecolor=palette.BLACK))
+    axes.plot([0.9, 1.7], [3.02, 3.02], color=palette.BLACK, linewidth=2)
+    axes.plot([2.2, 3.6], [3.02, 3.02], color=palette.BLACK, linewidth=2)
+    axes.plot([0.9, 0.9], [2.6, 3.4], color=palette.BLACK, linewidth=4)
+    axes.plot([3.6, 3.6], [3.02, 3.95], color=palette.BLACK, linewidth=2)
+    axes.plot([3.1, 4.1], [4.38, 4.38], color=palette.BLACK, linewidth=4)
+    axes.text(1.95, 3.28, "longitudinal cylinder,\nload cell: $F_x$", ha="center", fontsize=9)
+    axes.text(3.9, 4.05, "vertical cylinder, load cell: $F_z$", fontsize=9)
+    arrow(
+        axes,
+        (4.75, 3.02),
+        (3.92, 3.02),
+        "pads on the disc: $F_\\perp$, $\\mu_B$",
+        (4.85, 3.02),
+        palette.BLUE,
+        "left",
+    )
+    arrow(axes, (3.6, 2.45), (2.9, 2.45), "adhesion $\\mu_W = F_x / F_z$", (2.8, 2.35), palette.VERMILION, "right")
+    axes.text(4.3, 2.6, "wheelset: $\\omega_W$", fontsize=9)
+    axes.text(3.6, 0.95, "roller:\n$v_x = \\omega_{Roller}\\, r_{Roller}$", ha="center", va="center", fontsize=9)
+    axes.add_patch(Rectangle((5.6, 1.0), 2.1, 0.7, fill=False, linewidth=1.4))
+    axes.text(6.65, 1.35, "drive: torque of drag\nand mass of a wagon", ha="center", va="center", fontsize=9)
+    arrow(axes, (5.6, 1.35), (3.66, 1.35))
+    return drawing
+
+
+def points_of_slide(recording: xarray.Dataset, contact: Contact) -> dict[str, Any]:
+    """Return the points of figure 3 in the first slide of the sanding test, and the creep curve of its release.
+
+    1 is the peak of the curve, 2 the largest slip, 3 the wheelset rolling again. `way`: samples from 2 to 3.
+    """
+    part = recording.sel(time=slice(*DEEP_SLIDE))
+    part = part.sel(time=slice(None, (DEEP_SLIDE[0] + DEEP_SLIDE[1]) / 2 + 0.5))
+    slip, adhesion = truth_of(part, "slip"), truth_of(part, "alpha")
+    release = int(np.argmax(slip))
+    again = release + int(np.argmax(slip[release:] < 1e-3))
+    slips = np.concatenate([[0.0], np.geomspace(1e-3, 0.5, 60)])
+    speed, load, mu0 = (part[name].values[release] for name in ("speed", "wheelset_load", "mu0"))
+    curve = contact(slips, np.full(slips.size, speed), np.full(slips.size, load[0]), np.full(slips.size, mu0[0]))
+    peak = int(np.argmax(curve))
+    return {
+        "curve": (slips, curve),
+        "way": (slip[release:again], adhesion[release:again]),
+        "points": {
+            1: (float(slips[peak]), float(curve[peak])),
+            2: (float(slip[release]), float(adhesion[release])),
+            3: (float(slip[again]), float(adhesion[again])),
+        },
+    }
+
+
+def qualitative_figure(slide: Mapping[str, Any]) -> Figure:
+    """Draw adhesion over slip with the points 1 to 3 of the text, and the way of the test between them (figure 3)."""
+    drawing, panel = style.panels(8, 3.6)
+    for (slip, adhesion), color, dashes, name in (
+        (slide["curve"], palette.BLACK, "-", "creep curve at the release of the brake"),
+        (slide["way"], palette.ORANGE, "--", "way from 2 over 1 to 3 in the sanding test"),
+    ):
+        panel.plot(100 * slip, adhesion, dashes, color=color, label=name, linewidth=1.4)
+    for number, (slip, adhesion) in slide["points"].items():
+        panel.plot(100 * slip, adhesion, "o", color=palette.VERMILION, clip_on=False)
+        panel.annotate(str(number), (100 * slip, adhesion), xytext=(7, 5), textcoords="offset points", weight="bold")
+    style.dress(panel, x="slip [%]", y="adhesion")
+    panel.set_xlim(0, 50)
+    panel.set_ylim(0, 0.14)
+    style.legend(panel, loc="upper right")
+    return drawing
+
+
+def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
+    """Draw inputs and readings, adhesion, and pad friction of a test, with what the text states (figures 4 and 5)."""
+    time = recording["time"].values
+    drawing, (inputs, adhesion, friction) = style.panels(9, 7.5, 3, 1, sharex=True)
+    wheelset = style.KMH * RADIUS * reading_of(recording, "wheelset_speed")
+    inputs.plot(time, wheelset, color=palette.BLUE, lw=0.7, label="wheelset, at the rim")
+    inputs.plot(time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, lw=1.4, label="roller")
+    inputs.plot(0, START_SPEED[test], "D", color=palette.VERMILION, clip_on=False, label="roller, published")
+    style.dress(inputs, y="speed [km/h]")
+    force = style.second_scale(inputs, "pad force [kN]")
+    force.plot(time, reading_of(recording, "pad_force") / 1e3, color=palette.ORANGE, lw=0.6, label="pad force (right)")
+    force.set_ylim(0, 150)
+    inputs.set_ylim(0, 1.25 * START_SPEED[test])
+    _legend(inputs, force)
+    measured = measured_adhesion(recording)
+    friction.plot(time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.2, ls="--", label="true")
+    # The noisiest line, as wide as a band, lies below what it is compared with.
+    for name, one in estimates.items():
+        width = 1.6 if name == "rig-paper" else 0.6
+        adhesion.plot(time, one["mean"].sel(state="alpha"), color=COLOURS[name], lw=width, label=NAMES[name])
+        friction.plot(time, one["mean"].sel(state="mu_b"), color=COLOURS[name], lw=0.8, label=NAMES[name])
+        if name == "rig-paper":
+            adhesion.plot(time, measured, color=LOAD_CELLS, lw=1.4, label="load cells")
+    top = 1.35 * float(np.nanmax(measured))
+    adhesion.set_ylim(-0.01, top)
+    style.dress(adhesion, y="adhesion")
+    style.dress(friction, x="time [s]", y="pad friction")
+    friction.set_ylim(0.3, 0.5)
+    for statement in STATEMENTS[test]:
+        _draw_statement(statement, adhesion, friction, top)
+    for panel in (adhesion, friction):
+        style.legend(panel, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=3)
+    friction.set_xlim(0, time[-1])
+    return drawing
+
+
+def _draw_statement(statement: Statement, adhesion: Axes, friction: Axes, top: float) -> None:
+    """Draw what the text says: the span in both panels, bounds and words over adhesion."""
+    for panel in (adhesion, friction):
+        panel.axvspan(statement.begin, statement.end, color=palette.SKY, alpha=0.15, linewidth=0)
+    if statement.adhesion:
+        for bound in statement.adhesion:
+            adhesion.plot([statement.begin, statement.end], [bound] * 2, color=palette.BLACK, lw=1.2, ls=":")
+    adhesion.text(statement.begin + 0.4, 0.97 * top, f"published:\n{statement.words}", fontsize=8, va="top")
+
+
+def over_slip_figure(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
+    """Draw adhesion over slip and its absolute error in the deep slides of the sanding test (figure 6)."""
+    part = recording.sel(time=slice(*DEEP_SLIDE))
+    slip, truth = 100 * truth_of(part, "slip"), truth_of(part, "alpha")
+    drawing, (above, below) = style.panels(8, 6, 2, 1, sharex=True)
+    above.plot(slip, measured_adhesion(part), color=LOAD_CELLS, lw=2.2, label="load cells")
+    for name, one in estimates.items():
+        adhesion = one.sel(time=slice(*DEEP_SLIDE))["mean"].sel(state="alpha").values
+        above.plot(slip, adhesion, color=COLOURS[name], lw=0.7, label=NAMES[name])
+        below.plot(slip, np.abs(adhesion - truth), ".", color=COLOURS[name], ms=2.5, label=NAMES[name])
+    for bound, place, words in ((0.1, 0.102, "published: peak 0.1"), (0.05, 0.043, "published: falls to 0.05")):
+        above.axhline(bound, color=palette.BLACK, lw=1.0, ls=":")
+        above.text(25, place, words, fontsize=8)
+    below.axhline(LIMIT, color=palette.BLACK, lw=1.0, ls=":")
+    below.text(25, LIMIT + 0.0006, f"published: {LIMIT:g} but for one peak", fontsize=8)
+    style.dress(above, y="adhesion")
+    style.dress(below, x="slip [%]", y="absolute error of adhesion")
+    below.set_xlim(0, None)
+    above.set_ylim(0, 0.14)
+    below.set_ylim(0, 0.025)
+    style.legend(above, loc="upper right")
+    return drawing
+
+
+def figures(
+    tests: Mapping[str, tuple[xarray.Dataset, Mapping[str, xarray.Dataset]]], slide: Mapping[str, Any]
+) -> dict[str, Figure]:
+    """Return all figures of the page by file name; recording and estimates by test, and `points_of_slide`."""
+    drawings = (
+        wagon_figure(),
+        rig_figure(),
+        qualitative_figure(slide),
+        record_figure("rig_slide", *tests["rig_slide"]),
+        record_figure("rig_sand", *tests["rig_sand"]),
+        over_slip_figure(*tests["rig_sand"]),
+    )
+    return {
+        f"{Path(PAGE).stem}_{number}.{'svg' if number <= 3 else 'png'}": drawing
+        for number, drawing in enumerate(drawings, 1)
+    }
+
+
+def measures(
+    tests: Mapping[str, tuple[xarray.Dataset, Mapping[str, xarray.Dataset]]],
+    scores: Sequence[Mapping[str, Any]],
+    slide: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return what is measured in our figures, by name; the table of the page is made of it.
+
+    Args:
+        tests: Recording and estimates by test.
+        scores: Rows of the study: errors of each filter in each test.
+        slide: See `points_of_slide`.
+    """
+    found: dict[str, Any] = {"points": {str(number): point for number, point in slide["points"].items()}}
+    for test, (recording, estimates) in tests.items():
+        found[test] = {"speed": style.KMH * float(reading_of(recording, "speed")[0]), **brakings(recording)}
+        found[test]["rises"] = begin = STATEMENTS[test][-1].begin
+        courses = {name: one["mean"].sel(state="mu_b").values for name, one in estimates.items()}
+        courses["true"] = truth_of(recording, "mu_b")
+        found[test]["pad friction"] = {name: _rise(course, recording, begin) for name, course in courses.items()}
+        found[test]["oscillation"] = _oscillation(estimates["rig-paper"]["mean"].sel(state="mu_b").values, recording)
+        found[test]["filters"] = {
+            row["filter"]: {key: row[key] for key in ("alpha_outside", "longest", "excursions")}
+            for row in scores
+            if row["scenario"].replace("-", "_") == test
+        }
+    low = STATEMENTS["rig_slide"][1]
+    while_braking = tests["rig_slide"][0].sel(time=slice(low.begin + 1, low.end))
+    quantiles = np.quantile(measured_adhesion(while_braking), [0.05, 0.95])
+    found["rig_slide"]["adhesion"] = [float(value) for value in quantiles]
+    recording, estimates = tests["rig_sand"]
+    found["rig_sand"]["adhesion"] = _adhesion_of_slide(recording)
+    found["rig_sand"]["peaks"] = {name: peaks_in_slide(recording, one) for name, one in estimates.items()}
+    return found
+
+
+def brakings(recording: xarray.Dataset) -> dict[str, Any]:
+    """Return when brakes are applied before the stop braking [s], and how often a second after its begin."""
+    time, pressed = recording["time"].values, reading_of(recording, "pad_force") > PRESSED
+    begins = time[np.flatnonzero(np.diff(pressed.astype(int)) > 0)]
+    ends = time[np.flatnonzero(np.diff(pressed.astype(int)) < 0)]
+    gaps = np.diff(begins)
+    # The stop braking begins after the last long pause: those of the protection take some seconds.
+    stop = float(begins[int(np.argmax(gaps)) + 1]) if gaps.max() > 8 else float(begins[0])
+    short = [(float(begin), float(end)) for begin, end in zip(begins, ends, strict=False) if begin < stop]
+    return {
+        "short": short,
+        "stop": stop,
+        "applications": float(np.sum(begins >= stop) / (time[-1] - stop)),
+    }
+
+
+def _rise(friction: Vector, recording: xarray.Dataset, begin: float) -> list[float]:
+    """Return pad friction at an instant and at the end of a test, means over a second."""
+    time = recording["time"].values
+    return [float(np.mean(friction[(time >= at) & (time < at + 1)])) for at in (begin, time[-1] - 1)]
+
+
+def _oscillation(friction: Vector, recording: xarray.Dataset) -> float:
+    """Return the rms deviation of estimated pad friction from its mean over 10 s."""
+    return float(np.std(friction - uniform_filter1d(friction, round(10.0 / period_of(recording)))))
+
+
+def peaks_in_slide(recording: xarray.Dataset, estimates: xarray.Dataset) -> int:
+    """Return how many stretches of figure 6 have an error of adhesion above `LIMIT`."""
+    over = np.abs(errors(recording, estimates, "alpha")) > LIMIT
+    time = recording["time"].values
+    over &= (time >= DEEP_SLIDE[0]) & (time <= DEEP_SLIDE[1])
+    return int(np.sum(np.diff(over.astype(int)) > 0))
+
+
+def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
+    """Return adhesion by the load cells at its first peak, where slip is largest, at the next peak, and at last."""
+    part = recording.sel(time=slice(DEEP_SLIDE[0], 7.6))
+    slip, adhesion = truth_of(part, "slip"), measured_adhesion(part)
+    largest = int(np.argmax(slip))
+    again = largest + int(np.argmax(slip[largest:] < 1e-3))
+    return [
+        float(np.max(adhesion[:largest])),
+        float(adhesion[largest]),
+        float(np.max(adhesion[largest:again])),
+        float(np.min(adhesion[largest:])),
+    ]
+
+
+def compared(found: Mapping[str, Any]) -> list[Compared]:
+    """Return the published quantities beside ours; `found` are `measures`."""
+    words = {"1": "greatest adhesion", "2": "brake released", "3": "rolling"}
+    points = [
+        Compared(
+            figure="Fig. 3",
+            quantity=f"point {number}, {words[number]}",
+            published="no numbers",
+            ours=f"adhesion {adhesion:.3f} at {100 * slip:.1f} % slip",
+        )
+        for number, (slip, adhesion) in found["points"].items()
+    ]
+    slide, sand = found["rig_slide"], found["rig_sand"]
+    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *_compared_over_slip(sand)]
+
+
+def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
+    """Return what the text says of figure 4, beside the sliding test."""
+    low, short = STATEMENTS["rig_slide"][1], slide["short"]
+    numbers = [
+        ("initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h"),
+        ("short brakings", 3.0, float(len(short)), "{:.0f}"),
+        ("begin of the first short braking", 18.0, short[0][0], "{:.1f} s"),
+        ("end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
+        ("begin of the stop braking", low.begin, slide["stop"], "{:.1f} s"),
+        (f"adhesion until {low.end:g} s, 5 % quantile", (0.02, 0.05), slide["adhesion"][0], "{:.3f}"),
+        (f"adhesion until {low.end:g} s, 95 % quantile", (0.02, 0.05), slide["adhesion"][1], "{:.3f}"),
+    ]
+    return [
+        *_compared_numbers("Fig. 4", numbers),
+        *_compared_friction("Fig. 4", slide),
+        *_compared_errors("Fig. 4", slide),
+    ]
+
+
+def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Compared]:
+    """Return what the text says of figure 5, beside the sanding test."""
+    names = ("first peak", "after the fall", "after the release", "at last")
+    numbers = [
+        ("initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h"),
+        *(
+            (f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}")
+            for name, published, ours in zip(names, (0.1, 0.05, 0.1, 0.0), sand["adhesion"], strict=True)
+        ),
+    ]
+    against = [
+        (f"{name}, slide / sand", words, f"{slide[key]:{form}} / {sand[key]:{form}}", "{}")
+        for name, words, key, form in (
+            ("applications of the brake a second", "fewer in the sanding test", "applications", ".2f"),
+            ("rms oscillation of estimated pad friction", "larger in the sanding test", "oscillation", ".4f"),
+        )
+    ]
+    return [
+        *_compared_numbers("Fig. 5", numbers),
+        *_compared_friction("Fig. 5", sand),
+        *_compared_numbers("Fig. 5", against),
+    ]
+
+
+def _compared_over_slip(sand: Mapping[str, Any]) -> list[Compared]:
+    """Return what the text says of figure 6, beside the sanding test."""
+    peaks = [
+        (f"peaks above {LIMIT:g} as drawn / in all of the test, {NAMES[name]}", "one",
+         f"{count} / {sand['filters'][name]['excursions']}", "{}")
+        for name, count in sand["peaks"].items()
+    ]  # fmt: skip
+    return [*_compared_errors("Fig. 6", sand), *_compared_numbers("Fig. 6", peaks)]
+
+
+def _compared_numbers(
+    figure: str, rows: Sequence[tuple[str, float | tuple[float, float] | str, float | str, str]]
+) -> list[Compared]:
+    """Return quantities of a figure: name, published, ours, form."""
+    return [
+        Compared(figure=figure, quantity=name, published=published, ours=ours, form=form)
+        for name, published, ours, form in rows
+    ]
+
+
+def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[Compared]:
+    """Return the errors of adhesion of each filter in a test."""
+    return [
+        row
+        for name, judged in test["filters"].items()
+        for row in _compared_numbers(
+            figure,
+            [
+                (f"error of adhesion outside protection events, {NAMES[name]}", (-np.inf, LIMIT),
+                 judged["alpha_outside"], "{:.4f}"),
+                (f"longest error above {LIMIT:g}, {NAMES[name]}", (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
+            ],
+        )
+    ]  # fmt: skip
+
+
+def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[Compared]:
+    """Return how pad friction rises to the end of a test, true and estimated."""
+    return [
+        Compared(
+            figure=figure,
+            quantity=f"pad friction, {NAMES.get(name, name)}",
+            published=f"rises from {test['rises']:g} s on",
+            ours=f"{begin:.3f} to {end:.3f}",
+            difference="" if end > begin else "does not rise",
+        )
+        for name, (begin, end) in test["pad friction"].items()
+    ]
+
+
+def table(found: Mapping[str, Any]) -> Table:
+    """Return the table of the page; `found` are `measures`."""
+    return comparison(compared(found), "railgrip study roller_rig --write")
+
+
+def _legend(axes: Axes, other: Axes) -> None:
+    """Name the lines of both scales above the axes, where none of them runs."""
+    lines = [*axes.get_lines(), *other.get_lines()]
+    names = [str(line.get_label()) for line in lines]
+    style.legend(axes, lines, names, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)

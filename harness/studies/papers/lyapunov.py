@@ -1,0 +1,191 @@
+"""Equations 3, 9 and 12 to 15 of Schwarz, Posielek and Goetjes (2021), checked along a stop.
+
+Their proof: with σ = ∂α/∂s and V = σ²/2, the law u = L sgn(ṡ α̇) has the sign of σ, so that V falls until adhesion is
+greatest. Slip is s = 1 − rω/v, so that braking harder raises it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+
+from railgrip.report.table import Table, share
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.trace.contact import Contact
+from railgrip.trace.stop import Stop
+from railgrip.vehicle.brake import Brake
+
+Vector = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+GROUP, WHEELSET = 0, 0
+"""The wheelset of figure 4, whose brake is strong enough for the peak; it is coupled with the second one."""
+
+SLIPS, SLOWEST = (0.002, 0.5), 3.0
+"""Slip [1] and train speed [m/s] between and above which samples are judged: elsewhere the wheel rolls or locks."""
+
+STEPS = {"slip": 1e-5, "speed": 1e-3}
+"""Of central differences [1, m/s]: rounding and curvature change them by less than a thousandth."""
+
+SMALL = 0.1
+"""Share of the rate of adhesion up to which terms count as neglected in equation 12."""
+
+NEAR = 0.99
+"""Share of the greatest possible adhesion that counts as reached."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Slopes:
+    """Derivatives of adhesion α(s, v) at points of a stop: ∂/∂s, ∂²/∂s², ∂/∂v [s/m] and ∂²/∂s∂v [s/m]."""
+
+    by_slip: Vector
+    curvature: Vector
+    by_speed: Vector
+    cross: Vector
+
+
+def slopes_of(contact: Contact, slip: Vector, speed: Vector, load: Vector, mu0: Vector) -> Slopes:
+    """Return derivatives of a creep curve by central differences."""
+    ds, dv = STEPS.values()
+
+    def alpha(along_slip: int, along_speed: int) -> Vector:
+        return contact(slip + along_slip * ds, speed + along_speed * dv, load, mu0)
+
+    return Slopes(
+        by_slip=(alpha(1, 0) - alpha(-1, 0)) / (2 * ds),
+        curvature=(alpha(1, 0) - 2 * alpha(0, 0) + alpha(-1, 0)) / ds**2,
+        by_speed=(alpha(0, 1) - alpha(0, -1)) / (2 * dv),
+        cross=(alpha(1, 1) - alpha(1, -1) - alpha(-1, 1) + alpha(-1, -1)) / (4 * ds * dv),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Course:
+    """A stop between its samples: states in the middle of each period, rates over it, and the brake in it.
+
+    Attributes:
+        slopes: Of the creep curve.
+        slip_rate, adhesion_rate, acceleration, slope_rate: ṡ, α̇, v̇ and σ̇, by differences of the samples.
+        used: Adhesion over the greatest possible.
+        applied: Whether full pressure is demanded, as opposed to none; nothing of a law that demands pressures between.
+        gain: g_s = ∂ṡ/∂u with the cylinder pressure as u [1/(Pa s)].
+        lowest, highest: ṡ with no pressure in the cylinder, and with the highest.
+        resting: Where friction of the rail does not change.
+        judged: Samples within `SLIPS` and above `SLOWEST`.
+    """
+
+    slopes: Slopes
+    slip_rate: Vector
+    adhesion_rate: Vector
+    acceleration: Vector
+    slope_rate: Vector
+    used: Vector
+    applied: Mask | None
+    gain: Vector
+    lowest: Vector
+    highest: Vector
+    resting: Mask
+    judged: Mask
+
+    @property
+    def lyapunov_rate(self) -> Vector:
+        """V̇ = σ σ̇ of equation 15."""
+        return self.slopes.by_slip * self.slope_rate
+
+
+def course_of(stop: Stop) -> Course:
+    """Return the course of wheelset `WHEELSET` in a stop."""
+    vehicle, trace = VehicleData(stop.scenario), stop.trace
+    time, command = trace["time"].values, trace["command"].values[1:, GROUP]
+    speed, slip, load, mu0, adhesion = _states(trace)
+    middle = [(each[1:] + each[:-1]) / 2 for each in (slip, speed, load, mu0)]
+    s, v = middle[0], middle[1]
+    rates = [np.diff(each) / np.diff(time) for each in (slip, adhesion, speed, mu0)]
+    slope = slopes_of(vehicle.contact, slip, speed, load, mu0).by_slip
+    slip_rate, adhesion_rate, acceleration, friction_rate = rates
+    brake = vehicle.true.brakes[GROUP]
+    assert brake is not None, "the plants of the paper show their brakes"
+    lowest, highest = (slip_rate + change for change in _slip_rate_changes(brake, trace, v))
+    full = brake.pressure_max
+    two_valued = bool(np.all((command < 0.01 * full) | (command > 0.99 * full)))
+    greatest = trace["peak_adhesion"].values[:, GROUP]
+    return Course(
+        slopes=slopes_of(vehicle.contact, *middle),
+        slip_rate=slip_rate,
+        adhesion_rate=adhesion_rate,
+        acceleration=acceleration,
+        slope_rate=np.diff(slope) / np.diff(time),
+        used=(adhesion / greatest)[1:],
+        applied=command > full / 2 if two_valued else None,
+        gain=(highest - lowest) / full,
+        lowest=lowest,
+        highest=highest,
+        resting=friction_rate == 0.0,
+        judged=(s > SLIPS[0]) & (s < SLIPS[1]) & (v > SLOWEST),
+    )
+
+
+def _states(trace: xarray.Dataset) -> list[Vector]:
+    """Return speed, slip, wheelset load, maximum friction and adhesion at the samples."""
+    of_wheelset = [trace[name].values[:, WHEELSET] for name in ("wheelset_load", "mu0", "adhesion")]
+    return [trace["speed"].values, trace["slip"].values[:, GROUP], *of_wheelset]
+
+
+def _slip_rate_changes(brake: Brake, trace: xarray.Dataset, speed: Vector) -> tuple[Vector, Vector]:
+    """Return by how much ṡ would differ with no pressure and with the highest, all other states being the same.
+
+    From J ω̇ = r F − T and s = 1 − rω/v: ∂ṡ/∂T = r/(J v), T = units · friction radius · pad friction · pad force.
+    """
+    friction, pressure = (trace[name].values[1:, GROUP] for name in ("pad_friction", "cylinder_pressure"))
+    factor = brake.wheel_radius / (brake.inertia * speed) * brake.units * brake.friction_radius * friction
+    now = brake.pad_force(pressure)
+    return factor * (brake.pad_force(0.0) - now), factor * (brake.pad_force(brake.pressure_max) - now)
+
+
+def inequalities(course: Course) -> dict[str, Mask | None]:
+    """Return where each inequality of the proof holds, shape (samples,); nothing where a law has no such input."""
+    at, sigma = course.slopes, course.slopes.by_slip
+    kept = sigma * course.slip_rate
+    obeys = None if course.applied is None else course.applied == (sigma > 0)
+    ideal = at.curvature * np.where(sigma > 0, course.highest, course.lowest) + at.cross * course.acceleration
+    return {
+        "(3) g_s < 0, as printed": course.gain < 0,
+        "(3) g_s > 0": course.gain > 0,
+        "(9) u has the sign of σ": obeys,
+        f"(12) rest below {SMALL:.0%} of σ ṡ": np.abs(course.adhesion_rate - kept) < SMALL * np.abs(kept),
+        "(13) ṡ α̇ has the sign of σ": np.sign(course.slip_rate * course.adhesion_rate) == np.sign(sigma),
+        "∂²α/∂s² < 0": at.curvature < 0,
+        "(15) dV/dt < 0 with u of (9)": sigma * ideal < 0,
+        "(15) dV/dt < 0": course.lyapunov_rate < 0,
+        "(15) dV/dt < 0 where (9) holds": None if obeys is None else (course.lyapunov_rate < 0) | ~obeys,
+        f"α above {NEAR:.0%} of the greatest possible": course.used > NEAR,
+    }
+
+
+def violations(courses: Mapping[str, Course]) -> dict[str, dict[str, float]]:
+    """Return, by law and whether friction rests, the number of samples and the share that violates each inequality."""
+    found: dict[str, dict[str, float]] = {}
+    for law, course in courses.items():
+        for word, there in (("constant", course.resting), ("changing", ~course.resting)):
+            judged = course.judged & there
+            column = {"samples": float(np.sum(judged))}
+            for name, holds in inequalities(course).items():
+                column[name] = float("nan") if holds is None or not judged.any() else float(np.mean(~holds[judged]))
+            found[f"{law}, friction {word}"] = column
+    return found
+
+
+def violations_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
+    """Return a row for each inequality, a column for each law and state of the rail."""
+    rows: list[tuple[str, ...]] = []
+    for name in next(iter(found.values())):
+        cells = [column[name] for column in found.values()]
+        rows.append((name, *(f"{cell:.0f}" if name == "samples" and cell else share_or_none(cell) for cell in cells)))
+    return Table.of(("violated in", *found), rows)
+
+
+def share_or_none(value: float | None) -> str:
+    """Return a share, or that there is none."""
+    return "no such u" if value is None or np.isnan(value) else share(value)

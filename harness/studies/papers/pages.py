@@ -1,0 +1,126 @@
+"""Pages of published papers in docs/papers: a study writes its tables between marks, and its figures beside them."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+from PIL import Image
+
+from railgrip.base.files import write_json
+from railgrip.report.marked import write_tables
+from railgrip.report.style import save
+from railgrip.report.table import Form, Table, percent, text
+
+FOLDER = Path("docs/papers")
+"""Of the pages, from the folder of the project, where the commands run; their figures are in `figures` inside it."""
+
+END = "<!-- end -->"
+"""Mark after each table of a page."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Compared:
+    """A quantity of a published figure or table, beside ours.
+
+    Attributes:
+        figure: Of the paper, as "Fig. 4" or "Table 1".
+        quantity: With its unit, unless `form` has it.
+        published: A number, the bounds (low, high) of a range, or text where the paper gives no number; the bounds may
+            be infinite.
+        ours: A number, or text.
+        form: How numbers are shown, as "{:.1f} m".
+        difference: Text for those that are not computed from numbers.
+    """
+
+    figure: str
+    quantity: str
+    published: float | tuple[float, float] | str
+    ours: float | str
+    form: Form = "{:.3g}"
+    difference: str = ""
+
+    def row(self, command: str) -> dict[str, str]:
+        """Return the row of the table, computed by `command`."""
+        published, ours = self.published, self.ours
+        difference = self.difference
+        if not isinstance(ours, str) and not isinstance(published, str) and not difference:
+            if isinstance(published, tuple):
+                difference = _beyond(ours, *published, self.form)
+            else:
+                difference = percent(ours / published - 1) if published else text(ours, self.form)
+        return {
+            "figure": self.figure,
+            "quantity": self.quantity,
+            "published": _range(*published, self.form) if isinstance(published, tuple) else text(published, self.form),
+            "ours": text(ours, self.form),
+            "difference": difference,
+            "command": f"`{command}`",
+        }
+
+
+def comparison(rows: Sequence[Compared], command: str) -> Table:
+    """Return the table of a page: figure, quantity, published, ours, difference, command.
+
+    The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
+    its nearer bound.
+    """
+    return Table([row.row(command) for row in rows], left=("figure", "quantity", "command"))
+
+
+def marked(study: str, tables: Mapping[str, Table | str]) -> dict[str, Table | str]:
+    """Return tables by the marks before them, as `with_tables` takes them, instead of by their names."""
+    return {f"<!-- {name}: written by `railgrip study {study} --write` -->": table for name, table in tables.items()}
+
+
+def write_results(
+    page: str,
+    study: str,
+    tables: Mapping[str, Table | str],
+    figures: Mapping[str, Figure] | None = None,
+    measures: Mapping[str, Any] | None = None,
+) -> None:
+    """Write tables between the marks of a page; figures and what is measured in them into `figures`.
+
+    Args:
+        page: File name of the page in `FOLDER`.
+        study: Whose command, with `--write`, writes them.
+        tables: By the names in the marks.
+        figures: By their file names, which begin with that of the page: all pages share the folder.
+        measures: JSON values that tables are made of, so that tests need not run the study; see `measures_of`.
+
+    Raises:
+        RecordError: The page cannot be read, or lacks a mark.
+    """
+    write_tables(FOLDER / page, marked(study, tables), END)
+    for name, figure in (figures or {}).items():
+        path = save(figure, FOLDER / "figures" / name)
+        if path.suffix == ".png":
+            # Lines in a few colours need no more, and the file is a third as large.
+            picture = Image.open(path).convert("RGB")
+            picture.quantize(128, Image.Quantize.MAXCOVERAGE).save(path, optimize=True)
+    if measures is not None:
+        write_json(_measures_file(page), measures)
+
+
+def measures_of(page: str, project: Path = Path()) -> Any:
+    """Return what `write_results` wrote of a page in the folder of a project."""
+    return json.loads((project / _measures_file(page)).read_text(encoding="utf-8"))
+
+
+def _measures_file(page: str) -> Path:
+    return (FOLDER / "figures" / page).with_suffix(".json")
+
+
+def _range(low: float, high: float, form: Form) -> str:
+    if low == float("-inf"):
+        return f"≤ {text(high, form)}"
+    return f"≥ {text(low, form)}" if high == float("inf") else f"{text(low, form)} to {text(high, form)}"
+
+
+def _beyond(value: float, low: float, high: float, form: Form) -> str:
+    if low <= value <= high:
+        return "within"
+    return f"{text(value - high, form)} above" if value > high else f"{text(low - value, form)} below"

@@ -1,0 +1,86 @@
+"""The page on Schwarz and Keck (2020): what is measured in the figures, and that the page has it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray
+
+from railgrip.report.marked import with_tables
+from railgrip.scenario.load import load
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.papers import adhesion_and_brake_friction as page
+from railgrip.studies.papers.pages import END, FOLDER, marked, measures_of
+from railgrip.studies.roller_rig import recording_of_rig
+from railgrip.trace.samples import recording_of
+
+PROJECT = Path(__file__).parents[2]
+PERIOD = 0.005
+
+
+def test_the_page_has_what_was_measured():
+    text = (PROJECT / FOLDER / page.PAGE).read_text(encoding="utf-8")
+    tables = marked("roller_rig", {"published": page.table(measures_of(page.PAGE, PROJECT))})
+    assert with_tables(text, tables, END) == text
+    stale = text.replace("| 120 km/h |", "| 121 km/h |")
+    assert with_tables(stale, tables, END) == text != stale
+
+
+def test_brakings_before_the_long_pause_are_short_ones():
+    time = np.arange(12000) * PERIOD
+    begins = np.array([18.0, 24.0, 30.0, 42.0, 44.0, 46.0, 48.0])
+    force = np.zeros(time.size)
+    for begin in begins:
+        force[(time >= begin) & (time < begin + 1)] = 2e4
+    found = page.brakings(recording_of({"pad_force": (force, "N")}, period=PERIOD))
+    assert found["stop"] == pytest.approx(42.0, abs=2 * PERIOD)
+    assert [begin for begin, _ in found["short"]] == pytest.approx([18.0, 24.0, 30.0], abs=2 * PERIOD)
+    assert [end for _, end in found["short"]] == pytest.approx([19.0, 25.0, 31.0], abs=2 * PERIOD)
+    # Four brakings until the end, at 60 s.
+    assert found["applications"] == pytest.approx(4 / 18, rel=1e-3)
+
+
+def test_errors_above_the_limit_count_once_a_stretch_and_only_in_the_deep_slide():
+    time = np.arange(4000) * PERIOD
+    error = np.zeros(time.size)
+    for begin, end in ((1.0, 1.1), (4.0, 4.2), (6.0, 6.01), (12.0, 12.5)):
+        error[(time >= begin) & (time < end)] = -1.1 * page.LIMIT
+    error[(time >= 8.0) & (time < 8.5)] = 0.9 * page.LIMIT
+    recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth={"alpha": (np.full(time.size, 0.05), "1")})
+    estimates = xarray.Dataset(
+        {"mean": (("time", "state"), (0.05 + error)[:, None])}, coords={"time": recording["time"], "state": ["alpha"]}
+    )
+    assert page.peaks_in_slide(recording, estimates) == 2
+
+
+@pytest.fixture(scope="module")
+def slide():
+    scenario = load(Path("rig_sand"), ["limits.horizon='8 s'"])
+    return page.points_of_slide(recording_of_rig(scenario), VehicleData(scenario).contact)
+
+
+def test_the_release_lies_behind_the_peak_and_the_wheelset_comes_back_over_it(slide):
+    (peak_slip, peak), (release_slip, release), (rolling_slip, rolling) = slide["points"].values()
+    assert rolling_slip < peak_slip < release_slip
+    assert max(release, rolling) < 0.7 * peak
+    slip, adhesion = slide["way"]
+    assert slip[0] == slip.max() == release_slip
+    assert np.mean(np.diff(slip) < 0) > 0.99
+    # Friction scatters by 5 % along the roller.
+    assert adhesion.max() == pytest.approx(peak, rel=0.1)
+    assert 0.3 * peak_slip < slip[np.argmax(adhesion)] < 3 * peak_slip
+
+
+def test_the_adhesion_of_the_plant_lies_on_the_curve_of_its_friction(slide):
+    slips, curve = slide["curve"]
+    slip, adhesion = slide["points"][2]
+    # The curve has 60 points between 0.1 and 50 %; friction of the row is held until the next one.
+    assert np.interp(slip, slips, curve) == pytest.approx(adhesion, rel=0.01)
+
+
+def test_figures_have_axes_with_units_and_marks_of_the_text(slide):
+    (panel,) = page.qualitative_figure(slide).axes
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("slip [%]", "adhesion")
+    assert [text.get_text() for text in panel.texts] == ["1", "2", "3"]
+    forces = {text.get_text() for text in page.wagon_figure().axes[0].texts}
+    assert {"$F_{x,f}$", "$F_{z,r}$", "$m g$", "$v_x$", "$h$", "$a$"} <= forces
