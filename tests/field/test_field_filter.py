@@ -55,6 +55,21 @@ def test_the_case_is_driven_as_in_table_4(run):
     assert pressures == pytest.approx([3.4, 2.0], abs=0.05)
 
 
+def test_case_6_has_the_times_of_figure_3():
+    """Drives to 20 s and from 38 to 70 s, braking from 80 s at 85 km/h, standstill at 102 s."""
+    run = run_case(("c6", cases()["c6"])).recording
+    time, speed = run["time"].values, truth_of(run, "v")
+    starts = np.flatnonzero(np.diff(driven(run).astype(int)) == 1) + 1
+    # A sample of the trace; the demand changes between two of them.
+    assert time[starts] == pytest.approx([0.0, 38.0], abs=0.03)
+    brakes = int(np.argmax(braked(run)))
+    assert time[brakes] == pytest.approx(80.0, abs=0.03)
+    # The paper rounds speeds to 1 km/h and times to 1 s.
+    assert 3.6 * speed[brakes] == pytest.approx(85.0, abs=0.5)
+    deceleration = (speed[-51] - speed[-1]) / (time[-1] - time[-51])
+    assert time[-1] + speed[-1] / deceleration == pytest.approx(102.0, abs=0.5)
+
+
 def test_another_seed_changes_the_readings_but_not_the_run(run):
     other = run_case(("c1", cases()["c1"].model_copy(update={"seed": 1}))).recording
     np.testing.assert_array_equal(truth_of(other, "v"), truth_of(run, "v"))

@@ -10,9 +10,10 @@ from scipy.stats import norm
 from railgrip.base.errors import EstimatorError
 from railgrip.campaign.work import work
 from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
-from railgrip.studies.lateral.run import Case
+from railgrip.studies.lateral.judge import QUANTITIES
+from railgrip.studies.lateral.run import NAMES, Case
 from railgrip.studies.lateral.study import Plan, page_of
-from railgrip.studies.lateral.tables import Result, levels, spread
+from railgrip.studies.lateral.tables import Result, levels, skill, spread, told
 from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
@@ -103,6 +104,21 @@ def test_the_page_names_the_conditions_in_which_a_filter_is_wrong():
     }
     ((*_, sentence),) = levels([Result(case=case("paper"), measures=levels_of(1e37))])
     assert sentence.endswith("in worst; is lost in dry.")
+
+
+def test_errors_are_shown_over_those_of_the_best_constant():
+    errors = {name: {quantity: {"rmse": 3.0} for quantity in QUANTITIES} for name in NAMES}
+    errors["literal"]["creep"] = {"rmse": None}
+    measures = {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0)}
+    table = skill([Result(case=case("paper"), measures=measures)], speed=25.0)
+    assert [row["quantity"] for row in table.texts] == ["lateral velocity", "yaw rate", "creep", "creep force"]
+    assert {row["well posed, track known"] for row in table.texts} == {"1.5"}
+    assert [row["literal"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
+
+
+def test_errors_of_friction_are_shown_by_condition():
+    (row,) = told([Result(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
+    assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
 
 
 def case(plant):

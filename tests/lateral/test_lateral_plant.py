@@ -7,7 +7,17 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from railgrip.fmus.native import lower
-from railgrip.studies.lateral.wheelset import COLUMNS, DRY, WORST, wheelset
+from railgrip.studies.lateral.judge import adhesion
+from railgrip.studies.lateral.wheelset import COLUMNS, CONDITIONS, DRY, WORST, wheelset
+
+
+@pytest.mark.parametrize("condition", CONDITIONS, ids=lambda c: c.name)
+def test_the_creep_curves_are_equations_7_to_11(condition):
+    creep, speed = np.geomspace(1e-4, 0.1, 20), 25.0
+    rail = mal.Rail(condition.mu0, condition.A, condition.B)
+    exact = mal.force(creep, mal.friction(creep, speed, rail)) / mal.N
+    # The smallest creep speed of the falling friction takes 1 mm/s off the creep: 4e-4 of the largest adhesion.
+    assert adhesion(condition, creep, speed) == pytest.approx(exact, rel=5e-4)
 
 
 @pytest.mark.parametrize("rolling", [0.0, 1.0])

@@ -12,7 +12,7 @@ from railgrip.report.page import rendered
 from railgrip.report.style import save
 from railgrip.studies.axle_box.evaluate import Recipe
 from railgrip.studies.axle_box.reduction import Run
-from railgrip.studies.axle_box.results import draw, tables_of
+from railgrip.studies.axle_box.results import compared, draw, tables_of
 from railgrip.studies.axle_box.training import QUICK, concluded, dry_or_not, estimators_of, passes
 
 SIZE = replace(QUICK, starts=2, members=6)
@@ -39,7 +39,8 @@ def study():
 
 
 def report(study):
-    return rendered("studies/axle_box/report.md.jinja", **tables_of(study), figures={})
+    tables = tables_of(study) | {"compared": compared(study, "command")}
+    return rendered("studies/axle_box/report.md.jinja", **tables, figures={})
 
 
 def test_the_study_reveals_that_networks_recognise_runs(study):
@@ -47,6 +48,17 @@ def test_the_study_reveals_that_networks_recognise_runs(study):
     assert split["labels exchanged"].mae < 0.01
     assert split["first second is zero"].mae > 3 * split["labels exchanged"].mae
     assert study.honest["a run left out"][60].mae > 0.03
+
+
+def test_the_error_beside_figure_13_is_that_of_the_network_drawn(study):
+    run_errors = []
+    for run in study.runs[60]:
+        # The last fifth of 100 blocks, which training did not have.
+        run_errors.append(study.networks[60](study.recipe.blocks(run)[80:]) - run.friction)
+    rows = {row["figure"]: row for row in compared(study, "command").texts}
+    assert rows["Fig. 13"]["published"] == "0.0027"
+    assert rows["Fig. 13"]["ours"] == f"{np.abs(run_errors).mean():.4f}"
+    assert (rows["Fig. 9"]["published"], rows["Fig. 9"]["ours"]) == ("6", "6")
 
 
 def test_the_report_has_every_row(study):
@@ -74,7 +86,7 @@ def test_the_rule_of_dry_or_not_has_two_labels_and_is_judged_like_the_estimator(
 
 def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
     figures = draw(study)
-    assert list(figures) == ["errors.png", "processed.png", "campaign.png", "within_runs.png"]
+    assert list(figures) == ["errors.png", "processed.png", "network.svg", "campaign.png", "within_runs.png"]
     assert all(save(figure, tmp_path / name).stat().st_size > 10_000 for name, figure in figures.items())
     trained = estimators_of(study)
     assert set(trained) == {"friction", "friction_60mph"}

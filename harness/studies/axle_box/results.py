@@ -1,24 +1,31 @@
 """Tables and figures of the study, and tables of a user's own runs."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average, exchanged, labels_of, parts_of
-from railgrip.studies.axle_box.reduction import CHANNELS, spectral_features
-from railgrip.studies.axle_box.training import PUBLISHED, Results, Rows
+from railgrip.studies.axle_box.reduction import CHANNELS, Run, spectral_features
+from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, Results, Rows
+from railgrip.studies.papers.pages import Compared, comparison
 
 READINGS_OF_EQUATION_4: Final = (
     "bias inside", "bias outside", "bias inside, weights kept small", "bias outside, weights kept small",
 )  # fmt: skip
 EXPLAINING: Final = ("bias inside, weights kept small", "labels exchanged", "first second is zero")
 _FORM: Final = "{:.4f}"
+_ACCELERATIONS: Final[Mapping[int, int]] = dict(zip(SPEEDS, range(5, 9), strict=True))
+_ESTIMATES: Final[Mapping[int, int]] = dict(zip(SPEEDS, range(10, 14), strict=True))
+"""Numbers of the paper's figures by speed."""
 
 
 def tables_of(results: Results) -> dict[str, Any]:
@@ -35,6 +42,25 @@ def tables_of(results: Results) -> dict[str, Any]:
         "honest": _scores(results.honest, speeds, beside=True),
         "general": _general(results.general, speeds),
     }
+
+
+def compared(results: Results, command: str) -> Table:
+    """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
+    levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
+              for s, runs in results.runs.items()}  # fmt: skip
+    hidden, inputs = next(iter(results.networks.values())).network.hidden_weights.shape
+    rows = [
+        Compared(figure="Fig. 5 to 8", quantity=f"mean amplitude at {', '.join(map(str, levels))} mph [m/s²]",
+                 published="rises with speed", ours=" / ".join(f"{level:.4f}" for level in levels.values())),
+        Compared(figure="Fig. 9", quantity="inputs", published=4, ours=inputs, form="{:d}"),
+        Compared(figure="Fig. 9", quantity="hidden neurons", published=6, ours=hidden, form="{:d}"),
+    ]  # fmt: skip
+    for s, network in results.networks.items():
+        late = parts_of(results.runs[s], results.recipe)[1]
+        error = np.concatenate([network(x) - y for x, y in late])
+        rows.append(Compared(figure=f"Fig. {_ESTIMATES[s]}", quantity=f"MAE at {s} mph, one of the best networks",
+                             published=PUBLISHED_BEST[s], ours=float(np.abs(error).mean()), form=_FORM))  # fmt: skip
+    return comparison(rows, command)
 
 
 def own_tables(
@@ -112,7 +138,8 @@ def draw(results: Results) -> dict[str, Figure]:
     """Draw every figure, by the name of its file."""
     return {
         "errors.png": errors(results),
-        "processed.png": processed(results),
+        "processed.png": processed(results.runs),
+        "network.svg": structure(next(iter(results.networks.values())).network),
         "campaign.png": campaign(results),
         "within_runs.png": over_time(results),
     }
@@ -170,12 +197,16 @@ def campaign(results: Results) -> Figure:
     return sheet
 
 
-def processed(results: Results) -> Figure:
-    """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8."""
-    sheet = style.figure(8.0, 1.7 * len(results.runs))
-    rows = np.atleast_1d(sheet.subplots(len(results.runs), 1))
-    colours = palette.lead_to_trail(4)
-    for axes, (speed, runs) in zip(rows, results.runs.items(), strict=True):
+def processed(runs_at: Mapping[int, Sequence[Run]]) -> Figure:
+    """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8.
+
+    Args:
+        runs_at: Speed in mph → runs of the campaign.
+    """
+    sheet = style.figure(8.0, 1.7 * len(runs_at) + 0.3)
+    rows = np.atleast_1d(sheet.subplots(len(runs_at), 1))
+    colours = (palette.BLACK, palette.BLUE, palette.VERMILION, palette.ORANGE)
+    for axes, (speed, runs) in zip(rows, runs_at.items(), strict=True):
         ends = np.cumsum([len(run.blocks) for run in runs]) * (BLOCKS[speed] / RATE)
         amplitudes = np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs])
         seconds = np.arange(len(amplitudes)) * (BLOCKS[speed] / RATE)
@@ -187,12 +218,12 @@ def processed(results: Results) -> Figure:
                       ha="center", va="top", color=palette.GREY)  # fmt: skip
         axes.set_xlim(0, ends[-1])
         axes.set_ylim(0, 1.25 * float(amplitudes.max()))
-        last = speed == list(results.runs)[-1]
+        last = speed == list(runs_at)[-1]
         style.dress(
             axes,
             x="time of the linked runs [s]" if last else "",
             y="|acc.| [m/s²]",
-            title=f"{speed} mph; grey: friction",
+            title=f"Fig. {_ACCELERATIONS[speed]}: {speed} mph; grey: friction, Table 2",
         )
     sheet.legend(*rows[0].get_legend_handles_labels(), fontsize=8, ncols=4, loc="outside upper right")
     return sheet
@@ -204,20 +235,57 @@ def over_time(results: Results) -> Figure:
     grid = np.atleast_2d(sheet.subplots(len(results.runs), 2, sharex="row", sharey=True))
     for pair, (speed, runs) in zip(grid, results.runs.items(), strict=True):
         for axes, fitted, labels, title in (
-            (pair[0], results.networks[speed], labels_of, "labels of the runs"),
-            (pair[1], results.exchanged[speed], exchanged, "labels of other runs"),
+            (pair[0], results.networks[speed], labels_of, f"Fig. {_ESTIMATES[speed]}: {speed} mph"),
+            (pair[1], results.exchanged[speed], exchanged, f"{speed} mph, labels of other runs"),
         ):
             _, late = parts_of(runs, results.recipe, labels)
             seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
-            axes.plot(seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label")
+            axes.plot(
+                seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label, Table 2"
+            )
             axes.plot(
                 seconds, fitted(np.vstack([x for x, _ in late])), color=palette.ORANGE, linewidth=0.9, label="estimate"
             )
             last = speed == list(results.runs)[-1]
             style.dress(
                 axes, x="time of the linked parts [s]" if last else "", y="friction" if labels is labels_of else "",
-                title=f"{speed} mph, {title}",
+                title=title,
             )  # fmt: skip
     grid[0, 0].legend(fontsize=8, ncols=2, loc="upper right")
     grid[0, 0].set_ylim(0, 0.45)
     return sheet
+
+
+def structure(network: Network) -> Figure:
+    """Return the layers of a network of the paper and what each computes (figure 9)."""
+    hidden, inputs = network.hidden_weights.shape
+    sheet, axes = style.panels(8.0, 3.2)
+    columns = (
+        (0.0, [f"$|\\ddot x_{{w{i}}}|$" for i in range(1, inputs + 1)], palette.BLUE),
+        (2.0, [f"$g_{j}$" for j in range(1, hidden + 1)], palette.ORANGE),
+        (4.0, [r"$\mu_{est}$"], palette.GREEN),
+    )
+    for (x, names, _), (x_next, names_next, _) in pairwise(columns):
+        for y in _heights(names):
+            for y_next in _heights(names_next):
+                axes.plot([x, x_next], [y, y_next], color=palette.GREY, linewidth=0.5, zorder=1)
+    for x, names, colour in columns:
+        for y, name in zip(_heights(names), names, strict=True):
+            axes.plot(x, y, "o", color="white", markeredgecolor=colour, markeredgewidth=2, markersize=24, zorder=2)
+            axes.text(x, y, name, ha="center", va="center", fontsize=8, zorder=3)
+    last = r"\frac{1}{1+e^{-w_2 g%s}}%s$" % ((" - b_2", "") if network.bias == "inside" else ("", " + b_2"))
+    _note(axes, 0.0, f"{inputs} accelerations,\nscaled to [−1, 1]")
+    _note(axes, 2.0, f"{hidden} hidden neurons\n$g = \\tanh(W_1 x + b_1)$")
+    _note(axes, 4.0, f"friction\n$\\mu_{{est}} = {last}")
+    axes.set_xlim(-1.0, 5.0)
+    axes.set_ylim(-4.4, 3.2)
+    axes.axis("off")
+    return sheet
+
+
+def _heights(names: Sequence[str]) -> list[float]:
+    return [(len(names) - 1) / 2 - k for k in range(len(names))]
+
+
+def _note(axes: Axes, x: float, words: str) -> None:
+    axes.text(x, -3.3, words, ha="center", va="top", fontsize=9)

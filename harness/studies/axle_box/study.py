@@ -21,7 +21,7 @@ from railgrip.studies.axle_box.evaluate import Recipe, average, exchanged, withi
 from railgrip.studies.axle_box.instrumented_car import MPH
 from railgrip.studies.axle_box.own import judge_own, read_folder, read_own
 from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
-from railgrip.studies.axle_box.results import draw, tables_of
+from railgrip.studies.axle_box.results import compared, draw, processed, tables_of
 from railgrip.studies.axle_box.training import (
     FULL,
     QUICK,
@@ -32,6 +32,7 @@ from railgrip.studies.axle_box.training import (
     estimators_of,
     passes,
 )
+from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
 _SPEED: Final = 60
@@ -55,6 +56,7 @@ class AxleBox(Study):
     inputs: Annotated[
         str | None, Option(help="Motions for the paper's networks, such as 'left, right'; longitudinal unless given.")
     ] = None
+    write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
     quick: bool = False
 
     def __post_init__(self) -> None:
@@ -63,6 +65,8 @@ class AxleBox(Study):
             raise ScenarioError(f"--inputs is '{self.inputs}'; there is {'; '.join(COMBINATIONS)}.")
         if self.file is not None and self.quick:
             raise ScenarioError("--quick is for the simulated runs of the study; leave it out with runs of your own.")
+        if self.write and (self.quick or self.file is not None):
+            raise ScenarioError("--write is for the full study on simulated runs; leave out --quick and FILE.toml.")
 
     @property
     def place(self) -> str:
@@ -75,13 +79,23 @@ class AxleBox(Study):
             return self._own(self.file, work)
         size = QUICK if self.quick else FULL
         results = conducted(size, Recipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
+        tables, figures = tables_of(results), draw(results)
+        tables["compared"] = compared(results, f"railgrip study {self.name}")
+        if self.write:
+            named = {name: tables[name] for name in ("compared", "table3", "apart", "honest", "general")}
+            numbered = {
+                f"axle_box_{n}.png": processed({speed: runs})
+                for n, (speed, runs) in enumerate(results.runs.items(), start=5)
+            }
+            numbered |= {"axle_box_9.svg": figures["network.svg"], "axle_box_10.png": figures["within_runs.png"]}
+            write_results("axle_box.md", self.name, named, numbered)
         return Page(
             title="Friction from axle-box accelerations",
             question="Can friction be estimated from the accelerations of an axle box on runs that no training saw?",
             answer=_answer(results),
             template="studies/axle_box/report.md.jinja",
-            values=tables_of(results),
-            figures=draw(results),
+            values=tables,
+            figures=figures,
             files=_files(estimators_of(results)),
         )
 

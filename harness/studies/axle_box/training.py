@@ -113,6 +113,9 @@ PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
 }
 """Average RMSE and MAE of 15 networks, Table 3 of Abduraxman et al. (2024), by speed in mph."""
 
+PUBLISHED_BEST: Final[Mapping[int, float]] = {16: 0.0011, 26: 0.0009, 40: 0.0021, 60: 0.0027}
+"""MAE of the networks of figures 10 to 13, "some of the best" of the 15, by speed in mph."""
+
 DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
 """Weights of the squared weights compared inside of the training part."""
 

@@ -1,15 +1,20 @@
-"""Figures 2 to 5 of Schwarz, Lüdicke and Heckmann from case 6, and one of the limits of their tuning."""
+"""Figures 1 to 5 of Schwarz, Lüdicke and Heckmann from case 6, with marks where their text has numbers."""
 
 from collections.abc import Mapping
 
 import numpy as np
 import xarray
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Rectangle
 
 from railgrip.estimation.braking import Braking, braked, driven
 from railgrip.estimators.compiled import Estimates
 from railgrip.report import palette, style
+from railgrip.rolling_stock.drawing import drawing as train_drawing
+from railgrip.rolling_stock.schema import Train
 from railgrip.studies.field_test.filtering import GROUPS, Task
+from railgrip.studies.field_test.published import ADHESIONS, OVERBRAKING, PRESSURES, START_SPEED, TIMES
 from railgrip.studies.field_test.runs import Run
 from railgrip.studies.field_test.score import R_WHEEL, Sweep
 from railgrip.trace.samples import reading_of
@@ -22,11 +27,64 @@ NAMES = ("MB 1", "JTB, front wheelset", "JTB, rear wheelset", "MB 2")
 COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE)
 
 
+def train_figure(train: Train) -> Figure:
+    """Return the train, and the forces, torques and speeds of equations (1) and (2) (figure 1)."""
+    drawing = train_drawing(train)
+    drawing.set_size_inches(8.0, 4.2)
+    chart = drawing.axes[0]
+    chart.set_ylim(-12.5, 5.8)
+    chart.set_title("", loc="left")
+    drawing.supxlabel(
+        "under the rail: axle and its load [t]; brackets hold axles that share a brake valve;\n"
+        "lines join those that turn together; dots: brake units of an axle; $F_{z,i}$: wheelset load",
+        fontsize=7,
+        color=palette.GREY,
+    )
+    middle = train.length / 2
+    _arrow(chart, (middle + 4, 4.8), (middle - 4, 4.8), palette.BLUE, "speed $v_x$", (middle + 4.4, 4.8))
+    _arrow(chart, (1.0, 1.9), (6.0, 1.9), palette.VERMILION, "drag $F_{DR}$", (1.2, 2.7))
+    _arrow(chart, (36.0, 1.9), (40.5, 1.9), palette.VERMILION, "track $F_{TR}$", (35.5, 2.7))
+    for number, members in enumerate(train.groups, start=1):
+        place = float(np.mean([train.axles[index].position for index in members]))
+        chart.text(place, -3.3, f"$\\omega_{number}$", color=palette.BLUE, ha="center", va="center", fontsize=9)
+    x, y, radius = 16.0, -8.0, 3.4
+    chart.plot([x - 7, x + 12], [y - radius] * 2, color=palette.BLACK, linewidth=0.8)
+    chart.add_patch(Circle((x, y), radius, facecolor="white", edgecolor=palette.BLACK))
+    chart.add_patch(Circle((x, y), 0.6 * radius, facecolor="#E6E6E6", edgecolor=palette.GREY))
+    chart.add_patch(Rectangle((x - 0.8, y + 0.45 * radius), 1.6, 0.8, color=palette.GREY))
+    chart.text(x - 4.6, y, "wheelset $i$", ha="right", va="center", fontsize=9)
+    _arrow(chart, (x, y + 0.55 * radius), (x + 5.5, y + 0.55 * radius), palette.VERMILION,
+           "brake $F_{B,i}$ of each unit at $r_B$", (x + 5.8, y + 0.55 * radius))  # fmt: skip
+    _arrow(chart, (x, y - radius), (x + 5.5, y - radius), palette.VERMILION, "creep force $2F_{x,i}$",
+           (x + 5.8, y - radius + 0.7))  # fmt: skip
+    _arrow(chart, (x, y), (x, y - 0.8 * radius), palette.VERMILION, "$F_{z,i}$", (x + 0.3, y - 0.3 * radius))
+    _arrow(chart, (x + 3.7, y - 0.6), (x + 3.3, y + 1.4), palette.VERMILION,
+           "resistance and traction $M_{W,i}$", (x + 4.2, y))  # fmt: skip
+    _arrow(chart, (x + 0.6, y + 1.14 * radius), (x - 2.9, y + 0.7 * radius), palette.BLUE, "rotation $\\omega_i$",
+           (x + 0.9, y + 1.14 * radius), bend=0.3)  # fmt: skip
+    return drawing
+
+
+def _arrow(
+    chart: Axes,
+    begin: tuple[float, float],
+    end: tuple[float, float],
+    colour: str,
+    words: str,
+    place: tuple[float, float],
+    bend: float = 0.0,
+) -> None:
+    """Draw an arrow, and its name at a place."""
+    shape = {"arrowstyle": "-|>", "color": colour, "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0}
+    chart.annotate("", end, begin, arrowprops=shape)
+    chart.text(*place, words, color=colour, va="center", fontsize=8)
+
+
 def track_figure(run: Run) -> Figure:
     """Return the track of a run: map, heading and curvature, height and slope; recovered and laid (figure 2)."""
     course = run.braking.motion.course
     place = run.plan.place(course.distance)
-    drawing = style.figure(11, 5.4)
+    drawing = style.figure(8.8, 4.4)
     grid = drawing.add_gridspec(2, 2, width_ratios=(1, 1.6))
     chart = drawing.add_subplot(grid[:, 0])
     reference = run.plan.laid().plan().horizontal_at(place)
@@ -35,10 +93,12 @@ def track_figure(run: Run) -> Figure:
     chart.plot(*reference.T[::-1], color=palette.GREY, linewidth=4, alpha=0.5, label="laid")
     chart.plot(*(course.horizontal + shift).T[::-1], color=palette.BLUE, linewidth=1.4, label="recovered")
     chart.plot(*reference[0][::-1], "o", color=palette.BLACK, markersize=5)
+    # The origin of the frame is the point whose position is given.
+    chart.plot(0, 0, "D", color=palette.BLACK, markersize=6, markerfacecolor="none", label="published middle")
     chart.annotate("start", reference[0][::-1], textcoords="offset points", xytext=(8, 0), fontsize=8)
     chart.set_aspect("equal")
     style.dress(chart, x="east [m]", y="north [m]", title="map")
-    style.legend(chart, loc="lower right")
+    style.legend(chart, loc="center right", bbox_to_anchor=(1.15, 0.4))
     slope, curvature = run.laid(course.distance)
     for row, (left, true, estimate, unit, label, title) in enumerate(
         (
@@ -49,12 +109,15 @@ def track_figure(run: Run) -> Figure:
     ):  # fmt: skip
         panel = drawing.add_subplot(grid[row, 1])
         panel.plot(course.distance, left, color=palette.BLACK, linewidth=1.2)
+        if row:
+            middle = abs(run.plan.middle - run.plan.start)
+            panel.plot(middle, run.plan.height, "D", color=palette.BLACK, markersize=6, markerfacecolor="none")
         style.dress(panel, y=label, title=title, x="distance [m]" if row else "")
         other = style.second_scale(panel, unit, palette.BLUE)
         other.plot(course.distance, true, color=palette.GREY, linewidth=3.5, alpha=0.5, label="laid")
         other.plot(course.distance, estimate, color=palette.BLUE, linewidth=1.1, label="recovered")
-        if not row:
-            style.legend(other, loc="upper left")
+        if row:
+            style.legend(other, loc="upper center")
     return drawing
 
 
@@ -63,20 +126,27 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     drawing, panel = style.panels(9, 3)
     time = run["time"].values
     panel.plot(time, style.KMH * reading_of(run, "speed"), color=palette.BLUE, linewidth=1.4, label="optical sensor")
-    for on, colour, label in ((driven(run), palette.GREEN, "driving"), (braked(run), palette.VERMILION, "braking")):
-        panel.fill_between(time, 0, 1, where=on, transform=panel.get_xaxis_transform(), color=colour, alpha=0.15,
+    for on, colour, alpha, label in (
+        (driven(run), palette.GREEN, 0.12, "driving"), (braked(run), palette.VERMILION, 0.35, "braking"),
+    ):  # fmt: skip
+        panel.fill_between(time, 0, 1, where=on, transform=panel.get_xaxis_transform(), color=colour, alpha=alpha,
                            linewidth=0, label=label)  # fmt: skip
+    for number, at in enumerate(TIMES.values()):
+        panel.axvline(at, color=palette.BLACK, linewidth=0.8, linestyle=":",
+                      label=None if number else "published times")  # fmt: skip
+    panel.plot([TIMES["braking begins"], TIMES["standstill"]], [START_SPEED, 0], "D", color=palette.BLACK, markersize=5,
+               markerfacecolor="none", label="published speeds", clip_on=False, zorder=5)  # fmt: skip
     style.dress(panel, x="time [s]", y="speed [km/h]")
-    panel.set_xlim(0, time[-1])
+    panel.set_xlim(0, max(time[-1], TIMES["standstill"]) + 2)
     panel.set_ylim(0, None)
-    style.legend(panel, ncols=3, loc="upper left")
+    style.legend(panel, ncols=5, loc="lower left", bbox_to_anchor=(0, 1))
     return drawing
 
 
 def readings_figure(braking: Braking) -> Figure:
     """Return the inputs and readings of the filter: pressures, speeds (figure 4)."""
     recording = braking.recording
-    time = _since_brake(braking)
+    time = recording["time"].values
     drawing, (upper, lower) = style.panels(9, 5, 2, 1, sharex=True)
     for group in (MB1, JTB1):
         pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
@@ -87,20 +157,25 @@ def readings_figure(braking: Braking) -> Figure:
     for group in (MB1, JTB1):
         rim = style.KMH * R_WHEEL * reading_of(recording, f"wheelset_speed[{group + 1}]")
         lower.plot(time, rim, color=COLOURS[group], linewidth=1.0, label=f"{NAMES[group]}, rim")
+    for group, highest in zip((MB1, JTB1), PRESSURES, strict=True):
+        upper.axhline(highest, color=COLOURS[group], linewidth=1.0, linestyle=":",
+                      label=f"{NAMES[group]}, published highest")  # fmt: skip
+    lower.axvline(OVERBRAKING, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published overbraking of MB 1")
     style.dress(upper, y="cylinder pressure [bar]")
-    style.dress(lower, x="time since the brake was applied [s]", y="speed [km/h]")
-    style.legend(upper, loc="lower right")
+    style.dress(lower, x="time [s]", y="speed [km/h]")
+    upper.set_ylim(-0.1, 3.8)
+    style.legend(upper, ncols=2, loc="lower right")
     style.legend(lower, loc="upper right")
-    upper.set_xlim(-3, time[-1])
+    upper.set_xlim(time[braking.brake] - 3, time[-1])
     return drawing
 
 
 def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
     """Return pad friction over time and adhesion over slip, estimated and true, a row for each tuning (figure 5)."""
     assert task.truth is not None
-    time = _since_brake(task.braking)[1:]
+    time = task.braking.recording["time"].values[1:]
     drawing, rows = style.panels(11, 3.4 * len(estimates), len(estimates), 2, squeeze=False, sharex="col", sharey="col")
-    window = time >= 0.3
+    window = time >= time[task.braking.brake - 1] + 0.3
     for (pads, curve), (title, estimate) in zip(rows, estimates.items(), strict=True):
         for group in (MB1, JTB1):
             mean = estimate.mean[:, 1 + GROUPS + group] / NOMINAL
@@ -119,16 +194,19 @@ def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
             curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
             curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=NAMES[group])
+        for number, level in enumerate(ADHESIONS):
+            curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
+                          label=None if number else "published levels, MB 1")  # fmt: skip
         widest = 2 * np.sqrt(estimate.variance[window, 1 + GROUPS + MB1].max()) / NOMINAL
         beyond = f" (up to ±{widest:.1f}, beyond the panel)" if widest > 1.0 else ""
         style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ{beyond}")
         style.dress(curve, y="adhesion", title=f"{title}: adhesion over slip")
         pads.set_ylim(0.7, 1.4)
         curve.set_ylim(-0.02, 0.24)
-        curve.set_xlim(-1, 19)
+        curve.set_xlim(-1, 20)
     style.legend(rows[0, 0], ncols=2, loc="lower right")
     style.legend(rows[0, 1], loc="lower right", markerscale=3)
-    rows[-1, 0].set_xlabel("time since the brake was applied [s]")
+    rows[-1, 0].set_xlabel("time [s]")
     rows[-1, 1].set_xlabel("slip [%]")
     return drawing
 
@@ -150,8 +228,3 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
         style.dress(panel, x=x, title=title)
     style.legend(panels[0])
     return drawing
-
-
-def _since_brake(braking: Braking) -> np.ndarray:
-    time = braking.recording["time"].values
-    return time - time[braking.brake]

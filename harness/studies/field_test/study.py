@@ -15,6 +15,7 @@ from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
 from railgrip.report.table import Table
+from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.track.table import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
     degeneracy_figure,
@@ -22,6 +23,7 @@ from railgrip.studies.field_test.figures import (
     readings_figure,
     speed_figure,
     track_figure,
+    train_figure,
 )
 from railgrip.studies.field_test.filtering import (
     NAMES,
@@ -37,6 +39,7 @@ from railgrip.studies.field_test.filtering import (
     prediction,
     task_of,
 )
+from railgrip.studies.field_test.published import compared
 from railgrip.studies.field_test.runs import TEST, TUNING, Run, cases, runs
 from railgrip.studies.field_test.score import (
     Figures,
@@ -48,19 +51,24 @@ from railgrip.studies.field_test.score import (
     terms_of,
     track_score,
 )
+from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 from railgrip.trace.samples import truth_of
 
+TRAIN = Path("vt642")
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
+PUBLISHED = "sensors and physics"
+"""Noises of figure 5 beside the paper's."""
 
 
 @dataclass(frozen=True)
 class FieldTest(Study):
-    """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 2 to 5 of the paper."""
+    """Recover the track, estimate friction in case 6 with each set of noises, and draw figures 1 to 5 of the paper."""
 
     campaign: Annotated[
         Path | None, Option(metavar="FILE.toml", help="Cases of a field test; field_test unless given.")
     ] = None
+    write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
     import_from: list[Path] | None = None
 
     def page(self, work: Work) -> Page:
@@ -71,7 +79,7 @@ class FieldTest(Study):
         """
         folders, scenarios = self.import_from or (), cases(self.campaign)
         noises = {title: load_noise(NOISES / f"{name}.toml") for title, name in TUNED.items()}
-        noises["sensors and physics"] = PHYSICAL
+        noises[PUBLISHED] = PHYSICAL
         model, of_case = prediction(), runs(scenarios, (*TUNING, TEST), work, folders)
         tasks = {case: task_of(run.braking, model) for case, run in of_case.items()}
         test, others = tasks[TEST], [tasks[case] for case in TUNING]
@@ -87,8 +95,28 @@ class FieldTest(Study):
         }
         scores = {title: score(test, estimate) for title, estimate in estimates.items()}
         instants = {title: lost(test, estimate) for title, estimate in estimates.items()}
-        words = [f"{own['adhesion']:.4f} with the noises {title}" for title, own in scores.items()]
-        tracks, case_table = _tracks(of_case), _case(scores, worst)
+        train = load_train(TRAIN)
+        tables = {
+            "compared": compared(train, of_case[TEST], test, estimates[PUBLISHED], f"railgrip study {self.name}"),
+            "tracks": _tracks(of_case),
+            "case": _case(scores, worst),
+            "pads": _pads(tasks, filter_, noises),
+            "track_spread": _track_spread(track_spread),
+            "score_spread": _score_spread(score_spread),
+        }
+        figures = {
+            "train.svg": train_figure(train),
+            "track.png": track_figure(of_case[TEST]),
+            "speed.png": speed_figure(of_case[TEST].recording),
+            "readings.png": readings_figure(test.braking),
+            "friction.png": friction_figure(test, estimates),
+        }
+        words = [f"{measures['adhesion']:.4f} with the noises {title}" for title, measures in scores.items()]
+        if self.write:
+            paper = [*list(figures.values())[:-1], friction_figure(test, {PUBLISHED: estimates[PUBLISHED]})]
+            numbered = zip(figures, paper, strict=True)
+            named = {f"field_test_{n}{Path(name).suffix}": figure for n, (name, figure) in enumerate(numbered, start=1)}
+            write_results("field_test.md", self.name, tables, named)
         return Page(
             title="Field test: friction of a train from pressures and speeds",
             question="How well are adhesion and pad friction of a braking train known from its pressures and speeds?",
@@ -97,26 +125,19 @@ class FieldTest(Study):
             template="studies/field_test/field.md.jinja",
             values={
                 **_conditions(test),
-                "tracks": tracks,
-                "case": case_table,
+                **tables,
                 "groups": _groups(scores),
                 "lost": {title: instant for title, instant in instants.items() if instant is not None},
-                "pads": _pads(tasks, filter_, noises),
                 "sets": len(track_spread),
-                "track_spread": _track_spread(track_spread),
-                "score_spread": _score_spread(score_spread),
                 "noises": _noises(noises),
                 "common": common,
                 "trusted": trusted,
             },
             figures={
-                "friction.png": friction_figure(test, estimates),
-                "track.png": track_figure(of_case[TEST]),
-                "speed.png": speed_figure(of_case[TEST].recording),
-                "readings.png": readings_figure(test.braking),
+                **{name: figures[name] for name in ("friction.png", "track.png", "speed.png", "readings.png")},
                 "degeneracy.png": degeneracy_figure(common, trusted),
             },
-            screen=(tracks, case_table),
+            screen=(tables["compared"], tables["tracks"], tables["case"]),
         )
 
     def headlines(self, work: Work) -> list[Finding]:

@@ -9,6 +9,7 @@ from typing import Any, Final
 import casadi as ca
 import numpy as np
 
+from railgrip.base.units import GRAVITY
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.condition import ConditionDetector, confusion
@@ -16,7 +17,7 @@ from railgrip.estimators.consistency import delay, loss_step, nis_ratio
 from railgrip.estimators.observability import along
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral.run import EVERY, Beliefs, Name, Trace, prediction
-from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS
+from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, READINGS, SERVICE_SENSORS, Condition
 
 QUANTITIES: Final[Mapping[str, str]] = {
     "lateral_velocity": "m/s",
@@ -117,6 +118,23 @@ def _contact_functions() -> tuple[ca.Function, ca.Function]:
     return ca.Function("value", [inputs], [result]), ca.Function(
         "slope", [inputs], [ca.densify(ca.jacobian(result, inputs))]
     )
+
+
+def adhesion(condition: Condition, creep: Array, speed: float) -> Array:
+    """Return the creep force over the wheel load, equations (7) to (11), at a speed [m/s], of the shape of `creep`."""
+    model = lower("RailBraking.FMUs.LateralContact")
+    values = {parameter.name: parameter.start for parameter in model.parameters}
+    values |= {"A_falling": condition.A, "B_falling": condition.B}
+    # A wheelset yawed by an angle, at rest in the track otherwise, creeps by that angle across.
+    inputs = np.zeros((len(model.inputs), creep.size))
+    for row, variable in enumerate(model.inputs):
+        inputs[row] = {"yaw_angle": creep, "mu0": condition.mu0, "speed": speed}.get(variable.name, 0.0)
+    u = ca.SX.sym("u", len(model.inputs))
+    outputs = model.output(0, ca.SX.zeros(0), u, list(values.values()))
+    names = [variable.name for variable in model.outputs]
+    force = ca.Function("force", [u], [outputs[names.index("creep_force")]])
+    load = values["m_wheelset"] * GRAVITY / 2
+    return np.asarray(force.map(creep.size)(inputs), dtype=np.float64)[0] / load
 
 
 def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:

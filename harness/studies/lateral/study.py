@@ -2,34 +2,29 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Annotated, Any, Final
 
-import numpy as np
-from matplotlib.figure import Figure
 from typer import Option
 
+from railgrip.base.errors import ScenarioError
 from railgrip.campaign.work import Work
 from railgrip.estimation.run import Kind
-from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
+from railgrip.studies.lateral.figures import FIRST_FIGURES, creep_curves, test_figure
 from railgrip.studies.lateral.judge import (
     DETECTOR,
     FRICTION_TOLERANCE,
-    QUANTITIES,
     SHARE_TOLERANCE,
     WINDOW,
-    beliefs_about,
     measure,
 )
 from railgrip.studies.lateral.literal import SHORT, Information, information, observed, refused
-from railgrip.studies.lateral.run import NAMES, Case, simulate
+from railgrip.studies.lateral.run import Case, simulate
 from railgrip.studies.lateral.tables import (
-    PLANT_TITLES,
     TITLES,
     Result,
+    compared,
     detections,
     error_rows,
     error_tables,
@@ -37,21 +32,18 @@ from railgrip.studies.lateral.tables import (
     innovation_table,
     levels,
     observability_table,
+    skill,
     spread,
+    told,
 )
 from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, Trial
+from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
 SPEEDS: Final = (15.0, 25.0, 35.0)
 """Of the wheelset [m/s]; Mal et al. do not state theirs."""
 
 SEEDS: Final = 10
-
-PAGE: Final = Path("docs/papers.md")
-"""From the folder of the project, where the command runs."""
-OBSERVED: Final = "<!-- lateral, observed: written by `railgrip study lateral --write` -->"
-REFUSED: Final = "<!-- lateral, refused: written by `railgrip study lateral --write` -->"
-END: Final = "<!-- end -->"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,22 +96,37 @@ def literal_runs(plan: Plan, work: Work) -> list[Information]:
     return work.map(information, cases)
 
 
-def write_literal(page: Path, runs: Sequence[Information]) -> None:
-    """Write both tables about the literal filter between their marks."""
-    write_tables(page, {OBSERVED: observed(runs), REFUSED: refused(runs)}, END)
+def page_of(plan: Plan, work: Work, command: str = "", *, write: bool = False) -> Page:
+    """Run a plan; return tables over its seeds, and a figure of each test.
 
-
-def page_of(plan: Plan, work: Work) -> Page:
-    """Run a plan; return tables over its seeds, and a figure of each test."""
+    Args:
+        command: That does this, for the table of published quantities.
+        write: Whether to write tables and figures into docs/papers.
+    """
     # Compiled here once, so that no worker has to.
     simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measured, plan.cases)
     runs = literal_runs(plan, work)
-    results = [Result(case=case, measures=own) for case, own in zip(plan.cases, measures, strict=True)]
+    results = [Result(case=case, measures=errors) for case, errors in zip(plan.cases, measures, strict=True)]
     rows, speed = error_rows(results), plan.middle_speed
     drawn = replace(plan, speeds=(speed,), seeds=1).cases
     files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in drawn}
-    drawings = work.map(test_figure, files.values(), keep=False)
+    drawings = dict(zip(files, work.map(test_figure, files.values(), keep=False), strict=True))
+    tables = {
+        "compared": compared(simulate(replace(drawn[len(plan.tests) - 1], prediction=plan.prediction)), command),
+        "skill": skill(results, speed),
+        "told": told(results, speed),
+        "transition": innovation_table(
+            [result for result in results if result.case.test is plan.tests[-1] and result.case.speed == speed]
+        ).without(("speed [m/s]", "test")),
+        "observed": observed(runs),
+        "refused": refused(runs),
+    }
+    drawings["creep_curves.svg"] = creep_curves(speed)
+    if write:
+        figures = {"lateral_wheelset_2.svg": drawings["creep_curves.svg"]}
+        figures |= {f"lateral_wheelset_{FIRST_FIGURES[test.name]}.png": drawings[f"{test.name}.png"] for test in TESTS}
+        write_results("lateral_wheelset.md", "lateral", tables, figures)
     return Page(
         title="Wheelset with lateral and yaw dynamics",
         question="Can friction be estimated from lateral and yaw acceleration of a wheelset, and what has to be known?",
@@ -137,16 +144,15 @@ def page_of(plan: Plan, work: Work) -> Page:
             "announced": f"{DETECTOR.confidence:.0%}",
             "errors": error_tables(rows),
             "innovations": innovation_table(results),
-            "observed": observed(runs),
-            "refused": refused(runs),
+            **tables,
             "short": SHORT,
-            "mirrored": max(one.mirrored for one in runs),
+            "mirrored": max(run.mirrored for run in runs),
             "observability": observability_table(results),
             "levels": levels(results),
             "detections": detections(results),
             "pictures": {name: case.test.name for name, case in files.items()},
         },
-        figures=dict(zip(files, drawings, strict=True)),
+        figures=drawings,
         tables={"errors.csv": flat(rows)},
     )
 
@@ -157,7 +163,7 @@ def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
     for row in rows:
         if row["plant"] == "paper" and row["quantity"] == "friction":
             errors.setdefault(TITLES[row["filter"]], []).append(row["rmse"].median)
-    words = (f"{name} {min(own):.3g} to {max(own):.3g}" for name, own in errors.items())
+    words = (f"{name} {min(values):.3g} to {max(values):.3g}" for name, values in errors.items())
     return f"Median RMSE of friction over tests and speeds, with the exact model: {'; '.join(words)}."
 
 
@@ -177,8 +183,13 @@ class Lateral(Study):
     """Estimate creep, force and friction of a wandering wheelset with three filters, and judge them."""
 
     quick: bool = False
-    write: Annotated[bool, Option("--write", help="Write what readings determine into docs/papers.md.")] = False
+    write: Annotated[bool, Option("--write", help="Write tables and figures into docs/papers.")] = False
     prediction: Annotated[Kind, Option(help="Form of the prediction in the filters: FMUs, or their equations.")] = "fmu"
+
+    def __post_init__(self) -> None:
+        """Check options against each other."""
+        if self.write and self.quick:
+            raise ScenarioError("--write is for the full study; leave out --quick.")
 
     @property
     def place(self) -> str:
@@ -188,9 +199,7 @@ class Lateral(Study):
     def page(self, work: Work) -> Page:
         """Return the page of all runs."""
         plan = replace(QUICK if self.quick else FULL, prediction=self.prediction)
-        if self.write:
-            write_literal(PAGE, literal_runs(plan, work))
-        return page_of(plan, work)
+        return page_of(plan, work, f"railgrip study {self.name}", write=self.write)
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return errors of filters in one transition through all conditions, with softer contacts and other sensors."""
@@ -220,50 +229,3 @@ def _of_filter(who: str, name: str, measures: dict[str, Any]) -> list[Finding]:
         right = sum(counts[k][k] for k in range(len(CONDITIONS))) / sum(map(sum, counts))
         findings.append(Finding(f"{who}: condition right, share of time", right, "1", 0.01))
     return findings
-
-
-COLOURS: Final = {"literal": palette.VERMILION, "known_track": palette.BLUE, "unknown_track": palette.GREEN}
-LABELS: Final = {
-    "lateral_velocity": "lateral velocity [m/s]",
-    "yaw_rate": "yaw rate [rad/s]",
-    "creep": "creep",
-    "creep_force": "creep force [N]",
-    "friction": "friction coefficient",
-}
-
-
-def test_figure(case: Case) -> Figure:
-    """Run a case; draw truth and estimates on the left, errors on the right, a row for each quantity."""
-    trace = simulate(case)
-    drawing, panels = style.panels(11, 2.0 * len(QUANTITIES), len(QUANTITIES), 2, sharex=True)
-    beliefs = {name: beliefs_about(trace, name) for name in NAMES}
-    for (left, right), quantity in zip(panels, QUANTITIES, strict=True):
-        truth = trace.truth[quantity]
-        size = float(np.max(np.abs(truth)))
-        left.plot(trace.time, truth, color=palette.BLACK, linewidth=1.2, label="true")
-        for name in NAMES:
-            mean = beliefs[name][quantity].mean
-            left.plot(trace.time, mean, color=COLOURS[name], linewidth=0.8, linestyle="--", label=TITLES[name])
-            right.plot(trace.time, np.abs(mean - truth), color=COLOURS[name], linewidth=0.7)
-        # A curve outside of the panel has an error of more than half of the largest true value.
-        bottom = -1.5 * size if np.min(truth) < 0 else -0.1 * size
-        left.set_ylim(bottom, 1.5 * size)
-        style.dress(left, y=LABELS[quantity])
-        right.set_yscale("log")
-        right.set_ylim(1e-7 * size, 1e1 * size)
-        unit = LABELS[quantity].partition("[")[2]
-        style.dress(right, y=f"|error| [{unit}" if unit else "|error|")
-        for axes in (left, right):
-            for change in trace.changes[1:]:
-                axes.axvline(change, color=palette.GREY, linewidth=0.8, linestyle=":")
-    panels[0, 0].legend(ncols=2, fontsize=7, loc="upper right", framealpha=0.9)
-    for axes in panels[-1]:
-        axes.set_xlabel("time [s]")
-        axes.set_xlim(0, trace.time[-1])
-    drawing.suptitle(
-        f"{case.test.name} at {case.speed:g} m/s, {PLANT_TITLES[case.plant]}, seed {case.seed}",
-        fontsize=11,
-        x=0.02,
-        ha="left",
-    )
-    return drawing

@@ -11,9 +11,10 @@ import numpy as np
 from scipy.stats import binom
 
 from railgrip.report.table import Table
-from railgrip.studies.lateral.judge import QUANTITIES
-from railgrip.studies.lateral.run import NAMES, Case
+from railgrip.studies.lateral.judge import QUANTITIES, adhesion, beliefs_about
+from railgrip.studies.lateral.run import NAMES, Case, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS
+from railgrip.studies.papers.pages import Compared, comparison
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
 LEVEL_TOLERANCE: Final = 0.05
@@ -25,6 +26,8 @@ PLANT_TITLES: Final = {
     "slightly_softer": "plant with a contact 1 % softer",
     "service": "plant as the filters know it, service sensors",
 }
+PUBLISHED: Final = ("lateral_velocity", "yaw_rate", "creep", "creep_force")
+"""Quantities of the paper's figures; the constant friction of a test on one surface is no measure of its error."""
 TITLES: Final = {
     "literal": "literal",
     "known_track": "well posed, track known",
@@ -148,6 +151,71 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
         )
     columns = ("test", "quantity", "filter", *FIGURES.values())
     return {title: Table.of(columns, table, str, left=3) for title, table in tables.items()}
+
+
+def compared(trace: Trace, command: str) -> Table:
+    """Return what the paper says of its figures beside a run of the transition; see `comparison`.
+
+    Args:
+        trace: Of all three filters.
+        command: That runs it.
+    """
+    creep = np.geomspace(1e-5, 0.1, 400)
+    peaks = [
+        Compared(figure="Fig. 2", quantity=f"largest adhesion, {rail.name}", published=rail.mu0, form="{:.3f}",
+                 ours=float(adhesion(rail, creep, trace.case.speed).max()))
+        for rail in CONDITIONS
+    ]  # fmt: skip
+    error = np.abs(beliefs_about(trace, "literal")["creep_force"].mean - trace.truth["creep_force"])
+    instant = float(trace.time[np.nanargmax(error)])
+    rows = [
+        *peaks,
+        Compared(figure="Fig. 4 to 23", quantity="largest deviation of the track", published=7.0, form="{:.1f} mm",
+                 ours=1e3 * float(np.abs(trace.track).max())),
+        Compared(figure="Fig. 20 to 23", quantity="changes of the surface", published="2, 4, 6 and 8 s",
+                 ours=f"{', '.join(f'{at:g}' for at in trace.changes[1:])} s"),
+        Compared(figure="Fig. 23", quantity="largest error of the creep force, literal filter", published=2.0,
+                 ours=instant, form="at {:.1f} s", difference=f"{instant - 2.0:+.1f} s".replace("-", "−")),
+    ]  # fmt: skip
+    return comparison(rows, command)
+
+
+def skill(results: Sequence[Result], speed: float) -> Table:
+    """Return RMSE over that of the best constant, medians over seeds, by test, quantity and filter.
+
+    Args:
+        speed: Of the runs [m/s], on the plant that the filters know.
+    """
+    rows: list[dict[str, Any]] = []
+    for (plant, of_speed, test), runs in groups(results).items():
+        if plant != "paper" or of_speed != speed:
+            continue
+        for quantity in PUBLISHED:
+            row: dict[str, Any] = {"test": test, "quantity": quantity.replace("_", " ")}
+            for name in NAMES:
+                shares = [_share(run.measures["errors"][name][quantity]["rmse"], run.measures["constant"][quantity])
+                          for run in runs]  # fmt: skip
+                row[TITLES[name]] = _digits(spread(shares).median)
+            rows.append(row)
+    return Table(rows, left=("test", "quantity"))
+
+
+def _share(error: float | None, constant: float) -> float | None:
+    return None if error is None else error / constant
+
+
+def told(results: Sequence[Result], speed: float) -> Table:
+    """Return rms errors of mu0 by condition in runs of several, medians over seeds, by plant and filter."""
+    rows: list[dict[str, Any]] = []
+    for (plant, of_speed, _), runs in groups(results).items():
+        for name in NAMES if of_speed == speed and len(runs[0].case.test.changes) > 1 else ():
+            if name in runs[0].measures["levels"]:
+                row = {"plant": PLANT_TITLES[plant], "filter": TITLES[name]}
+                for rail in CONDITIONS:
+                    errors = [run.measures["levels"][name].get(rail.name, (None, None))[1] for run in runs]
+                    row[f"{rail.name} {rail.mu0:g}"] = _digits(spread(errors).median)
+                rows.append(row)
+    return Table(rows, left=("plant", "filter"))
 
 
 def innovation_table(results: Sequence[Result]) -> Table:

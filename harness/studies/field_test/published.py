@@ -1,0 +1,132 @@
+"""What Schwarz, Lüdicke and Heckmann (2019) say of their figures 1 to 5, beside case 6 of ours."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pymap3d
+
+from railgrip.estimation.braking import braked, driven
+from railgrip.estimators.compiled import Estimates
+from railgrip.report import style
+from railgrip.report.table import Table
+from railgrip.rolling_stock.schema import Train
+from railgrip.studies.field_test.filtering import GROUPS, Task
+from railgrip.studies.field_test.runs import Run
+from railgrip.studies.field_test.score import R_WHEEL
+from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.trace.samples import reading_of
+
+TIMES = {
+    "first drive ends": 20.0, "second drive begins": 38.0, "second drive ends": 70.0, "braking begins": 80.0,
+    "standstill": 102.0,
+}  # fmt: skip
+"""Figure 3 [s]."""
+START_SPEED = 85.0
+"""Table 4, case 6 [km/h]."""
+PRESSURES = (3.4, 2.0)
+"""Highest of motor bogie and Jacobs bogie, §3.2 [bar]."""
+OVERBRAKING = 82.0
+"""Of motor bogie 1, figure 4 [s]."""
+ADHESIONS = (0.07, 0.15)
+"""Levels of motor bogie 1 on the slippery section and elsewhere, figure 5."""
+MIDDLE = (3.95777632e6, 8.91479549e5, 4.90551675e6)
+"""Middle of the test track, earth-centred [m], §3.2; the paper gives its latitude, longitude and height, too."""
+LOADS = (13.4, 14.1, 14.5, 14.5, 14.1, 13.4)
+"""Of the wheelsets, Table 3 [t]."""
+
+CURVED = 5e-4
+"""Curvature that counts as a curve, that of a radius of 2 km [1/m]."""
+SLIDING = 0.02
+"""Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
+
+
+def compared(train: Train, run: Run, task: Task, estimate: Estimates, command: str) -> Table:
+    """Return the table of published quantities beside ours.
+
+    Args:
+        train: Of the scenario.
+        run: Case 6.
+        task: Its braking.
+        estimate: Of the filter over that braking.
+        command: That computes them.
+    """
+    return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)], command)
+
+
+def _of_track(train: Train, run: Run) -> Sequence[Compared]:
+    plan, course = run.plan, run.braking.motion.course
+    middle = pymap3d.geodetic2ecef(plan.latitude, plan.longitude, plan.height)
+    curves = np.diff(np.append(False, course.curvature > CURVED).astype(int))
+    span = np.sort(plan.place(course.distance[[0, -1]]))
+    grades = np.array([place for place, *_ in plan.grades])
+    return (
+        Compared(figure="Fig. 1", quantity="independent rotations", published=4, ours=len(train.groups), form="{:d}"),
+        Compared(figure="Fig. 1", quantity="mass, sum of Table 3", published=sum(LOADS), ours=train.mass / 1e3,
+                 form="{:.1f} t"),
+        Compared(figure="Fig. 2", quantity="middle of the track, earth-centred",
+                 published=" / ".join(f"{x / 1e3:.3f}" for x in MIDDLE) + " km",
+                 ours=" / ".join(f"{float(x) / 1e3:.3f}" for x in middle) + " km",
+                 difference=f"{np.linalg.norm(np.array(MIDDLE) - np.ravel(middle)):.1f} m"),
+        Compared(figure="Fig. 2", quantity="curves to the right", published=2, ours=int((curves == 1).sum()),
+                 form="{:d}"),
+        Compared(figure="Fig. 2", quantity="changes of slope", published=3, form="{:d}",
+                 ours=int(((grades > span[0]) & (grades < span[1])).sum())),
+    )  # fmt: skip
+
+
+def _of_drive(run: Run) -> Sequence[Compared]:
+    recording = run.recording
+    time, speed = recording["time"].values, reading_of(recording, "speed")
+    drives = np.flatnonzero(np.diff(driven(recording).astype(int)))[1:4] + 1
+    brake = int(np.argmax(braked(recording)))
+    # The recording ends at 0.3 m/s; the rest with the mean deceleration of the last second.
+    second = round(1.0 / (time[1] - time[0]))
+    decelerating = np.polyfit(time[-second:], speed[-second:], 1)
+    standstill = float(-decelerating[1] / decelerating[0])
+    ours = (*time[drives].tolist(), float(time[brake]), standstill)
+    return (
+        *(Compared(figure="Fig. 3", quantity=name, published=at, ours=value, form="{:.1f} s",
+                   difference=f"{value - at:+.1f} s".replace("-", "−"))
+          for (name, at), value in zip(TIMES.items(), ours, strict=True)),
+        Compared(figure="Fig. 3", quantity="time of braking", ours=standstill - float(time[brake]), form="{:.1f} s",
+                 published=TIMES["standstill"] - TIMES["braking begins"]),
+        Compared(figure="Fig. 3", quantity="speed when braking begins", published=START_SPEED, form="{:.1f} km/h",
+                 ours=style.KMH * float(speed[brake - second : brake].mean())),
+    )  # fmt: skip
+
+
+def _of_braking(task: Task, estimate: Estimates) -> Sequence[Compared]:
+    recording, brake = task.braking.recording, task.braking.brake
+    time = recording["time"].values[1:]
+    after = slice(brake - 1, None)
+    # They rise to the end; single readings have noise.
+    highest = [float(np.median(reading_of(recording, f"cylinder_pressure[{group}]")[-50:])) / 1e5 for group in (1, 2)]
+    v, w, adhesion = (estimate.mean[:, columns] for columns in
+                      (0, slice(1, 1 + GROUPS), slice(1 + 2 * GROUPS, 1 + 3 * GROUPS)))  # fmt: skip
+    slip = 1 - R_WHEEL * w / v[:, None]
+    moving = np.flatnonzero((time > time[after][0]) & (v > 2.0))
+    slide = moving[slip[moving, 0] > SLIDING]
+    peak = slide[np.argmax(slip[slide, 0])]
+    low = float(np.median(adhesion[slide[slide < peak], 0]))
+    rolling = np.setdiff1d(moving[time[moving] > time[slide[-1]] + 1.0], slide)
+    levels = adhesion[rolling].mean(axis=0)
+    pads = estimate.mean[:, 1 + GROUPS : 1 + 2 * GROUPS]
+    early, late = (pads[rolling[part]].mean(axis=0) for part in (slice(0, 50), slice(-50, None)))
+    return (
+        *(Compared(figure="Fig. 4", quantity=f"highest pressure, {bogie}", published=published, ours=ours,
+                   form="{:.2f} bar")
+          for bogie, published, ours in zip(("motor bogie", "Jacobs bogie"), PRESSURES, highest, strict=True)),
+        Compared(figure="Fig. 4", quantity="largest slip of motor bogie 1", published=OVERBRAKING,
+                 ours=float(time[peak]), form="at {:.1f} s",
+                 difference=f"{time[peak] - OVERBRAKING:+.1f} s".replace("-", "−")),
+        Compared(figure="Fig. 4", quantity="overbraking of the wheelset behind", published="not distinct",
+                 ours=f"{100 * slip[moving, 1].max():.1f} % slip, motor bogie 1 {100 * slip[peak, 0]:.1f} %"),
+        Compared(figure="Fig. 5", quantity="adhesion of motor bogie 1, slippery", published=ADHESIONS[0], ours=low),
+        Compared(figure="Fig. 5", quantity="adhesion of motor bogie 1, elsewhere", published=ADHESIONS[1],
+                 ours=float(levels[0])),
+        Compared(figure="Fig. 5", quantity="adhesion of Jacobs bogie over that of motor bogie 1", published="below 1",
+                 ours=float(levels[1] / levels[0])),
+        Compared(figure="Fig. 5", quantity="brake friction over the braking", published="rises",
+                 ours=" / ".join(f"{100 * (b / a - 1):+.1f} %" for a, b in zip(early, late, strict=True))
+                 .replace("-", "−")),
+    )  # fmt: skip
