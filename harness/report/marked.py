@@ -7,8 +7,16 @@ from railgrip.base.errors import RecordError
 from railgrip.base.files import write_text
 from railgrip.report.table import Table
 
+END = "<!-- end -->"
+"""Mark after each table that a study writes."""
 
-def with_tables(text: str, tables: Mapping[str, Table | str], end: str) -> str:
+
+def mark(name: str, study: str) -> str:
+    """Return the mark before a table that `railgrip study STUDY --write` writes."""
+    return f"<!-- {name}: written by `railgrip study {study} --write` -->"
+
+
+def with_tables(text: str, tables: Mapping[str, Table | str], end: str = END) -> str:
     """Return the text of a page with these tables between their marks.
 
     Args:
@@ -28,7 +36,7 @@ def with_tables(text: str, tables: Mapping[str, Table | str], end: str) -> str:
     return text
 
 
-def write_tables(path: Path, tables: Mapping[str, Table | str], end: str) -> None:
+def write_tables(path: Path, tables: Mapping[str, Table | str], end: str = END) -> None:
     """Write tables between the marks of a page; see `with_tables`.
 
     Raises:

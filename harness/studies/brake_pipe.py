@@ -16,7 +16,7 @@ from railgrip.fmi.description import describe
 from railgrip.fmi.mapping import Signal, bind
 from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import write_tables
+from railgrip.report.marked import mark, write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.rolling_stock.files import load_train
@@ -29,9 +29,6 @@ from railgrip.studies.trains.stops import dry_scenario, filling_of
 
 PAGE = Path("docs/train_models.md")
 """From the folder of the project, where the command runs."""
-FRONTS = "<!-- fronts: written by `railgrip study brake_pipe --write` -->"
-STOPS = "<!-- stops: written by `railgrip study brake_pipe --write` -->"
-END = "<!-- end -->"
 
 GRIDS = (1, 3, CELLS_OF_A_CAR, 9, 17)
 """Cells of the pipe in a car; the last is what grid errors are taken against."""
@@ -155,7 +152,7 @@ class BrakePipe(Study):
         rows = [] if self.quick else work.map(stop_row, EQUIPMENT)
         stops = Table(rows, _FORMS, ("`loco_coaches` from 160 km/h",), title="Emergency stops on a dry rail")
         if self.write:
-            write_tables(PAGE, {FRONTS: table, STOPS: stops}, END)
+            write_tables(PAGE, {mark("fronts", self.name): table, mark("stops", self.name): stops})
         return Page(
             title="Front of an emergency brake in the brake pipe",
             question="How fast does an emergency brake run through the pipe of ten coaches, and is that the grid?",

@@ -12,7 +12,7 @@ from typer import Option
 import railgrip.scenario
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
-from railgrip.report.marked import write_tables
+from railgrip.report.marked import mark, write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.scenario.load import read_toml, scenario_of
@@ -24,9 +24,6 @@ from railgrip.trace.estimation import SLOWEST
 
 PAGE = Path("docs/faults.md")
 """From the folder of the project, where the command runs."""
-BY_LOAD = "<!-- loads: written by `railgrip study filter_consistency --write` -->"
-BY_FAULT = "<!-- faults: written by `railgrip study filter_consistency --write` -->"
-END = "<!-- end -->"
 
 FILTERS = {
     "disturbed": {"model": "TrainPredictionDisturbed"},
@@ -148,17 +145,17 @@ class FilterConsistency(Study):
         cases = list(dict.fromkeys([*loads, *faults]))
         results = dict(zip(cases, work.map(errors_of, cases), strict=True))
         tables = {
-            BY_LOAD: by_load({case: results[case] for case in loads}),
-            BY_FAULT: by_fault({case: results[case] for case in faults}),
+            "loads": by_load({case: results[case] for case in loads}),
+            "faults": by_fault({case: results[case] for case in faults}),
         }
         if self.write:
-            write_tables(PAGE, tables, END)
+            write_tables(PAGE, {mark(name, self.name): table for name, table in tables.items()})
         return Page(
             title="What the filters of the train claim, by load and by fault",
             question="Are the filters of the train as sure of adhesion as they are right, if the load is another one?",
             answer=_answer({case: results[case] for case in loads}),
             template="studies/filter_consistency.md.jinja",
-            values={"loads": tables[BY_LOAD], "faults": tables[BY_FAULT]},
+            values=tables,
             screen=tuple(tables.values()),
         )
 

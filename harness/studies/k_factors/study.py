@@ -12,6 +12,7 @@ from typer import Argument, Option
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work
+from railgrip.report.marked import mark, write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
@@ -39,6 +40,9 @@ _LEVELS = (0, 3, 6, 9)
 
 _HALF_HEIGHT = 0.012  # of the panels of convergence, in K
 
+PAGE = Path("docs/k_factors.md")
+"""From the folder of the project, where the command runs."""
+
 _METHOD = "exact enumeration of failure states, importance sampling about the worst points within each"
 
 
@@ -49,6 +53,7 @@ class KFactors(Study):
     file: Annotated[Path, Argument(metavar="FILE.toml", help="Dispersion and failures; vt642 is ours.")]
     overrides: list[str] | None = None
     loop: Annotated[bool, Option("--loop", help="Also stops with the controller, as [loop] says.")] = False
+    write: Annotated[bool, Option("--write", help="Write table and sentences into docs/k_factors.md.")] = False
     import_from: list[Path] | None = None
 
     def page(self, work: Work) -> Page:
@@ -71,6 +76,8 @@ class KFactors(Study):
         loop = in_the_loop(specification, scenario, brake, distance, result, work, folders) if self.loop else None
         shown = table(brake, result)
         lines = sentences(brake, distance, result, loop, work.count)
+        if self.write:
+            write_tables(PAGE, {mark("K", f"{self.name} {self.file.stem}"): "\n\n".join((str(shown), *lines))})
         return Page(
             title=f"K factors of {specification.name}",
             question="Which share of its nominal deceleration does the train keep with the confidence that ETCS wants?",

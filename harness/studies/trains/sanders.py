@@ -1,4 +1,7 @@
-"""The trial of sanders: one of its five distances is fitted, the other four are predicted."""
+"""The trial of sanders: the density of sand is fitted on one of its five distances.
+
+The other four are no blind prediction: further assumptions of the trial were chosen with all five in view.
+"""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -3,14 +3,17 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from matplotlib.figure import Figure
+from typer import Option
 
 from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
+from railgrip.report.marked import mark, write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.rolling_stock.drawing import drawing
@@ -30,6 +33,12 @@ from railgrip.studies.trains.stops import (
     protected_stop,
 )
 
+PAGE = Path("docs/trains.md")
+"""From the folder of the project, where the command runs."""
+
+WRITTEN = ("distances", "published", "filling", "forces")
+"""Tables that go into it, beside that of the sanders."""
+
 HAND = "EN 14531-1 by hand"
 
 
@@ -37,6 +46,9 @@ HAND = "EN 14531-1 by hand"
 class Trains(Study):
     """Stop the trains of this project, compare them with what is published, and fit sand to a trial of sanders."""
 
+    write: Annotated[bool, Option("--write", help="Write distances, brake pipe and sanders into docs/trains.md.")] = (
+        False
+    )
     quick: bool = False
 
     def page(self, work: Work) -> Page:
@@ -52,7 +64,12 @@ class Trains(Study):
             stops = work.timed(dry_stop, [*names, *files])
         protected = work.timed(protected_stop, [1e-3, 10e-3])
         density, comparisons = compare(trial)
-        return page_of(stops[: len(names)], stops[len(names) :], protected, trial, density, comparisons)
+        page = page_of(stops[: len(names)], stops[len(names) :], protected, trial, density, comparisons)
+        if self.write:
+            tables = {mark(name, self.name): page.values[name] for name in WRITTEN}
+            fitted = f"The fitted density of sand is {1e3 * density:.1f} g/m."
+            write_tables(PAGE, tables | {mark("sanders", self.name): f"{page.values['sanders']}\n\n{fitted}"})
+        return page
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return dry distances of named trains, and two rows of the trial of sanders with its density of sand."""
@@ -230,7 +247,7 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
             "measured": f"{'> ' if comparison.at_least else ''}{comparison.measured:.0f} m",
             "simulated": "no stop" if comparison.distance is None else f"{comparison.distance:.0f} m",
             "difference": "" if comparison.off is None else f"{100 * comparison.off:+.1f} %",
-            "": "fitted" if comparison.fitted else "predicted",
+            "": "fitted" if comparison.fitted else "",
         }
         for comparison in comparisons
     ]

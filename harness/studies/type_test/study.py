@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -18,6 +19,7 @@ from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.index import write_report as write_panels
+from railgrip.report.marked import mark, write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
@@ -46,6 +48,12 @@ from railgrip.studies.type_test.judge import (
     limits_of,
     summaries,
 )
+
+PAGE: Final = Path("docs/type_test.md")
+"""From the folder of the project, where the command runs."""
+
+_HIDDEN: Final = ("tuned", "cases", "compared", "K_wet (10 %)")
+"""Columns of the leaderboard that are left out there."""
 
 _WORST: Final = 10
 _SAME: Final = 0.002
@@ -77,6 +85,7 @@ class TypeTest(Study):
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
     limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
+    write: Annotated[bool, Option("--write", help="Write the leaderboard into docs/type_test.md.")] = False
     import_from: list[Path] | None = None
 
     @property
@@ -106,6 +115,8 @@ class TypeTest(Study):
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         page = page_of(read_results(work.folder), taking_part, judging, against=self.against, again=self._again)
+        if self.write:
+            write_tables(PAGE, {mark("leaderboard", self.name): _written(page, len(design), self.validation)})
         panels = [
             str(write_panels(work.folder / stop.name))
             for stop in (stops.stops if self.case else ())
@@ -280,6 +291,12 @@ def leaderboard(board: Sequence[Summary]) -> Table:
     ]
     forms = dict.fromkeys(("worst", "over bound", "air", "strokes"), "{:.3f}")
     return Table(rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",))
+
+
+def _written(page: Page, cases: int, is_validation: bool) -> str:
+    """Return the leaderboard for the documentation, with the cases and the version it is of."""
+    of = "the validation set" if is_validation else "the test set"
+    return f"{cases} cases of {of}, railgrip {version('railgrip')}:\n\n{page.values['board'].without(_HIDDEN)}"
 
 
 def _or_endless(value: float | None, median: float | None) -> float | str | None:
