@@ -294,7 +294,7 @@ def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarr
         prediction_for(specification),
         settings_for(specification, period_of(recording)),
         units=units_of(specification.model.class_),
-    )
+    ).assign_attrs(estimation=specification.name)
 
 
 def _gate(specification: Specification, gate: GateTable) -> Gate:

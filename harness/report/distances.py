@@ -134,6 +134,7 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Seq
         controller=controller_of(scenario),
         controller_label=label(scenario),
         estimator=_estimator(scenario),
+        friction=_friction(scenario["adhesion"]),
         draw=int(result.variants[DRAW]) if DRAW in result.variants else None,
         reference="published" if sbc is result else "best tuned" if tuned is result else None,
         distance_m=distance,
@@ -186,6 +187,15 @@ def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
     return tuple(
         axis for axis in axes if any(len({stop.variants.get(axis) for stop in same}) > 1 for same in alike.values())
     )
+
+
+def _friction(adhesion: Mapping[str, Any]) -> str:
+    """Return the maximum friction of a constant rail, and of its patches."""
+    if adhesion["kind"] != "constant":
+        return ""
+    patches = sorted({value for patch in adhesion.get("patch", ()) for value in patch["mu0"]})
+    rail, places = (", ".join(f"{value:g}" for value in values) for values in (adhesion["mu0"], patches))
+    return f"{rail}, in patches {places}" if places else rail
 
 
 def _estimator(scenario: Mapping[str, Any]) -> str:

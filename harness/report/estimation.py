@@ -79,8 +79,9 @@ def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, input
     style.dress(last, x="time [s]", y="NIS a reading\n(1 wanted)")
     truth = "; dashed: truth" if any(knows(recording, str(state)) for state in estimates["state"].values) else ""
     nis = f"; median NIS {estimates.attrs['nis_ratio']:.2g} of the expected one"
-    name = f"{estimates.attrs['name']}: " if estimates.attrs["name"] else ""
-    drawing.suptitle(f"{name}estimates ± 2 sd{truth}{nis}", fontsize=10)
+    names = [estimates.attrs[kind] for kind in ("estimation", "name") if estimates.attrs.get(kind)]
+    title = f"{' of '.join(names)}: " if names else ""
+    drawing.suptitle(f"{title}estimates ± 2 sd{truth}{nis}", fontsize=10)
     return drawing
 
 

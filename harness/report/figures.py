@@ -1,7 +1,10 @@
 """Figures over a campaign: the friction of its scenarios, the adhesion that was used, the distances."""
 
+import json
 from collections.abc import Mapping, Sequence
+from itertools import cycle
 from math import ceil, isfinite
+from typing import Any
 
 import numpy as np
 import xarray
@@ -10,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from railgrip.report import palette, style
+from railgrip.report.cases_figure import MOST_CASES, cases_figure
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.reference import label
@@ -32,6 +36,8 @@ _CONTROLLER_COLOURS = {
 }
 
 
+_RAIL_COLOURS = (*palette.LINES, palette.GREY)
+
 _STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
 
 _MOST_COLUMNS = 8
@@ -42,20 +48,33 @@ _MOST_BARS = 9
 
 
 def friction_figure(stops: Sequence[Result]) -> Figure:
-    """Return the maximum friction over time at each wheelset, a panel for each stop (one of each scenario).
+    """Return the maximum friction over time, a panel for each scenario.
 
+    Of a scenario with one rail every wheelset is drawn, of one with several rails the leading wheelset on each of them.
     Source of the form: Schwarz, Posielek and Goetjes, Fig. 3.
+
+    Args:
+        stops: Those drawn are the longest on each rail.
     """
-    drawing = style.figure(9, 2.4 * len(stops))
-    panels = drawing.subplots(len(stops), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, stop in zip(panels, stops, strict=True):
-        trace = stop.record.trace()
-        mu0, time = trace["mu0"].values, trace["time"].values
-        draw_wheelsets(panel, time, mu0)
-        style.dress(panel, y="maximum friction $\\mu_0$", title=_title(stop))
+    scenarios = _rails(stops)
+    drawing = style.figure(9, sum(2.4 if len(rails) == 1 else 3.4 for rails in scenarios.values()))
+    panels = drawing.subplots(len(scenarios), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, rails in zip(panels, scenarios.values(), strict=True):
+        for colour, (name, stop) in zip(cycle(_RAIL_COLOURS), rails.items(), strict=False):
+            trace = stop.record.trace()
+            mu0, time = trace["mu0"].values, trace["time"].values
+            if len(rails) == 1:
+                draw_wheelsets(panel, time, mu0)
+            else:
+                panel.plot(time, mu0[:, 0], color=colour, linewidth=1.2, label=name)
+        titles = {_title(stop) for stop in rails.values()}
+        style.dress(panel, y="maximum friction $\\mu_0$", title=", ".join(sorted(titles)))
         panel.set_ylim(bottom=0)
         panel.set_xlim(0, None)
-    panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
+        if len(rails) > 1:
+            style.legend(panel, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    if all(len(rails) == 1 for rails in scenarios.values()):
+        panels[0].legend(ncols=3, fontsize=8, loc="lower right", framealpha=0.9)
     panels[-1].set_xlabel("time since the brake demand [s]")
     return drawing
 
@@ -66,6 +85,41 @@ def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
     for wheelsets in style.alike(list(mu0.T)):
         axles = f"wheelset{'s' if len(wheelsets) > 1 else ''} {style.one_based(wheelsets)}"
         panel.plot(time, mu0[:, wheelsets[0]], color=colours[wheelsets[0]], linewidth=1.4, label=axles)
+
+
+def _rails(stops: Sequence[Result]) -> dict[str, dict[str, Result]]:
+    """Return scenario → name of the rail → longest stop on it; rails are named by the variants that they alone have."""
+    rails: dict[str, dict[str, list[Result]]] = {}
+    for stop in stops:
+        scenario = stop.record.scenario
+        rails.setdefault(scenario["name"], {}).setdefault(_rail(scenario["adhesion"]), []).append(stop)
+    return {
+        name: {
+            _variants(here, list(of_rail.values())): max(here, key=lambda stop: stop.record.metrics.duration)
+            for here in of_rail.values()
+        }
+        for name, of_rail in rails.items()
+    }
+
+
+def _rail(adhesion: Mapping[str, Any]) -> str:
+    """Return what friction depends on: everything but the creep curves, and the level that was calibrated for one."""
+    level = adhesion.get("calibrated", {}).get(adhesion["polach"].get("name"), 1.0)
+    patches = [{key: patch[key] for key in patch if key != "polach"} for patch in adhesion.get("patch", ())]
+    rest = {key: adhesion[key] for key in adhesion if not key.startswith(("polach", "calibrated"))}
+    return json.dumps([level, rest | {"patch": patches}], sort_keys=True)
+
+
+def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
+    """Return the variants of the axes of which no other rail has one of these."""
+    parts: list[str] = []
+    for axis in here[0].variants:
+        here_only = list(dict.fromkeys(stop.variants[axis] for stop in here))
+        others = {stop.variants[axis] for rail in rails if rail is not here for stop in rail}
+        if others and others.isdisjoint(here_only):
+            more = f" and {len(here_only) - 2} more" if len(here_only) > 3 else ""
+            parts.append(", ".join(here_only[: 2 if more else 3]).replace("_", " ") + more)
+    return "; ".join(parts) or _title(here[0])
 
 
 def adhesion_figure(sbc: Result, abc: Result) -> Figure:
@@ -118,9 +172,13 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
 def distance_figure(rows: Sequence[Row]) -> Figure:
     """Return the braking distances of each scenario and controller, with the published ones as marks.
 
-    A bar for each where a bar has room for its number, else the distribution over the cases of a scenario.
+    A bar for each where a bar has room for its number, else a line for each case, else the distribution over the
+    cases of a scenario.
     """
-    if len({row.label for row in rows}) > _MOST_BARS:
+    cases = len({row.label for row in rows})
+    if _MOST_BARS < cases <= MOST_CASES:
+        return cases_figure(rows, _bar_colours(rows))
+    if cases > MOST_CASES:
         return distribution_figure(distributions_of(over_cases(rows)), of="stop")
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
     scenarios = list(dict.fromkeys(row.label for row in rows))

@@ -115,9 +115,13 @@ def campaign_page(
     single = [row for row in rows if row.draw is None]
     if any(row.distance_m is not None for row in single):
         drawings["distances"] = "Braking distances", lambda: distance_figure(single)
-    scenarios = _longest_of_each_scenario([stop for stop in results.stops if stop.record.has_trace])
-    if scenarios:
-        drawings["friction"] = "Maximum friction at the wheelsets", lambda: friction_figure(scenarios)
+    protected = [
+        stop
+        for stop in results.stops
+        if stop.record.has_trace and stop.record.scenario["controller"]["kind"] != "full_brake"
+    ]
+    if protected:
+        drawings["friction"] = "Maximum friction at the wheelsets", lambda: friction_figure(protected)
     for sbc, abc in pairs:
         caption = f"Adhesion of the first wheelset, {abc.name}"
         drawings[f"adhesion-{abc.name}"] = caption, lambda sbc=sbc, abc=abc: adhesion_figure(sbc, abc)
@@ -196,19 +200,6 @@ def _provenance(results: Results) -> dict[str, str]:
         "results written": f"{dates[0]} to {dates[-1]}" if dates else "–",
         **{name: ", ".join(sorted(of)) for name, of in sorted(versions.items())},
     }
-
-
-def _longest_of_each_scenario(stops: Sequence[Result]) -> list[Result]:
-    """Return one stop of each scenario; friction over time is the same for all, the longest shows most of it."""
-    longest: dict[str, Result] = {}
-    for stop in stops:
-        name = stop.record.scenario["name"]
-        has_protection = stop.record.scenario["controller"]["kind"] != "full_brake"
-        if has_protection and (
-            name not in longest or stop.record.metrics.duration > longest[name].record.metrics.duration
-        ):
-            longest[name] = stop
-    return list(longest.values())
 
 
 def _pairs(stops: Sequence[Result]) -> list[tuple[Result, Result]]:

@@ -45,6 +45,7 @@ class Row(Conditions):
     """A stop in the table.
 
     Attributes:
+        friction: Maximum friction of a constant rail and of its patches, as text; empty for other rails.
         draw: Seed of a stop that is one draw of a distribution.
         reference: Whether the stop is that of the published or of the best tuned SBC, with which others are compared.
         distance_m: None without standstill.
@@ -64,6 +65,7 @@ class Row(Conditions):
         stop: Name of the stop in the campaign.
     """
 
+    friction: str
     draw: int | None
     reference: Literal["published", "best tuned"] | None
     distance_m: float | None

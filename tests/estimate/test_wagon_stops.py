@@ -8,7 +8,8 @@ from railgrip.base.errors import ScenarioError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import estimate, prediction_of, units_of
 from railgrip.estimation.sources import recording_of_stop
-from railgrip.estimation.spec import LIBRARY, load_specification, settings_for
+from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, settings_for
+from railgrip.report.estimation import estimates_figure
 from railgrip.trace.samples import reading_of, truth_of
 
 PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
@@ -103,6 +104,13 @@ def test_the_printed_factor_biases_pad_friction(stop):
         baseline_error = np.sqrt(np.mean((truth_of(stop, pads)[braking] - 0.35) ** 2))
         assert judge(stop, believed(stop), pads, braking).rmse < 0.8 * baseline_error
     assert judge(stop, believed(stop, **PRINTED), "mu_b[1]", braking).bias > 0.3
+
+
+def test_the_title_of_the_figure_names_the_variant_and_the_recording(stop):
+    specification = load_specification(LIBRARY / "wagon.toml", ["name=wagon-relaxing"])
+    part = stop.isel(time=slice(0, 50))
+    title = estimates_figure(part, estimate_of(specification, part), ["pad_force[1]"]).get_suptitle()
+    assert title.startswith("wagon-relaxing of wagon_stop: ")
 
 
 def test_one_adhesion_for_wheelsets_that_brake_unequally_is_a_bias_of_their_pads():

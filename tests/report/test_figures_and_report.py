@@ -52,6 +52,23 @@ def test_friction_has_a_panel_for_each_scenario_from_blue_to_purple(stops):
     assert panels[0].get_legend().get_texts()[0].get_text() == "wheelsets 1, 2"
 
 
+def test_each_rail_of_a_scenario_has_a_line_that_the_variants_name(stops):
+    """Levels that are calibrated for each creep curve are rails of their own; controllers share one."""
+    stop, other = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
+    adhesion = stop.record.scenario["adhesion"]
+    steep = replace(
+        stop.record,
+        scenario=stop.record.scenario
+        | {"adhesion": adhesion | {"polach": {"name": "steep"}, "calibrated": {"steep": 2.0}}},
+    )
+    shapes = [
+        replace(one, record=record, variants=one.variants | {"shape": shape})
+        for one, record, shape in ((stop, stop.record, "dry"), (other, other.record, "dry"), (stop, steep, "steep"))
+    ]
+    (panel,) = friction_figure(shapes).axes
+    assert [line.get_label() for line in panel.lines] == ["dry", "steep"]
+
+
 def test_adhesion_shows_sbc_abc_estimate_maximum_and_limit(stops):
     sbc, abc = stops["trapezoid-ideal-slip_two_state"], stops["trapezoid-ideal-adhesion_based"]
     panel = adhesion_figure(sbc, abc).axes[0]
@@ -121,6 +138,24 @@ def test_distances_of_many_stops_are_drawn_as_a_distribution(folder):
     assert "[m]" in made.axes[-2].get_xlabel()
     assert made.legends[0].get_texts()[0].get_text() == "a stop"
     assert made.get_figheight() == distance_figure([*many, *many]).get_figheight()
+
+
+def test_each_of_some_cases_has_a_line_with_its_friction(folder):
+    """Ten cases with a friction each, in two families: a panel of distances and one of changes for each family."""
+    rows = [row for row in rows_of(read_results(folder)) if row.scenario == "trapezoid"]
+    cases = [
+        replace(row, case=f"case {number}", friction=f"0.{number:02}", polach="dry" if number < 8 else "leaf",
+                distance_m=None if number == 9 else row.distance_m)
+        for number in range(10)
+        for row in rows
+    ]  # fmt: skip
+    made = distance_figure(cases)
+    names = [[text.get_text() for text in panel.get_yticklabels()] for panel in made.axes[::2]]
+    assert [len(lines) for lines in names] == [8, 2]
+    assert names[1][1] == "case 9, $\\mu_0$ 0.09"
+    of_first = [line.get_xdata()[0] for line in made.axes[0].lines]
+    assert sorted(of_first) == pytest.approx(sorted(8 * [row.distance_m for row in rows]))
+    assert [line.get_marker() for line in made.axes[2].lines].count("x") == len(rows)
 
 
 def test_controllers_of_one_kind_have_a_bar_each(folder):
