@@ -26,9 +26,10 @@ from railgrip.report.baseline import (
 )
 from railgrip.report.baseline import accept as accept_numbers
 from railgrip.report.console import complain, say, show_table
+from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
 from railgrip.report.table import Table, yes_no
-from railgrip.report.validation import write_table
+from railgrip.report.validation import BEGIN, END, TABLES
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
 from railgrip.studies.study import headlines
@@ -91,15 +92,18 @@ def accept(
 
 
 def validation(
-    page: Annotated[Path, typer.Option(help="The file with the table.")] = Path("docs/validation.md"),
-    baseline: Annotated[Path, typer.Option(help="The accepted distances.")] = BASELINES / "table1.toml",
+    baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
+    docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
 ) -> None:
-    """Write the accepted distances into docs/validation.md."""
-    accepted = load_baseline(baseline)
-    if accepted.campaign is None:
-        raise ScenarioError(f"{baseline}: is the baseline of a study; the table is that of a campaign")
-    write_table(page, load_campaign(baseline.parent / accepted.campaign), accepted)
-    say(str(page))
+    """Write the accepted distances into validation.md and rail_models.md."""
+    for name, (page, table_of) in TABLES.items():
+        path = baselines / f"{name}.toml"
+        accepted = load_baseline(path)
+        if accepted.campaign is None:
+            raise ScenarioError(f"{path}: is the baseline of a study; the table is that of a campaign")
+        table = table_of(load_campaign(path.parent / accepted.campaign), accepted)
+        write_tables(docs / page, {BEGIN: table}, END)
+        say(str(docs / page))
 
 
 def conditioning(
@@ -158,7 +162,7 @@ def _numbers_of(
 ) -> tuple[int, Findings]:
     """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
     if baseline.campaign is not None:
-        runs = [CampaignRun(load_campaign(path.parent / baseline.campaign), out)]
+        runs = [CampaignRun(baseline.selection(load_campaign(path.parent / baseline.campaign)), out)]
         code = run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)
         return code, findings_of(read_results(out))
 

@@ -10,7 +10,8 @@ A baseline file gives, for each stop or figure, the accepted value, its toleranc
     unit = "m"
     reason = "First calibration."
 
-The name of a study, `study = "lateral"`, stands in place of the campaign file where the numbers are those of a study.
+Of a long campaign the file may name some stops by patterns, `stops = ["*-slope_seeking"]`. The name of a study,
+`study = "lateral"`, stands in place of the campaign file where the numbers are those of a study.
 
 A distance that rounding decides (see `railgrip.scenario.conditioning`) is accepted as a range: `value` is the median of
 the repeats, `lowest` and `highest` are the ends of the range, and `tolerance` is the permitted excess beyond an end.
@@ -22,7 +23,8 @@ Figures beside a distance notice what a distance does not, such as another noise
 
     figures.adhesion_rmse = { value = 0.00074, tolerance = 7.4e-8 }
 
-They are those of `Metrics.beside_distance` that repeats move by less than `railgrip.scenario.conditioning.LOOSEST`.
+They are those of `Metrics.beside_distance` that repeats move by less than `railgrip.scenario.conditioning.LOOSEST`,
+for a stop without such figures by less than `LOOSEST_OF_SCATTER`.
 The longest lock of any group [s] and the strokes of all valves at the last `make accept` are shown; they are compared
 where they are among the figures.
 """
@@ -31,6 +33,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
@@ -41,7 +44,8 @@ from railgrip.base.files import write_json, write_text
 from railgrip.report import table
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Results, from_elsewhere
-from railgrip.scenario.conditioning import SMOOTH, Repeated
+from railgrip.scenario.campaign import Campaign
+from railgrip.scenario.conditioning import CERTAINTY, LOOSEST, SMOOTH, Repeated
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table, broken
@@ -51,6 +55,12 @@ FINDINGS_FILE = "figures.json"
 TOLERANCE = 1e-3
 """Relative tolerance of a new distance: twice the change when the communication step is halved (0.05 %), so that the
 arithmetic of another machine passes and a changed law does not."""
+
+CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER = 0.9999, 0.06
+"""Of the figures beside a distance that has none within `LOOSEST`: a change of a tenth shows in them.
+
+On another machine each such stop is one more repeat: with `CERTAINTY` one in a hundred of these figures would be off.
+"""
 
 ACROSS_COMPILERS = 5e-3
 """Relative tolerance of a distance with FMUs of another compiler: its solver takes other steps, which shifts strokes of
@@ -106,6 +116,7 @@ class Baseline(Table):
     """A baseline file."""
 
     campaign: str | None = Field(default=None, description="campaign file, relative to the folder of this file")
+    stops: tuple[str, ...] = Field(default=(), description="patterns of the stops of the campaign; all without it")
     study: str | None = Field(default=None, description="name of a study of railgrip.studies")
     accepted: dict[str, Accepted] = Field(default={}, description="name of a stop or figure → accepted value")
 
@@ -114,6 +125,10 @@ class Baseline(Table):
         if (self.campaign is None) == (self.study is None):
             raise broken("must have either campaign, the file of one, or study, the name of one")
         return self
+
+    def selection(self, campaign: Campaign) -> Campaign:
+        """Return the stops of its campaign that it is of."""
+        return campaign.only(lambda stop: not self.stops or any(fnmatch(stop.name, one) for one in self.stops))
 
     def across_compilers(self) -> Self:
         """Return the baseline for FMUs of another compiler.
@@ -334,7 +349,15 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
 
 
 def _figures_beside(finding: Finding, repeated: Repeated) -> dict[str, Beside]:
-    tolerances = {name: repeated.tolerance_of(name, value) for name, value in finding.figures.items()}
+    """Return the figures that repeats determine well, of a stop without such figures those that they determine less."""
+    tolerances: dict[str, float | None] = {}
+    for certainty, loosest in ((CERTAINTY, LOOSEST), (CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER)):
+        tolerances = {
+            name: repeated.tolerance_of(name, value, certainty, loosest) for name, value in finding.figures.items()
+        }
+        # A wheel that never locks is no measure of the rest.
+        if any(tolerance is not None and finding.figures[name] for name, tolerance in tolerances.items()):
+            break
     return {
         name: Beside(value=value, tolerance=float(f"{tolerance:.2g}"))
         for name, value in finding.figures.items()
@@ -366,7 +389,8 @@ def _accepted_anew(finding: Finding, value: float, before: Accepted | None, reas
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
     """Write a baseline file, its numbers in the order of their names."""
-    lines = [f"{key} = {json.dumps(value)}" for key in ("campaign", "study") if (value := getattr(baseline, key))]
+    keys = ("campaign", "stops", "study")
+    lines = [f"{key} = {json.dumps(value)}" for key in keys if (value := getattr(baseline, key))]
     for name, one in sorted(baseline.accepted.items()):
         numbers = one.model_dump(exclude={"unit", "reason", "compilers", "figures"}, exclude_none=True)
         lines += [

@@ -1,12 +1,10 @@
-"""The table of braking distances in docs/validation.md, written from the accepted distances so that both agree."""
+"""Tables of braking distances in docs/, written from the accepted distances so that both agree."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from railgrip.report.baseline import Accepted, Baseline
-from railgrip.report.marked import write_tables
 from railgrip.report.reference import label, references
 from railgrip.report.table import Table, percent
 from railgrip.scenario.campaign import Campaign, PlannedStop
@@ -71,13 +69,23 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
 
 
-def write_table(path: Path, campaign: Campaign, baseline: Baseline) -> None:
-    """Write the table between the two marks.
+def cases_table(campaign: Campaign, baseline: Baseline) -> str:
+    """Return the accepted distances of a campaign with cases: a row for each case, a column for each controller."""
+    rows: dict[str, dict[str, str]] = {}
+    for stop in baseline.selection(campaign).stops:
+        case, scenario = stop.variants["case"].replace("_", " "), stop.scenario.resolved()
+        cell = _Cell(stop, scenario, baseline.accepted.get(stop.name), None)
+        rows.setdefault(case, {})[label(scenario)] = _text(cell, [])
+    columns = dict.fromkeys(column for row in rows.values() for column in row)
+    table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
+    return str(Table(table, left=("case",)))
 
-    Raises:
-        RecordError: The file cannot be read, or lacks one of the marks.
-    """
-    write_tables(path, {BEGIN: table(campaign, baseline)}, END)
+
+TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], str]]] = {
+    "table1": ("validation.md", table),
+    "adverse": ("rail_models.md", cases_table),
+}
+"""Baseline → page of docs/ that shows it, and the table."""
 
 
 def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:

@@ -75,20 +75,22 @@ class Repeated(Table):
         """Whether the distance moves by no more than `SMOOTH`."""
         return self.highest - self.lowest <= SMOOTH
 
-    def tolerance_of(self, figure: str, value: float) -> float | None:
+    def tolerance_of(
+        self, figure: str, value: float, certainty: float = CERTAINTY, loosest: float = LOOSEST
+    ) -> float | None:
         """Return how far another run may be from the accepted value of a figure.
 
         From the repeats follows the prediction interval of one more, t s √(1 + 1/n) about their mean; the value itself
-        may lie off the mean. None where there are no repeats, or where the interval is wider than `LOOSEST`.
+        may lie off the mean. None where there are no repeats, or where the interval is wider than `loosest`, relative.
         """
         repeats = np.asarray(self.figures.get(figure, ()))
         count = len(repeats)
         if count < 2:
             return None
-        quantile = float(stdtrit(count - 1, (1.0 + CERTAINTY) / 2.0))
+        quantile = float(stdtrit(count - 1, (1.0 + certainty) / 2.0))
         reach = quantile * float(np.std(repeats, ddof=1)) * math.sqrt(1.0 + 1.0 / count)
         tolerance = max(abs(float(np.mean(repeats)) - value) + reach, ROUNDING * abs(value), NOTHING)
-        return tolerance if tolerance <= max(LOOSEST * abs(value), NOTHING) else None
+        return tolerance if tolerance <= max(loosest * abs(value), NOTHING) else None
 
     @property
     def margin(self) -> float:

@@ -14,6 +14,7 @@ from typer import Option
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import errors, judge
 from railgrip.estimation.run import by_name, estimate, units_of
+from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
     LIBRARY,
     Specification,
@@ -287,7 +288,7 @@ class RollerRig(Study):
         )
 
     def headlines(self, work: Work) -> list[Finding]:
-        """Return errors of adhesion and pad friction in both tests, with both filters."""
+        """Return errors of adhesion and pad friction in both tests, with both filters, and of the goods wagon."""
         scenarios = [load(Path(name)) for name in SCENARIOS]
         findings: list[Finding] = []
         for row in _rows(scenarios, work.map(tested, scenarios)):
@@ -298,6 +299,13 @@ class RollerRig(Study):
                 mean(f"{who}: adhesion RMSE", row["alpha_rmse"]),
                 mean(f"{who}: pad friction RMSE", row["mu_b_rmse"]),
             ]
+        wagon = load_specification(LIBRARY / "wagon.toml")
+        recording = recording_of_estimation(wagon)
+        estimates = estimate_of(wagon, recording)
+        findings += [
+            mean(f"wagon: {state} RMSE", judge(recording, estimates, state).rmse)
+            for state in ("alpha", "mu_b[1]", "mu_b[2]")
+        ]
         return findings
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from railgrip.__main__ import main
+from railgrip.report.marked import END, mark
 from railgrip.studies.k_factors.specification import LIBRARY
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
@@ -15,9 +16,16 @@ def files(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
-    for name in ("first", "again"):
-        main_ok(["study", "k_factors", "vt642", "--out", str(tmp_path / name), *LITTLE])
+def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = tmp_path / "docs" / "k_factors.md"
+    page.parent.mkdir()
+    page.write_text(f"before\n{mark('K', 'k_factors vt642')}\n{END}\nafter\n", encoding="utf-8")
+    for name, options in (("first", []), ("again", ["--write"])):
+        main_ok(["study", "k_factors", "vt642", "--out", str(tmp_path / name), *options, *LITTLE])
+    written = page.read_text(encoding="utf-8")
+    assert written.startswith("before\n")
+    assert written.endswith("after\n")
     first, again = (files(tmp_path / name) for name in ("first", "again"))
     contents = [json.loads(folder_files.pop("k_factors.json")) for folder_files in (first, again)]
     assert all(content.pop("seconds")["quasi_static"] > 0 for content in contents)
@@ -31,6 +39,8 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys):
     assert all(one["high"] <= one["high_of_rates"] for one in contents[0]["k_dry"])
     assert all(one["low"] <= one["k"] <= one["high"] for one in contents[0]["k_dry"])
     assert "EBCL" in capsys.readouterr().out
+    k = next(one["k"] for one in contents[0]["k_dry"] if one["ebcl"] == 3)
+    assert f"| 3 | 0.001 | {k:.4f} " in written
 
 
 @pytest.mark.usefixtures("in_process", "own_cache")

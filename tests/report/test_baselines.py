@@ -247,6 +247,17 @@ def test_a_stop_moves_with_a_figure_beside_its_distance_and_the_table_names_it()
     assert states(compare(before.across_compilers(), stop_with(nis_ratio=2.0))) == {SBC: "kept"}
 
 
+def test_a_stop_without_a_steady_figure_is_compared_by_less_steady_ones():
+    """Student's t of four degrees of freedom at 99.99 % is 15.54: 2.4 % for the air, and too much for the strokes."""
+    some = {"air_used": (1.0, 1.002, 0.998, 1.0, 1.0), "actuations": (100.0, 101.0, 99.0, 100.0, 100.0)}
+    after = accept(Baseline(campaign="c"), stop_with(repeats(**some), air_used=1.0, actuations=100.0), "r")
+    figures = after.accepted[SBC].figures
+    assert set(figures) == {"air_used"}
+    assert figures["air_used"].tolerance == pytest.approx(
+        15.54 * np.std(some["air_used"], ddof=1) * np.sqrt(1.2), rel=0.05
+    )
+
+
 def test_repeats_decide_which_figures_are_accepted_and_how_closely(tmp_path):
     repeated = repeats(nis_ratio=(1.0, 1.0005, 0.9995, 1.0), air_used=(1.0, 1.1, 0.9, 1.0), longest_lock=(0.0,) * 4)
     found = stop_with(repeated, nis_ratio=1.0, air_used=1.0, longest_lock=0.0, adhesion_rmse=0.1)

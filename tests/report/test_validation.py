@@ -1,16 +1,17 @@
-"""The table of docs/validation.md has the accepted distances and no others."""
+"""The tables of the documentation have the accepted distances and no others."""
 
 from pathlib import Path
 
 import pytest
 
 from railgrip.base.errors import RecordError
-from railgrip.report.baseline import Accepted, Baseline, load_baseline
-from railgrip.report.validation import BEGIN, END, table, write_table
+from railgrip.report.baseline import Accepted, Baseline, load_baseline, write_baseline
+from railgrip.report.marked import write_tables
+from railgrip.report.validation import BEGIN, END, TABLES, cases_table, table
 from railgrip.scenario.campaign import load_campaign
 
 ROOT = Path(__file__).parents[2]
-BASELINE = ROOT / "tests" / "baselines" / "table1.toml"
+BASELINES = ROOT / "tests" / "baselines"
 
 EQUIPMENT = """
 [axes.equipment]
@@ -31,12 +32,45 @@ source = "a book"
 """
 
 
-def test_the_table_of_the_page_is_the_accepted_one():
+@pytest.mark.parametrize("name", TABLES)
+def test_the_table_of_the_page_is_the_accepted_one(name):
     """Fails if a baseline was accepted without `make validation`, which writes the table."""
-    baseline = load_baseline(BASELINE)
-    campaign = load_campaign(BASELINE.parent / baseline.campaign)
-    text = (ROOT / "docs/validation.md").read_text(encoding="utf-8")
-    assert f"{BEGIN}\n{table(campaign, baseline)}\n{END}" in text
+    page, table_of = TABLES[name]
+    baseline = load_baseline(BASELINES / f"{name}.toml")
+    campaign = load_campaign(BASELINES / baseline.campaign)
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    assert f"{BEGIN}\n{table_of(campaign, baseline)}\n{END}" in text
+
+
+def test_a_baseline_of_some_stops_has_a_row_for_each_case(tmp_path):
+    from synthetic import LIBRARY
+
+    path = tmp_path / "c.toml"
+    path.write_text(
+        f'''name = "c"
+scenarios = ["{(LIBRARY / "random.toml").as_posix()}"]
+[axes.case.light_train]
+truth.load = 0.8
+[axes.case.as_believed]
+[axes.controller.sbc]
+controller.kind = "slip_two_state"
+[axes.controller.abc]
+controller.kind = "adhesion_based"
+''',
+        encoding="utf-8",
+    )
+    campaign, patterns = load_campaign(path), ("*-sbc",)
+    accepted = {"random-light_train-sbc": stop(400), "random-as_believed-sbc": stop(310, lowest=290, highest=340)}
+    some = Baseline(campaign="c.toml", stops=patterns, accepted=accepted)
+    assert [one.name for one in some.selection(campaign).stops] == [*accepted]
+    assert cases_table(campaign, some).splitlines() == [
+        "| case | SBC, two-state 10/15 % |",
+        "|---|--:|",
+        "| light train | 400.0 m |",
+        "| as believed | 310.0 m, 290.0 – 340.0 m |",
+    ]
+    write_baseline(some, tmp_path / "some.toml")
+    assert load_baseline(tmp_path / "some.toml") == some
 
 
 @pytest.fixture
@@ -84,10 +118,10 @@ def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ran
 def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, baseline):
     path = tmp_path / "validation.md"
     path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
-    write_table(path, campaign, baseline)
+    write_tables(path, {BEGIN: table(campaign, baseline)}, END)
     assert path.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{table(campaign, baseline)}\n{END}\nafter\n"
     path.write_text("no marks\n", encoding="utf-8")
     with pytest.raises(RecordError, match=r"validation\.md: lacks a line that encloses the table"):
-        write_table(path, campaign, baseline)
+        write_tables(path, {BEGIN: ""}, END)
     with pytest.raises(RecordError, match="cannot be read: No such file"):
-        write_table(tmp_path / "gone.md", campaign, baseline)
+        write_tables(tmp_path / "gone.md", {BEGIN: ""}, END)

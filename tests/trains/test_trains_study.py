@@ -1,4 +1,4 @@
-"""The study of trains: one distance of the trial is fitted, four are predicted, and what comes out says which."""
+"""The study of trains: one distance of the trial of sanders is fitted, and the results say which."""
 
 import json
 import tomllib

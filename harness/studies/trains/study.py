@@ -15,7 +15,7 @@ from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import mark, write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import Table, percent
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
 from railgrip.scenario.file import located
@@ -33,7 +33,7 @@ from railgrip.studies.trains.stops import (
     protected_stop,
 )
 
-PAGE = Path("docs/trains.md")
+PAGE = Path("docs/train_models.md")
 """From the folder of the project, where the command runs."""
 
 WRITTEN = ("distances", "published", "filling", "forces")
@@ -46,9 +46,7 @@ HAND = "EN 14531-1 by hand"
 class Trains(Study):
     """Stop the trains of this project, compare them with what is published, and fit sand to a trial of sanders."""
 
-    write: Annotated[bool, Option("--write", help="Write distances, brake pipe and sanders into docs/trains.md.")] = (
-        False
-    )
+    write: Annotated[bool, Option("--write", help="Write its tables into docs/train_models.md.")] = False
     quick: bool = False
 
     def page(self, work: Work) -> Page:
@@ -246,7 +244,7 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
             "sanders": comparison.sanders,
             "measured": f"{'> ' if comparison.at_least else ''}{comparison.measured:.0f} m",
             "simulated": "no stop" if comparison.distance is None else f"{comparison.distance:.0f} m",
-            "difference": "" if comparison.off is None else f"{100 * comparison.off:+.1f} %",
+            "difference": percent(comparison.off),
             "": "fitted" if comparison.fitted else "",
         }
         for comparison in comparisons
