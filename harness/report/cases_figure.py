@@ -15,7 +15,7 @@ MOST_CASES = 60
 """Lines that a figure has room for."""
 
 _MARKERS = "osD^v<>P*X"
-_EDGE = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
+_EDGE: Mapping[str, Any] = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
 _LINE, _HEADING = 0.27, 0.42  # inches
 _TICKS = (100, 150, 200, 300, 500, 700, 1000, 1500, 2000, 3000)  # m
 
@@ -35,7 +35,7 @@ def cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
     heights = [_HEADING / _LINE + len(cases) for cases in families.values()]
     drawing = style.figure(12, 1.4 + _LINE * sum(heights))
     grid = drawing.subplots(len(families), 2, sharex="col", squeeze=False, height_ratios=heights, width_ratios=(3, 2))
-    looks = {
+    looks: dict[str, dict[str, Any]] = {
         name: {"color": colour, "marker": _MARKERS[number % len(_MARKERS)], "markersize": 6.5, "linestyle": ""}
         for number, (name, colour) in enumerate(colours.items())
     }
@@ -68,8 +68,8 @@ def cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
 def _draw(row: Row, line: int, metres: Axes, changes: Axes, look: Mapping[str, Any]) -> None:
     if row.distance_m is None:
         for panel in (metres, changes):
-            place = {"transform": panel.get_yaxis_transform(), "clip_on": False}
-            panel.plot(1.0, line, **{**look, **place, "marker": "x"})
+            cross: dict[str, Any] = {**look, "transform": panel.get_yaxis_transform(), "marker": "x"}
+            panel.plot(1.0, line, clip_on=False, **cross)
         return
     metres.plot(row.distance_m, line, **look, **_EDGE)
     if row.reduction_vs_sbc is not None:
