@@ -86,12 +86,12 @@ def sources_of_library(system: Discrete) -> dict[str, str]:
             prefix + "#include <math.h>\n#include <string.h>\n" + names,
             table("double", "start_p", [v.start for v in system.parameters]),
             step.text,
-            (RUNTIME / "embedded.c").read_text(),
+            (RUNTIME / "embedded.c").read_text(encoding="utf-8"),
         ]
     )
     files = {file: prefix + text if file in step.units else text for file, text in step.files.items()}
     timing = f'#define _POSIX_C_SOURCE 200809L\n{names}#define LIBRARY "{name}"\n'
-    timing += (RUNTIME / "worst_case.c").read_text()
+    timing += (RUNTIME / "worst_case.c").read_text(encoding="utf-8")
     return files | {f"{name}.h": header, f"{name}.c": body, "worst_case.c": timing}
 
 

@@ -105,7 +105,7 @@ class _Main(Commands):
         "Stops and campaigns": {
             "run": Command("runs:run", "Run one scenario and print its figures."),
             "campaign": Command("campaigns:campaign", "Run the stops of campaigns and write tables and a report."),
-            "report": Command("campaigns:report", "Make one page of the results in a folder."),
+            "report": Command("campaigns:report", "Make the page of the results in a folder."),
             "compare": Command("campaigns:compare", "Show in what results differ, and where along the track."),
             "study": Command("studies:studies", "Run a study and write its page; without a name, list them."),
         },

@@ -95,7 +95,7 @@ def validation(
     baselines: Annotated[Path, typer.Option(help="Folder of baseline files.")] = BASELINES,
     docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
 ) -> None:
-    """Write the accepted distances into validation.md and rail_models.md."""
+    """Write the accepted distances into the documentation."""
     for name, (page, table_of) in TABLES.items():
         path = baselines / f"{name}.toml"
         accepted = load_baseline(path)

@@ -17,8 +17,9 @@ from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, say, show_all, show_table
-from railgrip.report.distances import rows_of, tables_of
+from railgrip.report.distances import documented, rows_of, tables_of
 from railgrip.report.index import write_report
+from railgrip.report.marked import write_marked
 from railgrip.report.page import formats_of
 from railgrip.report.results import by_compiler, read_results
 from railgrip.report.row import Row
@@ -82,9 +83,20 @@ def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
     panels: Annotated[Panels, typer.Option(help="Which stops of a campaign get a page.")] = "all",
     figure_formats: Formats = "png",
+    write: Annotated[
+        Path | None, typer.Option(help="Markdown page between whose marks the tables of a campaign are written.")
+    ] = None,
 ) -> None:
-    """Make the page of the results in a folder, and those of the stops of a campaign."""
+    """Make the page of the results in a folder.
+
+    Of a campaign also those of its stops.
+    """
     formats = formats_of(figure_formats)
+    if write is not None:
+        tables = documented(read_results(directory))
+        written = write_marked(write, {f"{directory.name}, {name}": table for name, table in tables.items()})
+        say(f"{write}: {', '.join(written)}")
+        return
     with progress("report") as bar:
 
         def draw(what: str) -> None:
@@ -135,13 +147,13 @@ def run_campaigns(
 
     `on_complete` is called with the number of a campaign that is complete, and a function that shows progress.
     """
-    with work(", ".join(run.campaign.name for run in runs), workers=workers, fresh=fresh) as session:
+    with work(", ".join(run.campaign.name for run in runs), workers=workers, fresh=fresh) as job:
 
         def complete(number: int) -> None:
-            on_complete(number, lambda what: session.notify(f"drawing {what}"))
-            session.notify("")
+            on_complete(number, lambda what: job.notify(f"drawing {what}"))
+            job.notify("")
 
-        return session.stops(runs, runner(import_from=import_from), on_complete=complete)
+        return job.stops(runs, runner(import_from=import_from), on_complete=complete)
 
 
 def _show_distances(rows: Sequence[Row]) -> None:

@@ -12,7 +12,7 @@ class _Maintain(Commands):
         "Baselines": {
             "regress": Command("baselines:regress", "Run what has a baseline and compare every number."),
             "accept": Command("baselines:accept", "Move the baselines to the results of the last regress."),
-            "validation": Command("baselines:validation", "Write the accepted distances into docs/validation.md."),
+            "validation": Command("baselines:validation", "Write the accepted distances into the documentation."),
             "conditioning": Command("baselines:conditioning", "Repeat stops with the plant's parameters perturbed."),
         },
         "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},

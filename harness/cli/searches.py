@@ -122,11 +122,11 @@ def tune(
     if kind != "paper" and kind != "consistent":
         raise EstimationError(f"tune: there is no objective '{kind}'; there is paper, consistent.")
     search = Search(population=population, generations=generations, stage=stage, seed=seed)
-    with work("field_test", workers=workers) as session:
-        field_runs = runs(field_cases(campaign), TUNING, session, import_from or ())
+    with work("field_test", workers=workers) as job:
+        field_runs = runs(field_cases(campaign), TUNING, job, import_from or ())
         model = equations()
         tasks = [task_of(run.braking, model) for run in field_runs.values()]
-        noise, value, history = search_for(kind, tasks, search, session)
+        noise, value, history = search_for(kind, tasks, search, job)
     command = (
         f"railgrip maintain tune {kind} --population {population} --generations {generations} --stage {stage} "
         f"--seed {seed} --out {out}"

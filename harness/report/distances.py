@@ -16,7 +16,7 @@ from railgrip.report.reference import controller_of, label, references, setting_
 from railgrip.report.results import Result, Results, from_elsewhere, makers
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
-from railgrip.report.table import Form, Link, Table, change, names, share
+from railgrip.report.table import Form, Link, Table, change, names, percent, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import Repeated
 from railgrip.scenario.outcome import Outcome
@@ -83,6 +83,25 @@ def tables_of(rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({
     ]
     distances = Table(cells, _FORMS)
     return distribution_table(distributions_of(rows)).filled(), distances.filled()
+
+
+def documented(results: Results) -> dict[str, Table]:
+    """Return the tables of a campaign for a page of the documentation, by name.
+
+    `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller.
+    """
+    rows = rows_of(results)
+    cases: dict[tuple[str, str], dict[str, str]] = {}
+    for row in rows:
+        if row.draw is None:
+            distance = "no stop" if row.distance_m is None else f"{row.distance_m:.1f} m"
+            change = percent(None if row.reduction_vs_sbc is None else -row.reduction_vs_sbc)
+            cells = cases.setdefault((row.label, row.polach), {"scenario": row.label, "creep curve": row.polach})
+            cells[row.controller_label] = f"{distance} ({change})" if change else distance
+    columns = dict.fromkeys(column for cells in cases.values() for column in cells)
+    table = Table([dict.fromkeys(columns, "") | cells for cells in cases.values()], left=("scenario", "creep curve"))
+    draws = distribution_table(distributions_of(rows)).filled()
+    return {"draws": draws.without(("actuation", "sensors", "creep curve")), "distances": table}
 
 
 _HEADING = ("actuation", "sensors", "creep curve")

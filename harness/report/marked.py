@@ -36,6 +36,23 @@ def with_tables(text: str, tables: Mapping[str, Table | str], end: str = END) ->
     return text
 
 
+def write_marked(path: Path, tables: Mapping[str, Table]) -> list[str]:
+    """Write those tables for which a page has a mark `<!-- NAME: written by ...`; return their names.
+
+    Raises:
+        RecordError: The page cannot be read, or has no such mark.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except OSError as problem:
+        raise RecordError(f"{path}: cannot be read: {problem.strerror}") from problem
+    marks = {name: line for name in tables for line in lines if line.startswith(f"<!-- {name}: written by ")}
+    if not marks:
+        raise RecordError(f"{path}: has none of the marks {', '.join(f'<!-- {name}: written by …' for name in tables)}")
+    write_tables(path, {mark: tables[name] for name, mark in marks.items()})
+    return list(marks)
+
+
 def write_tables(path: Path, tables: Mapping[str, Table | str], end: str = END) -> None:
     """Write tables between the marks of a page; see `with_tables`.
 

@@ -1,6 +1,5 @@
 "use strict";
-// Tables sort by a click on a column and filter by a word. No library: those that were tried fix the width of columns, which
-// cuts wide tables off on paper.
+// Tables sort by a click on a column and filter by a word. Without a library: a page prints the same table that it shows.
 for (const table of document.querySelectorAll("table")) {
   const box = document.createElement("div");
   box.className = table.classList.contains("wide") ? "scroll wide" : "scroll";

@@ -149,7 +149,8 @@ def commit() -> str:
         return ""
     command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
-        return subprocess.run(command, capture_output=True, text=True, timeout=10, check=False).stdout.strip()
+        found = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=10, check=False)
+        return found.stdout.strip()
     except (OSError, subprocess.TimeoutExpired):  # no git on this machine
         return ""
 

@@ -75,11 +75,11 @@ def conduct(
     """
     folder = out / study.place
     make_folder(folder)
-    with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as session:
-        page = study.page(session)
+    with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
+        page = study.page(job)
         origin = {"study": repr(study), "sources": sources_digest(), **_versions()}
         page = replace(page, provenance={**origin, **page.provenance})
-        session.notify("page")
+        job.notify("page")
         return page, page.write(folder, formats)
 
 
@@ -91,5 +91,5 @@ def _versions() -> dict[str, str]:
 def headlines(name: str, *, workers: int = 2) -> Findings:
     """Return the headline numbers of a study."""
     study = study_named(name)()
-    with work(name, workers=workers) as session:
-        return Findings(values=tuple(study.headlines(session)))
+    with work(name, workers=workers) as job:
+        return Findings(values=tuple(study.headlines(job)))

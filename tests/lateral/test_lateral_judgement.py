@@ -88,7 +88,7 @@ def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_pa
         assert own.run_count == 3 * len(PLANTS) + 1
     text = page.read_text(encoding="utf-8")
     assert "well posed, track unknown" in text
-    assert len(list(tmp_path.glob("*.png"))) == len(PLANTS)
+    assert len(list(tmp_path.glob("*.png"))) == len(PLANTS) + 1  # of the creep curves
     assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + len(PLANTS) * 3 * 5
 
 

@@ -91,10 +91,11 @@ def test_every_kind_of_figure_is_drawn(tmp_path):
     bars.set_xticks([0, 1], ["left tick", "right tick"])
     bars.legend()
     drawing.suptitle("above both")
-    values = dict.fromkeys(("distances", "parameters", "profile", "alternatives"), "")
-    figures = dict.fromkeys(("figure_4.png", "profile.png"), drawing)
+    values = dict.fromkeys(("published", "distances", "parameters", "profile", "alternatives", "lyapunov"), "")
+    names = ("adhesion_based_4.png", "adhesion_based_1.svg", "adhesion_based_3.png", "profile.png")
+    figures = dict.fromkeys(names, drawing)
     template = "studies/papers/papers.md.jinja"
     page = Page(title="t", question="q", answer="a", template=template, values=values, figures=figures)
     texts, _ = printed(page.write(tmp_path), tmp_path)
     for text in ("in the image", "at a bar", "left tick", "bars", "band", "above both"):
-        assert "".join(texts).count(bare(text)) == 2
+        assert "".join(texts).count(bare(text)) == len(names)

@@ -1,0 +1,74 @@
+"""Equations 3, 9 and 12 to 15 of Schwarz, Posielek and Goetjes (2021): derivatives, and the stop with their law."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from railgrip.simulate.run import run_stop
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.papers import lyapunov
+from railgrip.studies.papers.adhesion_based import IDENTIFIED
+from railgrip.studies.papers.lyapunov import GROUP, course_of, inequalities, slopes_of, violations, violations_table
+from railgrip.studies.papers.table1 import read_fits, stop_of
+
+
+def test_slopes_are_those_of_a_curve_whose_derivatives_are_known():
+    """α = μ 2 s c/(s² + c²) e^(−v/b); steps of 1e-5 in slip are a thousandth of the narrowest peak."""
+    c, b = 0.01, 30.0
+    slip, speed, mu0 = np.linspace(0.003, 0.3, 40), np.linspace(5.0, 22.0, 40), np.full(40, 0.1)
+
+    def contact(s, v, load, mu0):
+        return mu0 * 2 * s * c / (s**2 + c**2) * np.exp(-v / b)
+
+    slopes = slopes_of(contact, slip, speed, np.ones(40), mu0)
+    alpha, square = contact(slip, speed, None, mu0), slip**2 + c**2
+    by_slip = mu0 * 2 * c * (c**2 - slip**2) / square**2 * np.exp(-speed / b)
+    curvature = mu0 * 4 * c * slip * (slip**2 - 3 * c**2) / square**3 * np.exp(-speed / b)
+    # Relative to the largest of each: some values are close to a change of sign.
+    for found, exact in ((slopes.by_slip, by_slip), (slopes.curvature, curvature),
+                         (slopes.by_speed, -alpha / b), (slopes.cross, -by_slip / b)):  # fmt: skip
+        assert found == pytest.approx(exact, rel=1e-4, abs=1e-4 * np.abs(exact).max())
+
+
+@pytest.fixture(scope="module")
+def stop():
+    fit = read_fits(IDENTIFIED)[0]
+    return run_stop(stop_of("trapezoid", fit.candidate, fit.levels["trapezoid"], "abc"))
+
+
+@pytest.fixture(scope="module")
+def course(stop):
+    return course_of(stop)
+
+
+def test_a_brake_that_obeys_equation_9_suffices_where_the_curve_is_concave(course):
+    sufficient = inequalities(course)["(15) dV/dt < 0 with u of (9)"]
+    concave = course.judged & (course.slopes.curvature < 0)
+    assert concave.sum() > 1000
+    assert np.mean(sufficient[concave]) > 0.99
+    assert np.mean(sufficient[course.judged & ~concave]) < 0.01
+
+
+def test_pressure_raises_the_slip_rate_by_what_the_torque_of_the_plant_does(stop, course):
+    """From J ω̇ = r F − T, where the torque is an output of the plant, which rounds the corner at the spring's force."""
+    brake, trace = VehicleData(stop.scenario).true.brakes[GROUP], stop.trace
+    torque = trace["brake_torque"].values[1:, GROUP]
+    speed = (trace["speed"].values[1:] + trace["speed"].values[:-1]) / 2
+    change, expected = course.slip_rate - course.lowest, torque * brake.wheel_radius / (brake.inertia * speed)
+    pressed = course.judged & (torque > 0.1 * torque.max())
+    assert pressed.sum() > 1000
+    assert change[pressed] == pytest.approx(expected[pressed], rel=1e-3)
+    assert (course.gain > 0).all()
+
+
+def test_violations_are_shares_of_the_judged_samples(course):
+    judged = np.zeros_like(course.judged)
+    judged[:10] = True
+    slopes = replace(course.slopes, curvature=np.where(np.arange(course.judged.size) < 3, 1.0, -1.0))
+    some = replace(course, judged=judged, slopes=slopes, resting=judged, applied=None)
+    found = violations({"a law": some})["a law, friction constant"]
+    assert (found["samples"], found["∂²α/∂s² < 0"]) == (10, 0.3)
+    table = violations_table({"a law": found}).texts
+    assert {"violated in": "(9) u has the sign of σ", "a law": "no such u"} in table
+    assert lyapunov.share_or_none(0.3) == "30.0 %"
