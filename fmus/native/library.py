@@ -66,5 +66,5 @@ def library_of(file: Path) -> Path:
 
 def sources_digest(library: Path) -> str:
     """Return a digest over all that a class of a library may be made of: the library itself, and RailBraking."""
-    own = library_digest(library)
-    return own if library == LIBRARY else hashlib.sha256(f"{own} {library_digest(LIBRARY)}".encode()).hexdigest()
+    digest = library_digest(library)
+    return digest if library == LIBRARY else hashlib.sha256(f"{digest} {library_digest(LIBRARY)}".encode()).hexdigest()

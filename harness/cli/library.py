@@ -23,9 +23,9 @@ def list_(
     if as_json:
         say(json.dumps({kind_: meanings(kind_) for kind_ in kinds}, indent=1, ensure_ascii=False))
         return
-    for one in kinds:
-        rows = [{"name": name, "meaning": meaning} for name, meaning in meanings(one).items()]
-        show_table(Table(rows, left=("name", "meaning"), title=one.capitalize()))
+    for kind_ in kinds:
+        rows = [{"name": name, "meaning": meaning} for name, meaning in meanings(kind_).items()]
+        show_table(Table(rows, left=("name", "meaning"), title=kind_.capitalize()))
 
 
 def schema(

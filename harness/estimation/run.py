@@ -116,8 +116,8 @@ def equations_of(
 def _file_of(model: str) -> Path:
     """Return the FMU of a class of RailBraking.Predictions, built when it is not up to date."""
     name = model.rpartition(".")[2]
-    own = read_recipes().recipes.get(name)
-    if own is not None and own.class_name in (model, f"RailBraking.Predictions.{model}"):
+    entry = read_recipes().recipes.get(name)
+    if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
         return fmu(name)
     return build_class(model if "." in model else f"RailBraking.Predictions.{model}", LIBRARY, "me").path
 

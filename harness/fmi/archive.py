@@ -9,7 +9,6 @@ import zipfile
 import zlib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
 from xml.parsers import expat
 
 from railgrip.base.errors import FmuError
@@ -141,10 +140,8 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
         nonlocal depth
         depth -= 1
 
-    def doctype(*_: Any) -> None:
-        raise FmuError(f"{path}: {DESCRIPTION} has a document type, which FMI does not; remove it.")
-
-    parser.StartElementHandler, parser.EndElementHandler, parser.StartDoctypeDeclHandler = start, end, doctype
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.StartDoctypeDeclHandler = lambda *_: _refuse_document_type(path)
     try:
         with zipfile.ZipFile(path) as archive, archive.open(DESCRIPTION) as stream:
             while piece := stream.read(1 << 16):
@@ -161,6 +158,10 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
         relative=frozenset(relative),
         indices=tuple(indices),
     )
+
+
+def _refuse_document_type(path: Path) -> None:
+    raise FmuError(f"{path}: {DESCRIPTION} has a document type, which FMI does not; remove it.")
 
 
 def copy_of_description(path: Path, folder: Path) -> Path:

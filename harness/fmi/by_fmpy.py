@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from math import isclose
 from typing import Any, ClassVar, Final
@@ -38,15 +39,15 @@ class _Block:
         self.places = np.array([first[int(r)] for r in channel.references], dtype=np.intp) + channel.elements
         self.values = np.array([float(value) for array in starts for value in array])
         self.channel = channel
-        self._whole: Callable[[float], object] | None = None
+        self._as_type: Callable[[float], object] | None = None
         if not channel.carrier.startswith(("Real", "Float")):
-            self._whole = bool if channel.carrier == "Boolean" else int
+            self._as_type = bool if channel.carrier == "Boolean" else int
 
     def plain(self) -> list[Any]:
         """Return the values as the FMU's type."""
-        if self._whole is None:
+        if self._as_type is None:
             return self.values.tolist()
-        return [self._whole(value) for value in np.rint(self.values).tolist()]
+        return [self._as_type(value) for value in np.rint(self.values).tolist()]
 
 
 class _ByFmpy(LoadedPlant):
@@ -235,11 +236,6 @@ def _solver(instance: Instance, period: float) -> Any:
 
     fmu, description = instance.fmpy, instance.description
 
-    def nominals(pointer: Any, size: int) -> None:
-        fmu.getNominalsOfContinuousStates(pointer, size)
-        values = np.ctypeslib.as_array(pointer, (size,))
-        values[~(np.isfinite(values) & (values > 0))] = 1.0
-
     is_fmi_2 = description.fmi == 2
     with instance.calling(0.0, "starting the solver"):
         return Solver(
@@ -249,7 +245,7 @@ def _solver(instance: Instance, period: float) -> Any:
             set_x=fmu.setContinuousStates,
             get_dx=fmu.getDerivatives if is_fmi_2 else fmu.getContinuousStateDerivatives,
             get_z=fmu.getEventIndicators,
-            get_nominals=nominals,
+            get_nominals=partial(_read_nominals, fmu),
             set_time=fmu.setTime,
             input=_HeldInputs(),
             startTime=0.0,
@@ -258,3 +254,10 @@ def _solver(instance: Instance, period: float) -> Any:
             relativeTolerance=TOLERANCE,
             maxNumSteps=_MOST_STEPS,
         )
+
+
+def _read_nominals(fmu: Any, pointer: Any, size: int) -> None:
+    """Write the nominal values of the states to a pointer; 1 where the FMU has none that is usable."""
+    fmu.getNominalsOfContinuousStates(pointer, size)
+    values = np.ctypeslib.as_array(pointer, (size,))
+    values[~(np.isfinite(values) & (values > 0))] = 1.0

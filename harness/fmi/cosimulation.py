@@ -88,14 +88,14 @@ class SetStepGet:
 
     def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
         """Write a channel whose values stand at `positions` into its struct."""
-        whole = channel.carrier != "Real"
-        buffer = np.zeros(len(channel.references), dtype=np.intc if whole else np.float64)
+        is_integer = channel.carrier != "Real"
+        buffer = np.zeros(len(channel.references), dtype=np.intc if is_integer else np.float64)
         places = np.ascontiguousarray(positions, dtype=np.longlong)
         arrays = {"references": channel.references, "positions": places, "buffer": buffer}
         if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
             arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
         self._keep += arrays.values()
-        row["exchange"], row["count"], row["whole"] = exchange, buffer.size, whole
+        row["exchange"], row["count"], row["whole"] = exchange, buffer.size, is_integer
         for name, array in arrays.items():
             row[name] = array.ctypes.data
 

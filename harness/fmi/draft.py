@@ -75,9 +75,9 @@ def drafted(
     table: dict[str, str | tuple[str, ...]] = {}
     used: set[str] = set()
     for i, j in sorted(pairs, key=lambda pair: -score[pair]):
-        own = {variable.name for variable in arrays[j].variables}
-        if score[i, j] >= _LEAST and not own & used:
-            used |= own
+        present = {variable.name for variable in arrays[j].variables}
+        if score[i, j] >= _LEAST and not present & used:
+            used |= present
             table[names[i]] = _signed(arrays[j])
     return {name: table[name] for name in names if name in table}
 

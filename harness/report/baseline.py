@@ -128,7 +128,7 @@ class Baseline(Table):
 
     def selection(self, campaign: Campaign) -> Campaign:
         """Return the stops of its campaign that it is of."""
-        return campaign.only(lambda stop: not self.stops or any(fnmatch(stop.name, one) for one in self.stops))
+        return campaign.only(lambda stop: not self.stops or any(fnmatch(stop.name, name) for name in self.stops))
 
     def across_compilers(self) -> Self:
         """Return the baseline for FMUs of another compiler.
@@ -137,10 +137,10 @@ class Baseline(Table):
         Figures are not compared: their tolerances are those of the own plant.
         """
         wide: dict[str, Accepted] = {}
-        for name, one in self.accepted.items():
-            low, high = (choose((*one.ends, *one.compilers.values())) for choose in (min, max))
+        for name, accepted in self.accepted.items():
+            low, high = (choose((*accepted.ends, *accepted.compilers.values())) for choose in (min, max))
             middle, half = (low + high) / 2, (high - low) / 2
-            wide[name] = one.model_copy(
+            wide[name] = accepted.model_copy(
                 update={"value": middle, "tolerance": half + ACROSS_COMPILERS * high, "figures": {}}
             )
         return self.model_copy(update={"accepted": wide})
@@ -271,10 +271,11 @@ def beyond_accepted(results: Results, path: Path) -> list[str]:
     known = [stop for stop in results.stops if stop.name in baseline.accepted and from_elsewhere([stop])]
     findings = findings_of(replace(results, stops=tuple(known)))
     return [
-        f"{one.name}: {one.value:.2f} m by FMUs of another compiler, {baseline.accepted[one.name].value:.2f} m is "
-        f"accepted, {one.value / baseline.accepted[one.name].value - 1:+.1%}."
-        for one in compare(baseline.across_compilers(), findings)
-        if one.state == "moved" and one.value is not None
+        f"{comparison.name}: {comparison.value:.2f} m by FMUs of another compiler, {accepted.value:.2f} m is accepted, "
+        f"{comparison.value / accepted.value - 1:+.1%}."
+        for comparison in compare(baseline.across_compilers(), findings)
+        if comparison.state == "moved" and comparison.value is not None
+        for accepted in (baseline.accepted[comparison.name],)
     ]
 
 
@@ -391,39 +392,39 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
     """Write a baseline file, its numbers in the order of their names."""
     keys = ("campaign", "stops", "study")
     lines = [f"{key} = {json.dumps(value)}" for key in keys if (value := getattr(baseline, key))]
-    for name, one in sorted(baseline.accepted.items()):
-        numbers = one.model_dump(exclude={"unit", "reason", "compilers", "figures"}, exclude_none=True)
+    for name, accepted in sorted(baseline.accepted.items()):
+        numbers = accepted.model_dump(exclude={"unit", "reason", "compilers", "figures"}, exclude_none=True)
         lines += [
             "",
             f"[accepted.{json.dumps(name, ensure_ascii=False)}]",
             *(f"{key} = {number!r}" for key, number in numbers.items()),
-            *(f"{key} = {json.dumps(getattr(one, key), ensure_ascii=False)}" for key in ("unit", "reason")),
+            *(f"{key} = {json.dumps(getattr(accepted, key), ensure_ascii=False)}" for key in ("unit", "reason")),
         ]
-        if one.compilers:
-            values = ", ".join(f"{json.dumps(compiler)} = {value!r}" for compiler, value in one.compilers.items())
+        if accepted.compilers:
+            values = ", ".join(f"{json.dumps(compiler)} = {value!r}" for compiler, value in accepted.compilers.items())
             lines.append(f"compilers = {{ {values} }}")
         lines += [
             f"figures.{figure} = {{ value = {each.value!r}, tolerance = {each.tolerance!r} }}"
-            for figure, each in sorted(one.figures.items())
+            for figure, each in sorted(accepted.figures.items())
         ]
     write_text(path, "\n".join(lines) + "\n")
 
 
 def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> table.Table:
     """Return the comparison; in metres if all numbers are distances, otherwise with a column of units."""
-    are_metres = {one.unit for one in comparisons} <= {"m"}
+    are_metres = {comparison.unit for comparison in comparisons} <= {"m"}
     form, change, behind = ("{:.2f}", "{:+.3f}", " [m]") if are_metres else ("{:.4g}", "{:+.2g}", "")
     rows = [
         {
-            "stop" if are_metres else "figure": one.name,
-            "state": one.state,
-            f"accepted{behind}": _value_and_range(one.accepted, form),
-            f"found{behind}": one.value,
-            f"change{behind}": one.change,
-            f"tolerance{behind}": one.accepted.tolerance if one.accepted else None,
+            "stop" if are_metres else "figure": comparison.name,
+            "state": comparison.state,
+            f"accepted{behind}": _value_and_range(comparison.accepted, form),
+            f"found{behind}": comparison.value,
+            f"change{behind}": comparison.change,
+            f"tolerance{behind}": comparison.accepted.tolerance if comparison.accepted else None,
         }
-        | ({"figures": "; ".join(one.moved_figures)} if are_metres else {"unit": one.unit})
-        for one in comparisons
+        | ({"figures": "; ".join(comparison.moved_figures)} if are_metres else {"unit": comparison.unit})
+        for comparison in comparisons
     ]
     forms = {f"found{behind}": form, f"tolerance{behind}": form, f"change{behind}": change}
     return table.Table(rows, forms, title=title)

@@ -183,7 +183,7 @@ def compare(*results: Comparable) -> Comparison:
     """
     if not 2 <= len(results) <= len(ascii_uppercase):
         raise RecordError(f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}")
-    campaigns = [_is_campaign(one) for one in results]
+    campaigns = [_is_campaign(result) for result in results]
     if any(campaigns) and not all(campaigns):
         stop = results[campaigns.index(False)]
         campaign = results[campaigns.index(True)]
@@ -192,8 +192,10 @@ def compare(*results: Comparable) -> Comparison:
             f"name a stop of the campaign, as {campaign}/NAME"
         )
     if all(campaigns):
-        return _of_campaigns([str(one) for one in results], [read_results(Path(str(one))) for one in results])
-    return _of_stops([_side(one) for one in results])
+        return _of_campaigns(
+            [str(result) for result in results], [read_results(Path(str(result))) for result in results]
+        )
+    return _of_stops([_side(result) for result in results])
 
 
 def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
@@ -202,9 +204,9 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     for name, value in table.items():
         if isinstance(value, Mapping):
             keys |= flat(value, f"{path}{name}.")
-        elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value):
-            for number, one in enumerate(value, start=1):
-                keys |= flat(one, f"{path}{name}[{number}].")
+        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            for number, item in enumerate(value, start=1):
+                keys |= flat(item, f"{path}{name}[{number}].")
         elif value is not None:
             keys[f"{path}{name}"] = value
     return keys
@@ -276,9 +278,9 @@ def _distance_sentence(letter: str, first: StopRecord, other: StopRecord) -> str
     before, after = first.braking_distance, other.braking_distance
     if before is None or after is None:
         missing = ", ".join(
-            f"{name} ended with {one.outcome.value}"
-            for name, one in (("A", first), (letter, other))
-            if one.braking_distance is None
+            f"{name} ended with {result.outcome.value}"
+            for name, result in (("A", first), (letter, other))
+            if result.braking_distance is None
         )
         return f"{letter} against A: no difference of braking distances, for {missing}."
     change = f"{text(after - before, '{:+.2f} m')}, {percent(after / before - 1)}"
@@ -329,15 +331,15 @@ def _sections(letter: str, lost: Loss) -> Table:
 def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
     """Return the keys whose values differ, those of the scenario first."""
     letters = ascii_uppercase[: len(questions)]
-    keys = dict.fromkeys(key for one in questions for key in one)
+    keys = dict.fromkeys(key for question in questions for key in question)
     rows = [
         {
             "key": key,
-            **{letter: _value(one.get(key)) for letter, one in zip(letters, questions, strict=True)},
+            **{letter: _value(question.get(key)) for letter, question in zip(letters, questions, strict=True)},
             "unit": unit,
         }
         for key in keys
-        if any(one.get(key) != questions[0].get(key) for one in questions)
+        if any(question.get(key) != questions[0].get(key) for question in questions)
         for unit in [unit_of(key)]
     ]
     return Table(rows, left=("key", *letters, "unit"), title="What differs in the question")
@@ -357,9 +359,9 @@ def _value(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, list):
-        return cut(", ".join(_value(one) for one in value), _LONGEST_TEXT)
-    whole = str(value)
-    return f"{whole[:8]}…" if len(whole) == 64 and whole.isalnum() else cut(whole, 80)
+        return cut(", ".join(_value(item) for item in value), _LONGEST_TEXT)
+    text_ = str(value)
+    return f"{text_[:8]}…" if len(text_) == 64 and text_.isalnum() else cut(text_, 80)
 
 
 _Figures = Mapping[str, tuple[float, str]]
@@ -373,8 +375,8 @@ def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], ti
     rows: list[dict[str, Any]] = []
     if len({side.record.outcome for side in sides}) > 1:
         rows.append(_row("outcome", [side.record.outcome.value for side in sides], "", letters))
-    for name, unit in dict.fromkeys((name, unit) for one in figures for name, (_, unit) in one.items()):
-        values = [one.get(name, (math.nan, unit))[0] for one in figures]
+    for name, unit in dict.fromkeys((name, unit) for figure in figures for name, (_, unit) in figure.items()):
+        values = [figure.get(name, (math.nan, unit))[0] for figure in figures]
         if any(value != values[0] and not (math.isnan(value) and math.isnan(values[0])) for value in values):
             rows.append(_row(name, values, unit, letters))
     numbers = [column for column in (rows[0] if rows else ()) if column not in ("figure", "unit")]
@@ -399,8 +401,8 @@ def flat_figures(metrics: Metrics) -> dict[str, tuple[float, str]]:
 
     def add(name: str, value: Any, unit: str) -> None:
         if isinstance(value, list | tuple):
-            for number, one in enumerate(value, start=1):
-                add(f"{name}[{number}]", one, unit)
+            for number, item in enumerate(value, start=1):
+                add(f"{name}[{number}]", item, unit)
         else:
             figures[name] = (math.nan if value is None else float(value), unit)
 
@@ -428,8 +430,8 @@ def _means(metrics: Metrics) -> dict[str, tuple[float, str]]:
 
 def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Comparison:
     letters = ascii_uppercase[: len(names)]
-    stops = [{stop.name: stop.record for stop in one.stops} for one in results]
-    common = [name for name in stops[0] if all(name in one for one in stops)]
+    stops = [{stop.name: stop.record for stop in result.stops} for result in results]
+    common = [name for name in stops[0] if all(name in stop for stop in stops)]
     if not common:
         raise RecordError(f"compare: {' and '.join(names)} have no stop of the same name")
     differences = {
@@ -439,21 +441,21 @@ def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Compariso
     }
     only = [
         f"Only {letter} has {len(lacking)} stops, {', '.join(lacking[:3])}{' …' if len(lacking) > 3 else ''}."
-        for letter, one in zip(letters, stops, strict=True)
-        if (lacking := [name for name in one if name not in common])
+        for letter, stop in zip(letters, stops, strict=True)
+        if (lacking := [name for name in stop if name not in common])
     ]
     distances = _distances(common, stops)
     return Comparison(
         names=names,
-        headlines=[f"campaign {one.name}, {len(one.stops)} stops" for one in results],
-        question=_common_question([[one[name] for one in stops] for name in common]),
+        headlines=[f"campaign {result.name}, {len(result.stops)} stops" for result in results],
+        question=_common_question([[stop[name] for stop in stops] for name in common]),
         answer=distances,
         overview=distances,
         sentences=[*_spread(letters, common, stops), *only],
         differences=differences,
         provenance={
-            f"{letter}, result of {name}": provenance(one[name])["scenario digest"]
-            for letter, one in zip(letters, stops, strict=True)
+            f"{letter}, result of {name}": provenance(stop[name])["scenario digest"]
+            for letter, stop in zip(letters, stops, strict=True)
             for name in common[:_MOST_DIGESTS]
         },
     )
@@ -463,7 +465,7 @@ def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]])
     letters = ascii_uppercase[: len(stops)]
     rows: list[dict[str, Any]] = []
     for name in common:
-        records = [one[name] for one in stops]
+        records = [stop[name] for stop in stops]
         first = records[0].braking_distance
         row: dict[str, Any] = {"stop": name}
         row |= {
@@ -485,8 +487,8 @@ def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]])
 def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> list[str]:
     """Return how the distances of all stops differ, a sentence for each further campaign."""
     sentences: list[str] = []
-    for letter, one in zip(letters[1:], stops[1:], strict=True):
-        pairs = {name: (stops[0][name].braking_distance, one[name].braking_distance) for name in common}
+    for letter, stop in zip(letters[1:], stops[1:], strict=True):
+        pairs = {name: (stops[0][name].braking_distance, stop[name].braking_distance) for name in common}
         changes = sorted((b / a - 1, name) for name, (a, b) in pairs.items() if a is not None and b is not None)
         if not changes:
             sentences.append(f"{letter} against A: no stop came to a standstill in both.")
@@ -498,7 +500,7 @@ def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, St
             f"{letter} against A over {len(changes)} stops: {longer} longer, {shorter} shorter, median "
             f"{percent(median)}, from {percent(least)} ({best}) to {percent(most)} ({worst})."
         )
-        different = [name for name in common if stops[0][name].outcome is not one[name].outcome]
+        different = [name for name in common if stops[0][name].outcome is not stop[name].outcome]
         if different:
             sentences.append(f"Other outcomes in {letter}: {', '.join(different[:8])}.")
     return sentences

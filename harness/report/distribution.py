@@ -103,20 +103,22 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
     """Return a row for each distribution."""
     rows = [
         {
-            "scenario": one.label,
-            "actuation": one.actuation,
-            "sensors": one.sensors,
-            "creep curve": one.polach,
-            "controller": one.controller_label,
-            "draws": str(one.draws) if one.stood == one.draws else f"{one.draws}, {one.draws - one.stood} without stop",
-            "median": _metres(one.median_m),
-            "5–95 %": f"{_metres(one.low_m, '')} – {_metres(one.high_m)}",
-            "worst (draw)": f"{_metres(one.worst_m)} ({one.worst_draw})",
-            "longest lock, median": one.longest_lock_s,
-            **_paired_texts("SBC 10/15 %", one.vs_sbc),
-            **_paired_texts("best tuned SBC", one.vs_tuned),
+            "scenario": distribution.label,
+            "actuation": distribution.actuation,
+            "sensors": distribution.sensors,
+            "creep curve": distribution.polach,
+            "controller": distribution.controller_label,
+            "draws": str(distribution.draws)
+            if distribution.stood == distribution.draws
+            else f"{distribution.draws}, {distribution.draws - distribution.stood} without stop",
+            "median": _metres(distribution.median_m),
+            "5–95 %": f"{_metres(distribution.low_m, '')} – {_metres(distribution.high_m)}",
+            "worst (draw)": f"{_metres(distribution.worst_m)} ({distribution.worst_draw})",
+            "longest lock, median": distribution.longest_lock_s,
+            **_paired_texts("SBC 10/15 %", distribution.vs_sbc),
+            **_paired_texts("best tuned SBC", distribution.vs_tuned),
         }
-        for one in distributions
+        for distribution in distributions
     ]
     return Table(rows, {"longest lock, median": "{:.2f} s"})
 
@@ -131,9 +133,13 @@ def quantile_table(distributions: Sequence[Distribution], permitted: float | Non
     Draws without standstill exceed every distance. An interval needs enough draws, that of P99 nearly 400.
     """
     rows: list[dict[str, Any]] = []
-    for one in distributions:
-        values = list(one.distances_m.values())
-        row: dict[str, Any] = {"scenario": one.label, "controller": one.controller_label, "draws": len(values)}
+    for distribution in distributions:
+        values = list(distribution.distances_m.values())
+        row: dict[str, Any] = {
+            "scenario": distribution.label,
+            "controller": distribution.controller_label,
+            "draws": len(values),
+        }
         for share in QUANTILES:
             interval = order_interval(values, share)
             ends = "" if interval is None else f" [{_metres(interval[0], '')}, {_metres(interval[1], '')}]"
@@ -205,8 +211,8 @@ def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | Non
     pairs = [(distances[draw], others[draw]) for draw in distances if draw in others]
     if not pairs:
         return None
-    changes = tuple(relative_change(own, reference) for own, reference in pairs)
-    count = sum(own < reference for own, reference in pairs)
+    changes = tuple(relative_change(distance, reference) for distance, reference in pairs)
+    count = sum(distance < reference for distance, reference in pairs)
     return Paired(
         label=other[0].controller_label,
         draws=len(pairs),

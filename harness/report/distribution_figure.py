@@ -25,17 +25,17 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
     published slip-based control and against the best tuned one, where there are such, with the median and its interval.
     Draws without standstill are counted in the name of the line; they have no point. What a draw is called says `of`.
     """
-    settings = list(dict.fromkeys(one.place for one in distributions))
+    settings = list(dict.fromkeys(distribution.place for distribution in distributions))
     sides: list[tuple[str, _Against]] = []
     for title, against in (("published", _vs_sbc), ("best tuned", _vs_tuned)):
-        label = next((reference.label for one in distributions if (reference := against(one))), None)
+        label = next((reference.label for distribution in distributions if (reference := against(distribution))), None)
         if label is not None:
             sides.append((f"change against the {title} SBC [%]", against))
-    most = max(sum(one.place == setting for one in distributions) for setting in settings)
+    most = max(sum(distribution.place == setting for distribution in distributions) for setting in settings)
     drawing = style.figure(6.5 + 4 * len(sides), (0.42 * most + 1.2) * len(settings))
     grid = drawing.subplots(len(settings), 1 + len(sides), sharex="col", squeeze=False)
     for panels, setting in zip(grid, settings, strict=True):
-        here = [one for one in distributions if one.place == setting]
+        here = [distribution for distribution in distributions if distribution.place == setting]
         for panel, _ in zip(panels, range(1 + len(sides)), strict=True):
             panel.set_ylim(len(here) - 0.5, -0.5)
             panel.set_yticks([])
@@ -45,7 +45,7 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
             x="braking distance [m]",
             title=f"{here[0].label.replace('_', ' ')}, actuation {actuation}, sensors {sensors}, creep curve {polach}",
         )
-        panels[0].set_yticks(range(len(here)), [_name(one, of) for one in here])
+        panels[0].set_yticks(range(len(here)), [_name(distribution, of) for distribution in here])
         for line, one in enumerate(here):
             distances = [distance for distance in one.distances_m.values() if math.isfinite(distance)]
             _points(panels[0], line, distances)
@@ -81,31 +81,37 @@ def exceedance_figure(distributions: Sequence[Distribution], permitted: float | 
         distributions: A line for each; draws without standstill stay in the share to the right end.
         permitted: Distance that a stop may take [m], drawn as a line.
     """
-    settings = list(dict.fromkeys(one.place for one in distributions))
+    settings = list(dict.fromkeys(distribution.place for distribution in distributions))
     drawing = style.figure(11, 3.6 * len(settings))
     grid = drawing.subplots(len(settings), 2, squeeze=False, sharex="row")
     for (counts, shares), setting in zip(grid, settings, strict=True):
-        here = [one for one in distributions if one.place == setting]
-        ends = np.array([d for one in here for d in one.distances_m.values() if math.isfinite(d)])
+        here = [distribution for distribution in distributions if distribution.place == setting]
+        ends = np.array([d for distribution in here for d in distribution.distances_m.values() if math.isfinite(d)])
         # Edges for all together, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
         edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
         edges = np.linspace(edges[0], edges[-1], min(edges.size, _MOST_BINS))
-        for number, one in enumerate(here):
-            values = np.sort(list(one.distances_m.values()))
+        for number, distribution in enumerate(here):
+            values = np.sort(list(distribution.distances_m.values()))
             colour = palette.LINES[number % len(palette.LINES)]
             height = np.histogram(values[np.isfinite(values)], edges)[0] / values.size
-            counts.plot(edges, [*(100 * height), 0.0], drawstyle="steps-post", color=colour, label=one.controller_label)
+            counts.plot(
+                edges, [*(100 * height), 0.0], drawstyle="steps-post", color=colour, label=distribution.controller_label
+            )
             stood = np.isfinite(values)
             above = 100 * (1 - np.arange(1, values.size + 1) / values.size)
-            shares.plot(values[stood], above[stood], drawstyle="steps-post", color=colour, label=one.controller_label)
+            shares.plot(
+                values[stood], above[stood], drawstyle="steps-post", color=colour, label=distribution.controller_label
+            )
         for panel in (counts, shares):
             if permitted is not None:
                 panel.axvline(permitted, color=palette.GREY, linestyle="--", label=f"permitted, {permitted:g} m")
         style.dress(counts, x="braking distance [m]", y="share of the draws [%]", title=here[0].label.replace("_", " "))
         style.dress(shares, x="braking distance [m]", y="draws that go further [%]", title=", ".join(here[0].setting))
         shares.set_yscale("log")
-        shares.set_ylim(max(50 / max(one.draws for one in here), 0.01), 100)
-        shares.set_yticks([one for one in (0.1, 1, 5, 50, 100) if one >= shares.get_ylim()[0]], minor=False)
+        shares.set_ylim(max(50 / max(distribution.draws for distribution in here), 0.01), 100)
+        shares.set_yticks(
+            [percentage for percentage in (0.1, 1, 5, 50, 100) if percentage >= shares.get_ylim()[0]], minor=False
+        )
         shares.yaxis.set_major_formatter("{x:g}")
         shares.yaxis.set_minor_locator(NullLocator())
     style.legend(grid[0, 1], loc="upper left", bbox_to_anchor=(1.0, 1.0))
@@ -125,16 +131,16 @@ def _range(panel: style.Axes, line: int, low: float, middle: float, high: float)
         panel.plot([middle, middle], [line - 0.32, line + 0.32], color=palette.VERMILION, linewidth=2.2, zorder=3)
 
 
-def _name(one: Distribution, of: str) -> str:
-    missing = one.draws - one.stood
-    return one.controller_label + (
+def _name(distribution: Distribution, of: str) -> str:
+    missing = distribution.draws - distribution.stood
+    return distribution.controller_label + (
         f"\n{missing} {of}{'s' if missing > 1 else ''} without standstill" if missing else ""
     )
 
 
-def _vs_sbc(one: Distribution) -> Paired | None:
-    return one.vs_sbc
+def _vs_sbc(distribution: Distribution) -> Paired | None:
+    return distribution.vs_sbc
 
 
-def _vs_tuned(one: Distribution) -> Paired | None:
-    return one.vs_tuned
+def _vs_tuned(distribution: Distribution) -> Paired | None:
+    return distribution.vs_tuned

@@ -174,14 +174,14 @@ def _scenarios(stops: Sequence[Result]) -> Table:
     for stop in stops:
         of_name.setdefault(stop.record.scenario["name"], []).append(stop)
     rows = []
-    for name, own in of_name.items():
-        seeds = sorted({stop.record.scenario["seed"] for stop in own})
+    for name, stops_of_name in of_name.items():
+        seeds = sorted({stop.record.scenario["seed"] for stop in stops_of_name})
         rows.append(
             {
                 "scenario": name,
-                "description": own[0].record.scenario.get("description", ""),
+                "description": stops_of_name[0].record.scenario.get("description", ""),
                 "seeds": str(seeds[0]) if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]}, {len(seeds)} of them",
-                "stops": len(own),
+                "stops": len(stops_of_name),
             }
         )
     return Table(rows, left=("scenario", "description", "seeds"))

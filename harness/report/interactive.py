@@ -91,11 +91,13 @@ class _Plot:
         self.panels.append(axes)
         number = len(self.panels)
         box = axes.get_position()
-        below = next((k for k, one in enumerate(self.panels[:-1], 1) if one.get_position().bounds == box.bounds), None)
+        below = next(
+            (k for k, panel in enumerate(self.panels[:-1], 1) if panel.get_position().bounds == box.bounds), None
+        )
         for letter, domain in (("x", (box.x0, box.x1)), ("y", (box.y0, box.y1))):
             axis = _axis(axes, letter, domain) | {"anchor": f"{'y' if letter == 'x' else 'x'}{_index(number)}"}
             siblings = getattr(axes, f"get_shared_{letter}_axes")().get_siblings(axes)
-            first = next(k for k, one in enumerate(self.panels, 1) if one in siblings)
+            first = next(k for k, panel in enumerate(self.panels, 1) if panel in siblings)
             axis |= {"matches": f"{letter}{_index(first)}"} if first < number else {}
             axis |= {} if below is None else {"overlaying": f"{letter}{_index(below)}", "showgrid": False}
             axis |= {"side": "right"} if below is not None and letter == "y" else {}
@@ -162,12 +164,12 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
     limits = axes.get_xlim() if letter == "x" else axes.get_ylim()
     ticks = axis.get_tick_params(which="major")
     labelled = ticks.get("labelbottom" if letter == "x" else "labelleft", True) or ticks.get("labelright", False)
-    texts = [one.get_text() for one in axis.get_ticklabels()]
+    texts = [tick.get_text() for tick in axis.get_ticklabels()]
     places = axis.get_majorticklocs()
     plot: Plot = {
         "domain": [max(domain[0], 0.0), min(domain[1], 1.0)],
         "type": "log" if is_log else "linear",
-        "range": [float(one) for one in (np.log10(limits) if is_log else limits)],
+        "range": [float(limit) for limit in (np.log10(limits) if is_log else limits)],
         "title": {"text": _plain(axis.label.get_text()), "standoff": 6},
         "showticklabels": bool(labelled and any(texts)),
         "showgrid": bool(ticks.get("gridOn", False)),
@@ -176,7 +178,7 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
         "visible": bool(axes.axison),
     }
     if len(places) == len(texts) and type(axis.get_major_formatter()).__name__ in ("FixedFormatter", "FuncFormatter"):
-        plot |= {"tickvals": [float(one) for one in places], "ticktext": [_plain(text) for text in texts]}
+        plot |= {"tickvals": [float(place) for place in places], "ticktext": [_plain(text) for text in texts]}
     if letter == "y" and axes.get_aspect() == 1.0:
         plot |= {"scaleanchor": "x", "scaleratio": 1}
     return plot
@@ -184,7 +186,7 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
 
 def _traces(axes: Axes) -> Iterator[Plot]:
     """Yield what is drawn in a panel, from the back to the front, each with its `label`."""
-    bars = [one for one in axes.containers if isinstance(one, BarContainer)]
+    bars = [container for container in axes.containers if isinstance(container, BarContainer)]
     in_bars = {id(patch) for container in bars for patch in container.patches}
     for image in axes.images:
         yield _image(image)
@@ -234,7 +236,7 @@ def _style(line: Line2D) -> Plot:
 def _area(corners: Sequence[np.ndarray], face: Any, edge: Any, width: float) -> Plot:
     """Return polygons of one colour; a gap stands between two."""
     gap = np.full((1, 2), np.nan)
-    points = np.vstack([part for one in corners for part in (one, gap)]) if corners else gap
+    points = np.vstack([part for corner in corners for part in (corner, gap)]) if corners else gap
     return {"type": "scatter", "mode": "lines", "fill": "toself", "x": array(points[:, 0]), "y": array(points[:, 1]),
             "fillcolor": _rgba(face), "hoverinfo": "skip",
             "line": {"width": width if to_rgba(edge)[3] else 0, "color": _rgba(edge)}}  # fmt: skip
@@ -285,7 +287,7 @@ def _image(image: Any) -> Plot:
     low, high = image.get_clim()
     shades = [[share, to_hex(image.get_cmap()(share))] for share in np.linspace(0, 1, 16).tolist()]
     dx, dy = (right - left) / columns, (bottom - top) / rows
-    return {"type": "heatmap", "z": [[None if np.isnan(one) else float(one) for one in row] for row in values],
+    return {"type": "heatmap", "z": [[None if np.isnan(value) else float(value) for value in row] for row in values],
             "x0": left + dx / 2, "dx": dx, "y0": top + dy / 2, "dy": dy, "zmin": low, "zmax": high,
             "colorscale": shades, "showscale": False, "label": ""}  # fmt: skip
 

@@ -117,8 +117,8 @@ def formats_of(text: str) -> list[str]:
     Raises:
         InputError: One of them is none of `FORMATS`.
     """
-    formats = [one.strip().lower() for one in text.split(",")]
-    unknown = [one for one in formats if one not in FORMATS]
+    formats = [name.strip().lower() for name in text.split(",")]
+    unknown = [name for name in formats if name not in FORMATS]
     if unknown:
         raise InputError(f"--format {text}: {', '.join(FORMATS)} are possible, got '{unknown[0]}'.")
     return formats

@@ -21,7 +21,7 @@ _LEAD_TO_TRAIL = (BLUE, "#7B5FC0", "#E39BD3")
 
 def mixed(first: str, second: str, share: float) -> str:
     """Return a colour as #RRGGBB between two."""
-    parts = ((int(one[k : k + 2], 16) for one in (first, second)) for k in (1, 3, 5))
+    parts = ((int(colour[k : k + 2], 16) for colour in (first, second)) for k in (1, 3, 5))
     return "#" + "".join(f"{round(low + share * (high - low)):02X}" for low, high in parts)
 
 

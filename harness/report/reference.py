@@ -86,24 +86,24 @@ def references(
     """
     scenarios = [scenario(stop) for stop in stops]
     conditions = [
-        json.dumps({key: one[key] for key in one if key not in ("controller", "estimator")}, sort_keys=True)
-        for one in scenarios
+        json.dumps({key: scenario[key] for key in scenario if key not in ("controller", "estimator")}, sort_keys=True)
+        for scenario in scenarios
     ]
     published = {
         here: stop
-        for here, stop, one in zip(conditions, stops, scenarios, strict=True)
-        if is_published(one["controller"])
+        for here, stop, scenario in zip(conditions, stops, scenarios, strict=True)
+        if is_published(scenario["controller"])
     }
     settings: dict[tuple[str, ...], dict[str, list[int]]] = {}
-    for number, one in enumerate(scenarios):
-        if _is_tuned(one["controller"]):
-            law = json.dumps([one["controller"], one["estimator"]], sort_keys=True)
-            settings.setdefault(setting_of(one), {}).setdefault(law, []).append(number)
+    for number, resolved in enumerate(scenarios):
+        if _is_tuned(resolved["controller"]):
+            law = json.dumps([resolved["controller"], resolved["estimator"]], sort_keys=True)
+            settings.setdefault(setting_of(resolved), {}).setdefault(law, []).append(number)
 
     def mean_logarithm(numbers: Sequence[int]) -> float:
         """Return the mean ln(distance): each stop counts by the share of its distance that a law saves."""
         distances = [distance(stops[number]) for number in numbers]
-        return sum(math.inf if one is None else math.log(one) for one in distances) / len(numbers)
+        return sum(math.inf if metres is None else math.log(metres) for metres in distances) / len(numbers)
 
     # One law for all stops of a setting, not the best for each stop: that one is not known before the stop.
     best = [number for laws in settings.values() for number in min(laws.values(), key=mean_logarithm)]

@@ -116,7 +116,7 @@ def _layout(panels: Sequence[_Panel]) -> dict[str, Any]:
 
 def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
     group = formation_in(trace).group_of_wheelset
-    first = [int(np.argmax(group == one)) for one in range(trace.sizes["group"])]
+    first = [int(np.argmax(group == number)) for number in range(trace.sizes["group"])]
 
     def of_wheelset(name: str, factor: float = 1.0) -> list[_Line]:
         """Return a line for each wheelset, also of what a group has one value of."""
@@ -175,8 +175,8 @@ def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
     known = trace["wheelset_position"].values if "wheelset_position" in trace else 2.5 * np.arange(wheelsets)
     cars = trace["car_of_wheelset"].values if "car_of_wheelset" in trace else np.ones(wheelsets, dtype=int)
     return {
-        "positions": [float(one) for one in known],
-        "cars": [int(one) for one in cars],
+        "positions": [float(name) for name in known],
+        "cars": [int(car) for car in cars],
         "time": array(trace["time"].values[places]),
         "distance": array(trace["distance"].values[places]),
         "signals": signals,

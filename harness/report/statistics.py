@@ -35,9 +35,9 @@ def quantile(values: Sequence[float], share: float) -> float:
     return float(np.quantile(values, share, method="inverted_cdf")) if len(values) else math.nan
 
 
-def relative_change(own: float, reference: float) -> float:
+def relative_change(value: float, reference: float) -> float:
     """Return own over reference less 1, and 0 where both are infinite."""
-    return 0.0 if math.isinf(own) and math.isinf(reference) else own / reference - 1.0
+    return 0.0 if math.isinf(value) and math.isinf(reference) else value / reference - 1.0
 
 
 def share_interval(count: int, of: int) -> tuple[float, float]:

@@ -49,7 +49,7 @@ def _labels(axes: Sequence[tuple[str, Sequence[Any]]]) -> list[str]:
     labels = [""]
     for name, values in axes:
         more = [f"{name} {_text(value)}" if len(values) > 1 else "" for value in values]
-        labels = [", ".join(filter(None, (label, one))) for label in labels for one in more]
+        labels = [", ".join(filter(None, (label, axis))) for label in labels for axis in more]
     return labels
 
 

@@ -59,8 +59,8 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     rows = _published_rows(lines.values(), columns)
     for line, stops in lines.items():
         known = [cell.accepted for cell in stops.values() if cell.accepted]
-        locks = [one.longest_lock for one in known if one.longest_lock is not None]
-        strokes = [one.valve_strokes for one in known if one.valve_strokes is not None]
+        locks = [accepted.longest_lock for accepted in known if accepted.longest_lock is not None]
+        strokes = [accepted.valve_strokes for accepted in known if accepted.valve_strokes is not None]
         rows.append(
             {_FIRST: f"{line[0]}: {_name(line, lines)}"}
             | {column: texts[line].get(column, "") for column in columns}
@@ -109,10 +109,10 @@ def _text(cell: _Cell, others: Sequence[_Cell | None]) -> str:
     """Return distance or median and range, with the changes against other stops."""
     if cell.accepted is None:
         return ""
-    own = cell.accepted
-    range_ = f", {own.lowest:.1f} – {own.highest:.1f} m" if own.is_range else ""
-    changes = [own.value / other.distance - 1 if other and other.distance else None for other in others]
-    return f"{own.value:.1f} m{range_}{_brackets(changes)}"
+    accepted = cell.accepted
+    range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m" if accepted.is_range else ""
+    changes = [accepted.value / other.distance - 1 if other and other.distance else None for other in others]
+    return f"{accepted.value:.1f} m{range_}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:
@@ -126,5 +126,5 @@ def _name(line: tuple[str, str], lines: Mapping[tuple[str, str], Mapping[str, _C
     labels = {
         other: label(next(iter(stops.values())).scenario) for other, stops in lines.items() if other[0] == equipment
     }
-    own = labels[line]
-    return own if list(labels.values()).count(own) == 1 else f"{own}, {variant.replace('_', ' ')}"
+    name = labels[line]
+    return name if list(labels.values()).count(name) == 1 else f"{name}, {variant.replace('_', ' ')}"

@@ -185,9 +185,9 @@ def _answer(results: Results) -> str:
     """Return the median consistency and the error of each filter over all loads."""
     words: list[str] = []
     for name in FILTERS:
-        own = [errors for case, errors in results.items() if case.filter == name]
-        rmse = float(np.sqrt(np.mean([one.rmse**2 for one in own])))
-        words.append(f"{name}: NEES {np.median([one.nees for one in own]):.2g}, RMSE of adhesion {rmse:.4f}")
+        errors_of = [errors for case, errors in results.items() if case.filter == name]
+        rmse = float(np.sqrt(np.mean([one.rmse**2 for one in errors_of])))
+        words.append(f"{name}: NEES {np.median([one.nees for one in errors_of]):.2g}, RMSE of adhesion {rmse:.4f}")
     return f"Medians over all loads, of which a NEES of 1 is consistent, are {'; '.join(words)}."
 
 

@@ -148,7 +148,7 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
 def tested(scenario: Scenario) -> tuple[xarray.Dataset, dict[str, xarray.Dataset]]:
     """Return a run on the rig, and what each filter makes of it."""
     recording = recording_of_rig(scenario)
-    return recording, {name: estimate_of(one, recording) for name, one in _filters().items()}
+    return recording, {name: estimate_of(filter_, recording) for name, filter_ in _filters().items()}
 
 
 def with_encoder(scenario: Scenario) -> list[Row]:
@@ -159,11 +159,11 @@ def with_encoder(scenario: Scenario) -> list[Row]:
     assert isinstance(scenario.sensors, White)
     recording, noise = recording_of_rig(scenario), scenario.sensors.noise["speed"].si("m/s")
     rows: list[Row] = []
-    for name, one in _filters().items():
-        settings = settings_for(one, scenario.periods.communication)
+    for name, filter_ in _filters().items():
+        settings = settings_for(filter_, scenario.periods.communication)
         if name == "rig-own":
             settings = replace(settings, readings={**settings.readings, "speed": noise**2})
-        estimates = estimate(recording, prediction_for(one), settings, units=units_of(one.model.class_))
+        estimates = estimate(recording, prediction_for(filter_), settings, units=units_of(filter_.model.class_))
         rows.append(row_of(scenario, name, recording, estimates))
     return rows
 
@@ -187,8 +187,8 @@ def fit_of(case: tuple[str, float]) -> Row:
             read = with_signals(recording, {"speed": (encoded(speed.values, encoder, draw), "m/s")})
             estimates = estimate(read, prediction, settings, units=units_of(specification.model.class_))
             found.append(excursions(read, estimates, SETTLED))
-        row[encoder] = float(np.median([one["alpha_outside"] for one in found]))
-        row[f"{encoder}, kept"] = f"{sum(bool(one['kept']) for one in found)} of {len(found)}"
+        row[encoder] = float(np.median([found_["alpha_outside"] for found_ in found]))
+        row[f"{encoder}, kept"] = f"{sum(bool(found_['kept']) for found_ in found)} of {len(found)}"
     states = np.stack([truth_of(recording, state) for state in equations.states], axis=1)
     inputs = samples(recording, equations.inputs)
     window = round(RECOVERY / period)
@@ -227,7 +227,10 @@ def fit_table(rows: Sequence[Row]) -> Table:
 
 
 def _filters() -> dict[str, Specification]:
-    return {one.name: one for one in (load_specification(LIBRARY / f"{name}.toml") for name in FILTERS)}
+    return {
+        specification.name: specification
+        for specification in (load_specification(LIBRARY / f"{name}.toml") for name in FILTERS)
+    }
 
 
 def _other_encoders() -> list[Scenario]:
@@ -316,9 +319,9 @@ def _rows(
     scenarios: Sequence[Scenario], tests: Sequence[tuple[xarray.Dataset, dict[str, xarray.Dataset]]]
 ) -> list[Row]:
     return [
-        row_of(scenario, name, recording, one)
+        row_of(scenario, name, recording, estimate)
         for scenario, (recording, estimates) in zip(scenarios, tests, strict=True)
-        for name, one in estimates.items()
+        for name, estimate in estimates.items()
     ]
 
 
@@ -354,11 +357,11 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
     """Draw error and claimed spread of adhesion and pad friction, one column a filter."""
     drawing, axes = style.panels(10, 6, 2, len(estimates), sharex=True, squeeze=False)
     time = recording["time"].values
-    for column, (name, one) in enumerate(estimates.items()):
+    for column, (name, estimated) in enumerate(estimates.items()):
         for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
             at = axes[row, column]
-            error = one["mean"].sel(state=state).values - truth_of(recording, state)
-            spread = 2.0 * one["sd"].sel(state=state).values
+            error = estimated["mean"].sel(state=state).values - truth_of(recording, state)
+            spread = 2.0 * estimated["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
             style.band(at, time, -spread, spread, palette.SKY, 0.35, label="± 2 sd claimed")
             at.plot(time, error, color=palette.VERMILION, lw=0.6, label="error")

@@ -88,8 +88,8 @@ class Recipe:
 
     def blocks(self, run: Run) -> Array:
         """Return the inputs of the network for a run, before scaling."""
-        whole = run.settled if self.settled else run.blocks
-        return np.hstack([whole[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
+        blocks = run.settled if self.settled else run.blocks
+        return np.hstack([blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
 
     def fit(self, data: Sequence[Labelled], purpose: str) -> list[ScaledNetwork]:
         """Return one network for each random start, trained on several runs together."""
@@ -145,7 +145,7 @@ def best_of(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> 
     """Return the network with the best fit of those trained on the first 80 % of every run."""
     early, _ = parts_of(runs, recipe, labels)
     x, y = _joined(early)
-    return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda one: float(np.abs(one(x) - y).mean()))
+    return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda network: float(np.abs(network(x) - y).mean()))
 
 
 def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
@@ -182,11 +182,11 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
         truth.append(np.full(len(estimator.friction), run.friction))
         if rule is not None:
             recipes.append(np.full(len(estimator.friction), rule[k]))
-    whole, y = np.vstack(estimates), np.concatenate(truth)
+    estimated, y = np.vstack(estimates), np.concatenate(truth)
     return replace(
-        _figures([whole[:, 0] - y], y - mean_label),
-        coverage=float(((whole[:, 1] <= y) & (y <= whole[:, 2])).mean()),
-        width=float((whole[:, 2] - whole[:, 1]).mean()),
+        _figures([estimated[:, 0] - y], y - mean_label),
+        coverage=float(((estimated[:, 1] <= y) & (y <= estimated[:, 2])).mean()),
+        width=float((estimated[:, 2] - estimated[:, 1]).mean()),
         mae_of_rule=float(np.abs(np.concatenate(recipes) - y).mean()) if recipes else None,
     )
 
@@ -195,7 +195,7 @@ def score(networks: Sequence[Callable[[Array], Array]], training: Sequence[Label
     """Return the errors of several networks, beside those of the mean label of their training."""
     x, y = _joined(new)
     mean = _joined(training)[1].mean()
-    return _figures([one(x) - y for one in networks], y - mean)
+    return _figures([network(x) - y for network in networks], y - mean)
 
 
 def average(scores: Iterable[Score]) -> Score:
@@ -203,7 +203,7 @@ def average(scores: Iterable[Score]) -> Score:
     first, *others = scores
     means: dict[str, Any] = {}
     for name in (field.name for field in fields(Score) if field.name != "starts"):
-        values = [getattr(one, name) for one in (first, *others)]
+        values = [getattr(score, name) for score in (first, *others)]
         means[name] = None if None in values else float(np.mean(values))
     return replace(first, **means)
 

@@ -192,8 +192,8 @@ def in_axes_of_car(forward: Ride) -> Ride:
 
 def slope(run: Pass) -> float:
     """Return the slope of the creep curve of a run relative to that of a clean contact, (k_A + k_S)/2."""
-    own = _surface(run)
-    return (own.k_A + own.k_S) / 2
+    surface = _surface(run)
+    return (surface.k_A + surface.k_S) / 2
 
 
 def held_speed(run: Pass) -> float:
@@ -202,9 +202,9 @@ def held_speed(run: Pass) -> float:
 
 
 def _surface(run: Pass) -> Surface:
-    own = SURFACES[run.condition]
+    surface = SURFACES[run.condition]
     scale = float(np.exp(SLOPE_SPREAD * generator(run.seed, f"{run.name}.surface").standard_normal()))
-    return Surface(k_A=min(own.k_A * scale, 1.0), k_S=min(own.k_S * scale, 1.0), A=own.A, B=own.B)
+    return Surface(k_A=min(surface.k_A * scale, 1.0), k_S=min(surface.k_S * scale, 1.0), A=surface.A, B=surface.B)
 
 
 def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
@@ -218,26 +218,26 @@ def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:
     ahead = BEHIND[-1] + LEAD_IN
     distance = np.arange(count) * (speed / rate)
     position = np.asarray(ahead + distance[:, None] - np.array(BEHIND), dtype=np.float64)
-    whole = ahead + LEAD_IN + run.length
-    track = realise(run.track, whole + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
+    length = ahead + LEAD_IN + run.length
+    track = realise(run.track, length + LEAD_IN, generator(run.track_seed, f"track.{run.track}"))
     # The car starts on smooth track: irregularities increase over the first half of the lead-in.
     ramp = np.clip(distance / (LEAD_IN / 2), 0, 1) ** 2 * (3 - 2 * np.clip(distance / (LEAD_IN / 2), 0, 1))
-    columns = [_under_car(track, kind, position, whole, run.backwards) * ramp[:, None] for kind in KINDS]
-    columns.append(_friction(run, position, whole))
+    columns = [_under_car(track, kind, position, length, run.backwards) * ramp[:, None] for kind in KINDS]
+    columns.append(_friction(run, position, length))
     return np.hstack(columns), before
 
 
-def _under_car(track: Irregularity, kind: str, position: Array, whole: float, backwards: bool) -> Array:
+def _under_car(track: Irregularity, kind: str, position: Array, length: float, backwards: bool) -> Array:
     """Return irregularities under a car; backwards, left and right are exchanged."""
     if not backwards:
         return track.at(kind, position)  # pyright: ignore[reportArgumentType] - one of KINDS
-    opposite = track.at(kind, whole - position)  # pyright: ignore[reportArgumentType]
+    opposite = track.at(kind, length - position)  # pyright: ignore[reportArgumentType]
     return -opposite if kind in ("alignment", "cross_level") else opposite
 
 
-def _friction(run: Pass, position: Array, whole: float) -> Array:
+def _friction(run: Pass, position: Array, length: float) -> Array:
     spacing = 0.5
-    grid = np.arange(0.0, whole + LEAD_IN, spacing)
+    grid = np.arange(0.0, length + LEAD_IN, spacing)
     white = generator(run.seed, f"{run.name}.friction").standard_normal(grid.size)
     smooth = gaussian_filter1d(white, FRICTION_LENGTH / spacing / 2, mode="wrap")
     smooth = (smooth - smooth.mean()) / smooth.std()

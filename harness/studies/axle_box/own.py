@@ -93,10 +93,10 @@ def judge_own(
         raise EstimationError(f"there are {len(runs)} labelled runs; training and judging need {FEWEST} or more.")
     several = _classes(runs)
     tasks: dict[tuple[str, int], Callable[[], Any]] = {("whole", 0): partial(general, runs, members)}
-    for group, own in several.items():
-        tasks["within", group] = partial(within_runs, own, recipe)
-        tasks["without one", group] = partial(without_each, own, recipe)
-        tasks["network", group] = partial(best_of, own, recipe)
+    for group, runs_of_group in several.items():
+        tasks["within", group] = partial(within_runs, runs_of_group, recipe)
+        tasks["without one", group] = partial(without_each, runs_of_group, recipe)
+        tasks["network", group] = partial(best_of, runs_of_group, recipe)
     tasks |= {("each", k): partial(_without, runs, k, members) for k in range(len(runs))}
     work.notify("training and judging")
     results: dict[tuple[str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
@@ -115,7 +115,7 @@ def judge_own(
 def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
     """Return the runs of each speed class that has several."""
     groups = {g: [run for run in runs if run.group == g] for g in sorted({run.group for run in runs})}
-    return {g: own for g, own in groups.items() if len(own) > 1}
+    return {g: runs_of_group for g, runs_of_group in groups.items() if len(runs_of_group) > 1}
 
 
 def _without(runs: Sequence[Run], place: int, members: int) -> Score:

@@ -76,7 +76,9 @@ def reduce(name: str, friction: float, readings: Readings) -> Run:
     speed = float(np.mean(np.abs(readings.speed)))
     group = speed_class(speed)
     combinations = ("longitudinal, lateral, yaw", "left, right")
-    raw = np.stack([channel for one in combinations for channel in motions(readings.boxes.T, one)], axis=-1)
+    raw = np.stack(
+        [channel for combination in combinations for channel in motions(readings.boxes.T, combination)], axis=-1
+    )
     chain = Chain(rate=readings.rate, block=BLOCKS[group])
     lateral, yaw = lateral_and_yaw(SLOW, readings.boxes, backwards=readings.backwards)
     return Run(
@@ -133,9 +135,9 @@ def spectral_features(run: Run) -> Array:
 def gather(passes: Sequence[Pass], work: Work) -> list[Run]:
     """Return the reduced runs of passes."""
     # Longest first, so that no worker begins a long one at the end.
-    order = sorted(passes, key=lambda one: one.speed / one.length)
+    order = sorted(passes, key=lambda passage: passage.speed / passage.length)
     run_of_pass = dict(zip(order, work.map(run_of, order), strict=True))
-    return [replace(run_of_pass[one], slope=slope(one)) for one in passes]
+    return [replace(run_of_pass[passage], slope=slope(passage)) for passage in passes]
 
 
 def run_of(run: Pass) -> Run:

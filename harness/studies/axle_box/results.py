@@ -109,7 +109,7 @@ def _general(rows: Rows, speeds: Sequence[int]) -> Table:
 
 def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> Table:
     scores = [(name, [*(row[s] for s in speeds), average(row.values())]) for name, row in rows.items()]
-    body = [(name, *(_beside(one) if beside else one.mae for one in row)) for name, row in scores]
+    body = [(name, *(_beside(cell) if beside else cell.mae for cell in row)) for name, row in scores]
     return Table.of(["", *_classes(speeds), "all"], body, _FORM)
 
 

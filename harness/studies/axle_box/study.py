@@ -165,12 +165,12 @@ def _answer(results: Results) -> str:
 def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]]:
     """Return functions that write each estimator as a file of numbers and as an FMU."""
     files: dict[str, Callable[[Path], object]] = {}
-    for name, one in trained.items():
-        files[f"{name}.json"] = partial(_write_numbers, one)
-        files[f"{name}.fmu"] = partial(pack, as_fmu(one.online()))
+    for name, network in trained.items():
+        files[f"{name}.json"] = partial(_write_numbers, network)
+        files[f"{name}.fmu"] = partial(pack, as_fmu(network.online()))
     return files
 
 
-def _write_numbers(one: Trained, path: Path) -> None:
+def _write_numbers(network: Trained, path: Path) -> None:
     with replacing(path) as partial_file:
-        save(one, partial_file)
+        save(network, partial_file)

@@ -185,7 +185,7 @@ def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
 def conducted(size: Size, recipe: Recipe, work: Work) -> Results:
     """Simulate the runs of the study, train and judge."""
     plan = passes(size)
-    everything = iter(gather([one for part in plan.values() for one in part], work))
+    everything = iter(gather([case for part in plan.values() for case in part], work))
     return concluded(size, {name: [next(everything) for _ in part] for name, part in plan.items()}, recipe, work)
 
 
@@ -200,7 +200,7 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
     }
     for s, runs in by_speed.items():
         for table, rows in _pieces(recipe, few).items():
-            tasks |= {(table, name, s): partial(one, runs) for name, one in rows.items()}
+            tasks |= {(table, name, s): partial(row, runs) for name, row in rows.items()}
         tasks["elsewhere", "", s] = partial(elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
         tasks["network", "", s] = partial(best_of, runs, few)
         tasks["exchanged", "", s] = partial(best_of, runs, few, exchanged)
@@ -261,7 +261,9 @@ def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequen
 def estimators_of(results: Results) -> dict[str, Trained]:
     """Return the trained estimators by the name of their file."""
     general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=results.ensemble)
-    papers = {f"friction_{s}mph": paper_estimator(one, s, results.recipe) for s, one in results.networks.items()}
+    papers = {
+        f"friction_{s}mph": paper_estimator(network, s, results.recipe) for s, network in results.networks.items()
+    }
     return {"friction": general, **papers}
 
 

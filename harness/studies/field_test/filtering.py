@@ -153,11 +153,11 @@ def task_of(braking: Braking, model: PredictionInC) -> Task:
     Raises:
         EstimationError: A reading is missing.
     """
-    recording, own = braking.recording, specification()
-    settings = settings_for(own, period_of(recording))
+    recording, specified = braking.recording, specification()
+    settings = settings_for(specified, period_of(recording))
     has_truth = all(knows(recording, state) for state in model.states)
     truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if has_truth else None
-    data = filter_data(recording, model, settings, units_of(own.model.class_))
+    data = filter_data(recording, model, settings, units_of(specified.model.class_))
     return Task(braking=braking, data=data, truth=truth)
 
 

@@ -105,17 +105,17 @@ class FieldTest(Study):
             "score_spread": _score_spread(score_spread),
         }
         figures = {
-            "train.svg": train_figure(train),
+            "friction.png": friction_figure(test, estimates),
             "track.png": track_figure(of_case[TEST]),
             "speed.png": speed_figure(of_case[TEST].recording),
             "readings.png": readings_figure(test.braking),
-            "friction.png": friction_figure(test, estimates),
         }
         words = [f"{measures['adhesion']:.4f} with the noises {title}" for title, measures in scores.items()]
         if self.write:
-            paper = [*list(figures.values())[:-1], friction_figure(test, {PUBLISHED: estimates[PUBLISHED]})]
-            numbered = zip(figures, paper, strict=True)
-            named = {f"field_test_{n}{Path(name).suffix}": figure for n, (name, figure) in enumerate(numbered, start=1)}
+            published = friction_figure(test, {PUBLISHED: estimates[PUBLISHED]})
+            named = {"field_test_1.svg": train_figure(train), "field_test_5.png": published}
+            drawn = enumerate(("track.png", "speed.png", "readings.png"), start=2)
+            named |= {f"field_test_{n}.png": figures[name] for n, name in drawn}
             write_results("field_test.md", self.name, tables, named)
         return Page(
             title="Field test: friction of a train from pressures and speeds",
@@ -133,10 +133,7 @@ class FieldTest(Study):
                 "common": common,
                 "trusted": trusted,
             },
-            figures={
-                **{name: figures[name] for name in ("friction.png", "track.png", "speed.png", "readings.png")},
-                "degeneracy.png": degeneracy_figure(common, trusted),
-            },
+            figures={**figures, "degeneracy.png": degeneracy_figure(common, trusted)},
             screen=(tables["compared"], tables["tracks"], tables["case"]),
         )
 

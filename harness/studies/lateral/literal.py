@@ -77,7 +77,7 @@ def information_of(trace: Trace) -> Information:
     _, _, long = along(model, x, u, trace.period, noise, size, windows[WINDOW], windows[WINDOW])
     change = 1 + np.flatnonzero(np.diff(trace.condition))
     jump = np.abs(x[change] - x[change - 1])[:, 3:].max(axis=0, initial=0.0)
-    spread = np.sqrt(np.max([LITERAL_NOISE[one.name] for one in CONDITIONS], axis=0) * WINDOW / PERIOD)
+    spread = np.sqrt(np.max([LITERAL_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
     mirror = np.array([1.0, 1.0, -1.0, 1.0, -1.0])
     seen, other = (np.array([model.output(a, b) for a, b in zip(x * sign, u, strict=True)]) for sign in (1.0, mirror))
     return Information(
@@ -96,11 +96,11 @@ def observed(runs: Sequence[Information]) -> Table:
     """Return, by condition, how far a short window of readings determines each hidden state, over its size."""
     rows: list[dict[str, Any]] = []
     for number, condition in enumerate(CONDITIONS):
-        parts = [(one.short / one.size, one.rank, one.condition == number) for one in runs]
-        shares = np.concatenate([share[own] for share, _, own in parts])
+        parts = [(run.short / run.size, run.rank, run.condition == number) for run in runs]
+        shares = np.concatenate([share[determined] for share, _, determined in parts])
         if not len(shares):
             continue
-        ranks = np.concatenate([rank[own] for _, rank, own in parts])
+        ranks = np.concatenate([rank[determined] for _, rank, determined in parts])
         middle, most = np.median(shares, axis=0), np.quantile(shares, 0.9, axis=0)
         rows.append(
             {"condition": condition.name, "windows": len(shares), "all five determined": float(np.mean(ranks == 5))}
@@ -114,8 +114,8 @@ def observed(runs: Sequence[Information]) -> Table:
 
 def refused(runs: Sequence[Information]) -> Table:
     """Return what a change of the surface moves beside what the process noise of the paper lets move."""
-    jump = np.median([one.jump for one in runs], axis=0)
-    allowed, long = runs[0].allowed, np.median(np.concatenate([one.long for one in runs]), axis=0)
+    jump = np.median([run.jump for run in runs], axis=0)
+    allowed, long = runs[0].allowed, np.median(np.concatenate([run.long for run in runs]), axis=0)
     return Table(
         [
             {

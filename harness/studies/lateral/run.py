@@ -216,7 +216,9 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
         plant.start(realisation.inputs[0])
         outputs = plant.follow(realisation.inputs)
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
-    beliefs: dict[Name, Beliefs] = {one.name: _followed(one, table, readings, realisation) for one in observers}
+    beliefs: dict[Name, Beliefs] = {
+        observer.name: _followed(observer, table, readings, realisation) for observer in observers
+    }
     wall = time.perf_counter() - begin
     sample = np.concatenate(
         [first + EVERY * np.arange(1, (last - first) // EVERY + 1) for first, last in realisation.segments]
@@ -243,11 +245,11 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     )
 
 
-def _followed(one: Observer, table: Mapping[str, Array], readings: Array, realisation: Course) -> Beliefs:
+def _followed(observer: Observer, table: Mapping[str, Array], readings: Array, realisation: Course) -> Beliefs:
     """Return the beliefs of a filter given the readings, segment by segment of one condition."""
-    filter_, n = one.filter, one.filter.mean.size
-    inputs = np.column_stack([table[column] if column else np.zeros(len(readings)) for column in one.columns])
-    prior, failure_sample = one.first, None
+    filter_, n = observer.filter, observer.filter.mean.size
+    inputs = np.column_stack([table[column] if column else np.zeros(len(readings)) for column in observer.columns])
+    prior, failure_sample = observer.first, None
     parts: list[tuple[Array, Array, Array]] = []
     for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
         rows = (last - first) // EVERY
@@ -255,10 +257,10 @@ def _followed(one: Observer, table: Mapping[str, Array], readings: Array, realis
         parts.append((mean, covariance, nis))
         if failure_sample is not None:
             continue
-        if one.name == "literal":  # the only filter that knows the condition
+        if observer.name == "literal":  # the only filter that knows the condition
             filter_.retune(literal_density(condition))
         last_good, start = last, filter_.inputs.copy()
-        follow = partial(filter_.follow, prior, every=EVERY, integrals=one.integrals, with_covariance=True)
+        follow = partial(filter_.follow, prior, every=EVERY, integrals=observer.integrals, with_covariance=True)
         try:
             followed = follow(inputs[first:last], readings[first:last])
         except FilterDiverged as diverged:

@@ -197,10 +197,10 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     measured = measured_adhesion(recording)
     friction.plot(time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.2, ls="--", label="true")
     # The noisiest line, as wide as a band, lies below what it is compared with.
-    for name, one in estimates.items():
+    for name, estimate in estimates.items():
         width = 1.6 if name == "rig-paper" else 0.6
-        adhesion.plot(time, one["mean"].sel(state="alpha"), color=COLOURS[name], lw=width, label=NAMES[name])
-        friction.plot(time, one["mean"].sel(state="mu_b"), color=COLOURS[name], lw=0.8, label=NAMES[name])
+        adhesion.plot(time, estimate["mean"].sel(state="alpha"), color=COLOURS[name], lw=width, label=NAMES[name])
+        friction.plot(time, estimate["mean"].sel(state="mu_b"), color=COLOURS[name], lw=0.8, label=NAMES[name])
         if name == "rig-paper":
             adhesion.plot(time, measured, color=LOAD_CELLS, lw=1.4, label="load cells")
     top = 1.35 * float(np.nanmax(measured))
@@ -232,8 +232,8 @@ def over_slip_figure(recording: xarray.Dataset, estimates: Mapping[str, xarray.D
     slip, truth = 100 * truth_of(part, "slip"), truth_of(part, "alpha")
     drawing, (above, below) = style.panels(8, 6, 2, 1, sharex=True)
     above.plot(slip, measured_adhesion(part), color=LOAD_CELLS, lw=2.2, label="load cells")
-    for name, one in estimates.items():
-        adhesion = one.sel(time=slice(*DEEP_SLIDE))["mean"].sel(state="alpha").values
+    for name, estimate in estimates.items():
+        adhesion = estimate.sel(time=slice(*DEEP_SLIDE))["mean"].sel(state="alpha").values
         above.plot(slip, adhesion, color=COLOURS[name], lw=0.7, label=NAMES[name])
         below.plot(slip, np.abs(adhesion - truth), ".", color=COLOURS[name], ms=2.5, label=NAMES[name])
     for bound, place, words in ((0.1, 0.102, "published: peak 0.1"), (0.05, 0.043, "published: falls to 0.05")):
@@ -284,7 +284,7 @@ def measures(
     for test, (recording, estimates) in tests.items():
         found[test] = {"speed": style.KMH * float(reading_of(recording, "speed")[0]), **brakings(recording)}
         found[test]["rises"] = begin = STATEMENTS[test][-1].begin
-        courses = {name: one["mean"].sel(state="mu_b").values for name, one in estimates.items()}
+        courses = {name: estimate["mean"].sel(state="mu_b").values for name, estimate in estimates.items()}
         courses["true"] = truth_of(recording, "mu_b")
         found[test]["pad friction"] = {name: _rise(course, recording, begin) for name, course in courses.items()}
         found[test]["oscillation"] = _oscillation(estimates["rig-paper"]["mean"].sel(state="mu_b").values, recording)
@@ -299,7 +299,7 @@ def measures(
     found["rig_slide"]["adhesion"] = [float(value) for value in quantiles]
     recording, estimates = tests["rig_sand"]
     found["rig_sand"]["adhesion"] = _adhesion_of_slide(recording)
-    found["rig_sand"]["peaks"] = {name: peaks_in_slide(recording, one) for name, one in estimates.items()}
+    found["rig_sand"]["peaks"] = {name: peaks_in_slide(recording, estimate) for name, estimate in estimates.items()}
     return found
 
 

@@ -32,11 +32,11 @@ def distances(identified: Fitted) -> Table:
     """Return the six distances: published, identified, and their differences."""
     rows = [
         (f"{title}, {who}", *(f"{value:.1f} m" for value in values))
-        for title, paper, own in (
+        for title, paper, ours in (
             ("slip-based control", SBC, identified.sbc),
             ("adhesion-based control as printed", ABC, identified.abc),
         )
-        for who, values in (("paper", paper.values()), ("identified", own.values()))
+        for who, values in (("paper", paper.values()), ("identified", ours.values()))
     ]
     errors = identified.errors
     rows += [
@@ -50,8 +50,10 @@ def parameters(identified: Fitted) -> Table:
     """Return what was identified, beside the published shape that the scenarios have and the bounds of the search."""
     rows: list[tuple[str, str, str, str]] = []
     for name, (low, high) in BOUNDS.items():
-        own, default = (_value(one, name) for one in (identified, Fitted(candidate=DEFAULT, levels={}, sbc={}, abc={})))
-        rows.append((name, f"{own:.3g}", f"{default:.3g}", f"{low:g} – {high:g}"))
+        value, default = (
+            _value(fit, name) for fit in (identified, Fitted(candidate=DEFAULT, levels={}, sbc={}, abc={}))
+        )
+        rows.append((name, f"{value:.3g}", f"{default:.3g}", f"{low:g} – {high:g}"))
     for name in SCENARIOS:
         rows.append((f"level, {name.replace('_', ' ')}", f"{identified.levels[name]:.3f}", "", "0.5 – 2.5"))
     return Table.of(("number", "identified", "dry", "bounds"), rows)
@@ -68,7 +70,7 @@ def profile(fits: Sequence[Fitted]) -> Table:
         cells: list[str] = []
         for begin, end in pairwise(edges):
             # Values are rounded to four digits, so that one at a bound may lie beyond it.
-            inside = [one.largest for one in fits if begin * 0.999 <= _value(one, name) <= end * 1.001]
+            inside = [fit.largest for fit in fits if begin * 0.999 <= _value(fit, name) <= end * 1.001]
             cells.append(f"{begin:.2g} – {end:.2g}: {100 * min(inside):.1f} %" if inside else "none tried")
         rows.append((name, *cells))
     return Table.of(("number", "lowest quarter", "second", "third", "highest quarter"), rows)
@@ -77,18 +79,18 @@ def profile(fits: Sequence[Fitted]) -> Table:
 def equal_fits(fits: Sequence[Fitted], most: float = 2 * EQUAL, apart: float = 0.25) -> list[Fitted]:
     """Return fits with errors up to `most`, the best first, that differ in some number by `apart` of its bounds."""
     chosen: list[Fitted] = []
-    for one in sorted(fits, key=lambda fit: fit.largest):
-        if one.largest <= most and all(_apart(one, other) >= apart for other in chosen):
-            chosen.append(one)
+    for fit in sorted(fits, key=lambda fit: fit.largest):
+        if fit.largest <= most and all(_apart(fit, other) >= apart for other in chosen):
+            chosen.append(fit)
     return chosen
 
 
 def alternatives(fits: Sequence[Fitted]) -> Table:
     """Return `equal_fits` as a table."""
     rows = [
-        (*(f"{_value(one, name):.3g}" for name in BOUNDS), f"{100 * one.largest:.1f} %",
-         " / ".join(f"{distance:.0f}" for distance in one.abc.values()))
-        for one in equal_fits(fits)
+        (*(f"{_value(fit, name):.3g}" for name in BOUNDS), f"{100 * fit.largest:.1f} %",
+         " / ".join(f"{distance:.0f}" for distance in fit.abc.values()))
+        for fit in equal_fits(fits)
     ]  # fmt: skip
     return Table.of((*BOUNDS, "largest error", "adhesion-based [m]"), rows, left=0)
 
@@ -97,8 +99,8 @@ def profile_figure(fits: Sequence[Fitted]) -> Figure:
     """Draw the largest error of every fit over each number."""
     drawing, panels = style.panels(10, 5.6, 2, 3, sharey=True)
     for panel, name in zip(panels.flat, BOUNDS, strict=True):
-        shown = [one for one in fits if np.isfinite(one.largest)]
-        panel.plot([_value(one, name) for one in shown], [100 * one.largest for one in shown], ".", color=palette.BLUE)
+        shown = [fit for fit in fits if np.isfinite(fit.largest)]
+        panel.plot([_value(fit, name) for fit in shown], [100 * fit.largest for fit in shown], ".", color=palette.BLUE)
         panel.axhline(100 * EQUAL, color=palette.GREY, linestyle="--", linewidth=1)
         style.dress(panel, x=name, y="largest error of six [%]" if panel in panels[:, 0] else "")
         panel.set_yscale("log")
@@ -124,7 +126,7 @@ def stops_of(identified: Fitted) -> dict[str, Stop]:
         stop_of("trapezoid", curve, levels["trapezoid"], "abc"),
         Scenario.load("trapezoid", trapezoid),
     )
-    return {name: run_stop(one) for name, one in (scenarios | dict(zip(LAWS, laws, strict=True))).items()}
+    return {name: run_stop(scenario) for name, scenario in (scenarios | dict(zip(LAWS, laws, strict=True))).items()}
 
 
 def block_diagram() -> Figure:
@@ -245,9 +247,9 @@ def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
                  difference="" if minima[-1] > minima[0] else "does not rise")
         for name, minima in found["minima"].items()
     ]  # fmt: skip
-    for title, paper, own in (("SBC", SBC, identified.sbc), ("ABC as printed", ABC, identified.abc)):
+    for title, paper, ours in (("SBC", SBC, identified.sbc), ("ABC as printed", ABC, identified.abc)):
         rows += [
-            Compared(figure="Table 1", quantity=f"{title}, {_rail(name)}", published=paper[name], ours=own[name],
+            Compared(figure="Table 1", quantity=f"{title}, {_rail(name)}", published=paper[name], ours=ours[name],
                      form="{:.1f} m")
             for name in SCENARIOS
         ]  # fmt: skip
@@ -286,15 +288,15 @@ def _metres(stop: Stop) -> str:
     return f"{stop.metrics.distance:.1f} m"
 
 
-def _value(one: Fitted, name: str) -> float:
-    return one.candidate.k_S / one.candidate.k_A if name == "k_S/k_A" else float(getattr(one.candidate, name))
+def _value(fit: Fitted, name: str) -> float:
+    return fit.candidate.k_S / fit.candidate.k_A if name == "k_S/k_A" else float(getattr(fit.candidate, name))
 
 
-def _apart(one: Fitted, other: Fitted) -> float:
+def _apart(fit: Fitted, other: Fitted) -> float:
     """Return the greatest distance of two fits in a number, as a share of its bounds."""
     shares: list[float] = []
     for name, (low, high) in BOUNDS.items():
-        first, second = _value(one, name), _value(other, name)
+        first, second = _value(fit, name), _value(other, name)
         shares.append(
             abs(first - second) / (high - low) if name == "A" else abs(np.log(first / second) / np.log(high / low))
         )

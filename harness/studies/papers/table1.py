@@ -76,7 +76,9 @@ class Fitted:
     @property
     def errors(self) -> list[float]:
         """Relative errors of the six distances, slip-based control first."""
-        return [own[name] / paper[name] - 1 for own, paper in ((self.sbc, SBC), (self.abc, ABC)) for name in SCENARIOS]
+        return [
+            ours[name] / paper[name] - 1 for ours, paper in ((self.sbc, SBC), (self.abc, ABC)) for name in SCENARIOS
+        ]
 
     @property
     def largest(self) -> float:
@@ -131,7 +133,7 @@ def stop_of(name: str, candidate: Candidate, level: float, controller: str, seed
 def median_distance(name: str, candidate: Candidate, level: float, controller: str, repeats: int) -> float:
     """Return the median of perturbed stops [m]; one without standstill counts as endless."""
     distances = [braking_distance(stop_of(name, candidate, level, controller, seed)) for seed in range(1, repeats + 1)]
-    return float(np.median([math.inf if one is None else one for one in distances]))
+    return float(np.median([math.inf if distance is None else distance for distance in distances]))
 
 
 def fit(candidate: Candidate) -> Fitted:
@@ -192,13 +194,13 @@ def search(work: Work, stages: Sequence[int] = STAGES, seed: int = 1) -> list[Fi
         children = [tuple(float(share) for share in point) for point in moved]
         fits |= dict(zip(children, work.map(fit, [candidate_at(point) for point in children]), strict=True))
         width *= 2 / 3
-    return sorted(fits.values(), key=lambda one: one.largest)
+    return sorted(fits.values(), key=lambda fit: fit.largest)
 
 
 def refined(work: Work, fits: Sequence[Fitted], count: int = 6) -> Fitted:
     """Return the best of the first few fits by the medians of `FINAL` repeats."""
-    again = work.map(_at_levels, [(one.candidate, dict(one.levels), FINAL) for one in fits[:count]])
-    return min(again, key=lambda one: one.largest)
+    again = work.map(_at_levels, [(fit.candidate, dict(fit.levels), FINAL) for fit in fits[:count]])
+    return min(again, key=lambda fit: fit.largest)
 
 
 def _at_levels(case: tuple[Candidate, Mapping[str, float], Mapping[str, int]]) -> Fitted:
@@ -210,10 +212,10 @@ def write_fits(path: Path, fits: Sequence[Fitted]) -> None:
     with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*_NUMBERS, *(f"{kind}_{name}" for kind in ("level", "sbc", "abc") for name in SCENARIOS)])
-        for one in fits:
-            own = [getattr(one.candidate, name) for name in _NUMBERS]
-            distances = [round(values[name], 2) for values in (one.sbc, one.abc) for name in SCENARIOS]
-            writer.writerow([*own, *(one.levels[name] for name in SCENARIOS), *distances])
+        for fit in fits:
+            numbers = [getattr(fit.candidate, name) for name in _NUMBERS]
+            distances = [round(values[name], 2) for values in (fit.sbc, fit.abc) for name in SCENARIOS]
+            writer.writerow([*numbers, *(fit.levels[name] for name in SCENARIOS), *distances])
 
 
 def read_fits(path: Path) -> list[Fitted]:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -142,26 +142,6 @@ def page_of(
         protected_stops: What the stop with estimator and valves costs.
         density: Of sand, fitted [kg/m].
     """
-    real_time = [
-        {
-            "estimator_period_s": stop.estimator_period,
-            "simulated_s": stop.simulated,
-            "processor_s": stop.processor,
-            "times_real_time": stop.times_real_time,
-        }
-        for stop in protected_stops
-    ]
-    rows = [
-        {
-            "sanders": comparison.sanders,
-            "distance_m": comparison.distance,
-            "measured_m": comparison.measured,
-            "fitted": comparison.fitted,
-        }
-        | ({"at_least": True} if comparison.at_least else {})
-        for comparison in comparisons
-    ]
-    law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
     distances, protected = table_of(stops), table_of_protected(protected_stops)
     sanders = table_of_sanders(comparisons)
     drawings = {stop.train.name: f"figures/{stop.train.name}.png" for stop in stops}
@@ -189,11 +169,39 @@ def page_of(
             "figures/sanders.png": _sander_figure(comparisons),
         },
         data={
-            "trains.json": {"trains": [row_of(stop) for stop in (*stops, *series)], "protected_stop": real_time},
-            "sanders.json": {"rows": rows, "law": law},
+            "trains.json": _stops_as_data((*stops, *series), protected_stops),
+            "sanders.json": _sanders_as_data(trial, density, comparisons),
         },
         screen=(distances, protected, sanders),
     )
+
+
+def _stops_as_data(stops: Sequence[DryStop], protected_stops: Sequence[ProtectedStop]) -> dict[str, Any]:
+    real_time = [
+        {
+            "estimator_period_s": stop.estimator_period,
+            "simulated_s": stop.simulated,
+            "processor_s": stop.processor,
+            "times_real_time": stop.times_real_time,
+        }
+        for stop in protected_stops
+    ]
+    return {"trains": [row_of(stop) for stop in stops], "protected_stop": real_time}
+
+
+def _sanders_as_data(trial: Trial, density: float, comparisons: Sequence[Comparison]) -> dict[str, Any]:
+    rows = [
+        {
+            "sanders": comparison.sanders,
+            "distance_m": comparison.distance,
+            "measured_m": comparison.measured,
+            "fitted": comparison.fitted,
+        }
+        | ({"at_least": True} if comparison.at_least else {})
+        for comparison in comparisons
+    ]
+    law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
+    return {"rows": rows, "law": law}
 
 
 def _answer(stops: Sequence[DryStop]) -> str:
