@@ -36,7 +36,7 @@ def stop_listening() -> None:
 
 
 _queues: list[list[int]] = []
-"""Signals of those `ignore_sigint` that are open, the innermost last."""
+"""Signals of those `postponed` that are open, the innermost last."""
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -57,9 +57,19 @@ def ignore_sigint() -> Generator[None]:
     if os.name != "posix":
         yield
         return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    with postponed():
+        try:
+            yield
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def postponed() -> Generator[None]:
+    """Raise `Interrupted` for a signal that comes meanwhile at the end: some libraries swallow every exception."""
     numbers: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()  # handlers run in no other
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     if is_main:
         _queues.append(numbers)
     try:
@@ -67,6 +77,5 @@ def ignore_sigint() -> Generator[None]:
     finally:
         if is_main:
             _queues.pop()
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for number in numbers[:1]:
             _interrupt(number, None)

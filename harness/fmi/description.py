@@ -15,6 +15,7 @@ from fmpy.model_description import ModelDescription, ValidationError, read_model
 
 from railgrip.base.errors import FmuError, UnitError
 from railgrip.base.files import scratch
+from railgrip.base.interrupted import postponed
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
 from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
@@ -222,7 +223,7 @@ def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
 
     FMPy is shown that file alone: of an archive it would read more XML, which nobody has looked through.
     """
-    with scratch("fmu") as folder:
+    with scratch("fmu") as folder, postponed():
         file = str(copy_of_description(path, folder))
         try:
             return "", read_model_description(file, validate=True)
