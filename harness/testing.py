@@ -277,7 +277,7 @@ def _require_pressures(law: object, formation: Formation, demands: Sequence[floa
 def _require_unchanged(part: object, before: Observation, after: Observation) -> None:
     for name, value, other in zip(Observation._fields, before, after, strict=True):
         if value is not None and not np.array_equal(np.asarray(value), np.asarray(other), equal_nan=True):
-            raise ContractBroken(f"{type(part).__name__} changes {name} of what it is shown")
+            raise ContractBroken(f"{type(part).__name__} changes {name} of its input")
 
 
 def _require_repeatable(

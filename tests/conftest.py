@@ -20,6 +20,7 @@ settings.load_profile("busy")
 LONGEST = {
     "test_trains_in_files.py", "test_wheel.py", "test_any_formation.py", "test_modelica_validation.py",
     "test_train_fmus.py", "test_signals.py", "test_curves_along_the_track.py", "test_brake.py", "test_gallery.py",
+    "test_platforms.py", "test_exported_stops.py",
 }  # fmt: skip
 """Files of twenty seconds and more."""
 

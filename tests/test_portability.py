@@ -1,4 +1,4 @@
-"""What is POSIX-only is asked for where it is used: the same sources run on Windows and macOS."""
+"""POSIX-only functions are looked up where they are used: the same sources run on Windows and macOS."""
 
 import ast
 import os

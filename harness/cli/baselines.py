@@ -29,7 +29,7 @@ from railgrip.report.console import complain, say, show_table
 from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
 from railgrip.report.table import Table, yes_no
-from railgrip.report.validation import BEGIN, END, TABLES
+from railgrip.report.validation import TABLES
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
 from railgrip.studies.study import headlines
@@ -102,7 +102,7 @@ def validation(
         if accepted.campaign is None:
             raise ScenarioError(f"{path}: is the baseline of a study; the table is that of a campaign")
         table = table_of(load_campaign(path.parent / accepted.campaign), accepted)
-        write_tables(docs / page, {BEGIN: table}, END)
+        write_tables(docs / page, {"distances": table})
         say(str(docs / page))
 
 

@@ -19,7 +19,7 @@ from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, say, show_all, show_table
 from railgrip.report.distances import documented, rows_of, tables_of
 from railgrip.report.index import write_report
-from railgrip.report.marked import write_marked
+from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import by_compiler, read_results
 from railgrip.report.row import Row
@@ -93,9 +93,11 @@ def report(
     """
     formats = formats_of(figure_formats)
     if write is not None:
-        tables = documented(read_results(directory))
-        written = write_marked(write, {f"{directory.name}, {name}": table for name, table in tables.items()})
-        say(f"{write}: {', '.join(written)}")
+        tables = {f"{directory.name}, {name}": table for name, table in documented(read_results(directory)).items()}
+        wanted = names_in(page_text(write))
+        chosen = {name: table for name, table in tables.items() if name in wanted} or tables
+        write_tables(write, chosen)
+        say(f"{write}: {'; '.join(chosen)}")
         return
     with progress("report") as bar:
 

@@ -82,8 +82,6 @@ def _list() -> None:
 
 
 PAGE = Path("docs/foreign_fmus.md")
-END = "<!-- end of fmus -->"
-BEGIN = "<!-- fmus: written by `railgrip maintain fmus FOLDER --write` -->"
 
 
 def survey_command(
@@ -105,7 +103,7 @@ def survey_command(
     table = _surveyed_table(rows)
     show_table(table)
     if write:
-        write_tables(PAGE, {BEGIN: table}, END)
+        write_tables(PAGE, {"fmus": table})
 
 
 def _surveyed_table(rows: Sequence[Surveyed]) -> Table:

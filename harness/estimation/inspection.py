@@ -256,7 +256,7 @@ def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapp
     return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
 
 
-# ---- what it is to the model ------------------------------------------------------------------------------------
+# ---- signals of the model -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,7 +84,8 @@ class _ByFmpy(LoadedPlant):
         """Hold `inputs` over one period and return the outputs at its end.
 
         Raises:
-            PlantFailed: The FMU did not return OK, asked to end, could not be integrated, or an output is not finite.
+            PlantFailed: The FMU did not return OK, requested the end or could not be integrated, or an output is not
+                finite.
         """
         if not self._ready:
             raise self._not_ready()
@@ -210,7 +211,7 @@ def _solver(instance: Instance, period: float) -> Any:
         ) from error
 
     class Solver(sundials.CVodeSolver):
-        """CVODE, which is told when an FMI function fails: FMPy's callbacks would go on with what there is."""
+        """CVODE, which stops when an FMI function fails: FMPy's callbacks would continue with the last values."""
 
         failure: FMICallException | None = None
 

@@ -221,7 +221,7 @@ def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
 def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
     """Return what is not valid in a description, as a clause, and the description by FMPy.
 
-    FMPy is shown that file alone: of an archive it would read more XML, which nobody has looked through.
+    FMPy is shown that file alone: of an archive it would read more XML, which has not been checked.
     """
     with scratch("fmu") as folder, postponed():
         file = str(copy_of_description(path, folder))

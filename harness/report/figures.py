@@ -216,7 +216,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
         panel.grid(visible=False, axis="x")
     panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
     panels[0].plot([], [], color=palette.VERMILION, linewidth=2.2, label="published")
-    style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.08))
+    style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.16))
     return drawing
 
 

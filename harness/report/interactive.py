@@ -201,6 +201,8 @@ def _traces(axes: Axes) -> Iterator[Plot]:
                    "label": patch.get_label()}  # fmt: skip
     for line in axes.lines:
         points = np.column_stack([np.asarray(line.get_xdata(orig=False), float), line.get_ydata(orig=False)])
+        if not len(points):  # a name for the legend, which draws it itself
+            continue
         if line.get_transform() != axes.transData:
             (points,) = _in_data([line.get_transform().transform(points)], axes)
         yield {"type": "scatter", "x": array(points[:, 0]), "y": array(points[:, 1]), **_style(line),

@@ -35,8 +35,8 @@ class Page:
 
     Attributes:
         title: Heading of the page.
-        question: What was asked, in a sentence.
-        answer: What came out, in two sentences.
+        question: In a sentence.
+        answer: The result, in two sentences.
         template: Path in this package of the text that follows, Markdown, `*.md.jinja`. It shows each figure but the
             first as `![caption]({{ figures["name.png"] }})`, and tables as they are.
         values: What the template names.

@@ -55,7 +55,7 @@ def array(values: ArrayLike) -> dict[str, str]:
 def signals_plot(trace: xarray.Dataset) -> dict[str, Any]:
     """Return panels of speed, slip, adhesion, friction and pressure over time or distance, a line for each wheelset.
 
-    Signals that a plant hides and nobody estimates have no panel. Of a long train only every so many-th sample is
+    Signals that a plant hides and no filter estimates have no panel. Of a long train only each n-th sample is
     drawn; trace.nc has all.
     """
     panels = [panel for panel in _panels(trace) if panel.lines]
@@ -175,7 +175,7 @@ def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
     known = trace["wheelset_position"].values if "wheelset_position" in trace else 2.5 * np.arange(wheelsets)
     cars = trace["car_of_wheelset"].values if "car_of_wheelset" in trace else np.ones(wheelsets, dtype=int)
     return {
-        "positions": [float(name) for name in known],
+        "positions": [float(position) for position in known],
         "cars": [int(car) for car in cars],
         "time": array(trace["time"].values[places]),
         "distance": array(trace["distance"].values[places]),

@@ -1,4 +1,4 @@
-"""The page of a stop: how far it went, its signals, what was asked, its figures, and what they rest on."""
+"""The page of a stop: distance, signals, scenario, metrics and provenance."""
 
 from collections.abc import Mapping
 from math import isfinite

@@ -9,9 +9,6 @@ from railgrip.report.reference import label, references
 from railgrip.report.table import Table, percent
 from railgrip.scenario.campaign import Campaign, PlannedStop
 
-BEGIN = "<!-- distances: written by `make validation` -->"
-END = "<!-- end of distances -->"
-
 _FIRST = "braking distance"
 
 

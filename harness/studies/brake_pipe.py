@@ -16,7 +16,7 @@ from railgrip.fmi.description import describe
 from railgrip.fmi.mapping import Signal, bind
 from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import mark, write_tables
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.rolling_stock.files import load_train
@@ -152,7 +152,7 @@ class BrakePipe(Study):
         rows = [] if self.quick else work.map(stop_row, EQUIPMENT)
         stops = Table(rows, _FORMS, ("`loco_coaches` from 160 km/h",), title="Emergency stops on a dry rail")
         if self.write:
-            write_tables(PAGE, {mark("fronts", self.name): table, mark("stops", self.name): stops})
+            write_tables(PAGE, {"fronts": table, "stops": stops})
         return Page(
             title="Front of an emergency brake in the brake pipe",
             question="How fast does an emergency brake run through the pipe of ten coaches, and is that the grid?",

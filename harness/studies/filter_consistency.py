@@ -12,7 +12,7 @@ from typer import Option
 import railgrip.scenario
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding, mean
-from railgrip.report.marked import mark, write_tables
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table
 from railgrip.scenario.load import read_toml, scenario_of
@@ -149,7 +149,7 @@ class FilterConsistency(Study):
             "faults": by_fault({case: results[case] for case in faults}),
         }
         if self.write:
-            write_tables(PAGE, {mark(name, self.name): table for name, table in tables.items()})
+            write_tables(PAGE, tables)
         return Page(
             title="What the filters of the train claim, by load and by fault",
             question="Are the filters of the train as sure of adhesion as they are right, if the load is another one?",

@@ -271,7 +271,7 @@ class RollerRig(Study):
         }
         figures = published.figures(tests, slide)
         if self.write:
-            write_results(published.PAGE, self.name, tables, figures, found)
+            write_results(published.PAGE, tables, figures, found)
         charts = dict(list(figures.items())[2:])  # without the schematic drawings of wagon and rig
         errors_of_tests = {f"{name}_tunings.png": tunings(*test) for name, test in tests.items()}
         words = [f"{row['scenario']}, {row['filter']} {row['alpha_rmse']:.4f}" for row in rows]

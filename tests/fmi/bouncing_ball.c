@@ -112,7 +112,7 @@ int fmi3GetInt32(void *c, const unsigned vr[], size_t n, int32_t value[], size_t
     return OK;
 }
 
-/* What nobody calls; importers want it to be there. */
+/* Not called in the tests; importers require these functions. */
 #define IDLE(NAME) int fmi3##NAME(void) { return ERROR; }
 #define IDLE_VALUES(TYPE) IDLE(Get##TYPE) IDLE(Set##TYPE)
 IDLE_VALUES(Float32) IDLE_VALUES(Int8) IDLE_VALUES(UInt8) IDLE_VALUES(Int16) IDLE_VALUES(UInt16) IDLE_VALUES(UInt32)

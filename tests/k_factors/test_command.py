@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from railgrip.__main__ import main
-from railgrip.report.marked import END, mark
+from railgrip.report.marked import END
 from railgrip.studies.k_factors.specification import LIBRARY
 
 LITTLE = ["--set", "estimate.samples=20", "--set", "estimate.runs=2"]
@@ -20,7 +20,8 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, mo
     monkeypatch.chdir(tmp_path)
     page = tmp_path / "docs" / "k_factors.md"
     page.parent.mkdir()
-    page.write_text(f"before\n{mark('K', 'k_factors vt642')}\n{END}\nafter\n", encoding="utf-8")
+    begin = "<!-- K: written by `railgrip study k_factors vt642 --write` -->"
+    page.write_text(f"before\n{begin}\n{END}\nafter\n", encoding="utf-8")
     for name, options in (("first", []), ("again", ["--write"])):
         main_ok(["study", "k_factors", "vt642", "--out", str(tmp_path / name), *options, *LITTLE])
     written = page.read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusio
 from railgrip.studies.lateral.judge import QUANTITIES
 from railgrip.studies.lateral.run import NAMES, Case
 from railgrip.studies.lateral.study import Plan, page_of
-from railgrip.studies.lateral.tables import Result, levels, skill, spread, told
+from railgrip.studies.lateral.tables import Result, friction_errors, levels, skill, spread
 from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, Trial
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
@@ -117,7 +117,7 @@ def test_errors_are_shown_over_those_of_the_best_constant():
 
 
 def test_errors_of_friction_are_shown_by_condition():
-    (row,) = told([Result(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
+    (row,) = friction_errors([Result(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
     assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
 
 

@@ -10,7 +10,7 @@ from railgrip.report.marked import with_tables
 from railgrip.scenario.load import load
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.papers import adhesion_and_brake_friction as page
-from railgrip.studies.papers.pages import END, FOLDER, marked, measures_of
+from railgrip.studies.papers.pages import FOLDER, measures_of
 from railgrip.studies.roller_rig import recording_of_rig
 from railgrip.trace.samples import recording_of
 
@@ -20,10 +20,11 @@ PERIOD = 0.005
 
 def test_the_page_has_what_was_measured():
     text = (PROJECT / FOLDER / page.PAGE).read_text(encoding="utf-8")
-    tables = marked("roller_rig", {"published": page.table(measures_of(page.PAGE, PROJECT))})
-    assert with_tables(text, tables, END) == text
+    tables = {"published": page.table(measures_of(page.PAGE, PROJECT))}
+    assert with_tables(text, tables) == text
+    assert "<!-- published: written by `railgrip study roller_rig --write` -->\n" in text
     stale = text.replace("| 120 km/h |", "| 121 km/h |")
-    assert with_tables(stale, tables, END) == text != stale
+    assert with_tables(stale, tables) == text != stale
 
 
 def test_brakings_before_the_long_pause_are_short_ones():

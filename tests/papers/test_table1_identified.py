@@ -9,7 +9,7 @@ from railgrip.report.marked import with_tables
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.polach import named_set
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
-from railgrip.studies.papers.pages import END, FOLDER, marked, measures_of
+from railgrip.studies.papers.pages import FOLDER, measures_of
 from railgrip.studies.papers.study import PAGE, tables_of
 from railgrip.studies.papers.table1 import SCENARIOS, median_distance, read_fits
 
@@ -24,19 +24,20 @@ def identified():
 
 @pytest.fixture(scope="module")
 def tables(identified):
-    return marked("papers", tables_of(read_fits(FITS), identified, measures_of(PAGE, PROJECT)))
+    return tables_of(read_fits(FITS), identified, measures_of(PAGE, PROJECT))
 
 
 def test_the_page_says_what_the_files_of_results_say(tables):
     text = PATH.read_text(encoding="utf-8")
-    assert with_tables(text, tables, END) == text
+    assert with_tables(text, tables) == text
+    assert all(f"<!-- {name}: written by `railgrip study papers --write` -->\n" in text for name in tables)
 
 
 def test_a_stale_number_is_found(tables):
     text = PATH.read_text(encoding="utf-8")
     assert "382.9 m" in text
     stale = text.replace("382.9 m", "382.8 m")
-    assert with_tables(stale, tables, END) == text != stale
+    assert with_tables(stale, tables) == text != stale
 
 
 def test_the_named_curve_is_the_identified_one(identified):

@@ -86,6 +86,7 @@ def test_every_kind_of_figure_is_drawn(tmp_path):
     image.text(0, 0, "in the image")
     bars.bar([0, 1], [1.0, 2.0], label="bars")
     bars.axhline(1.5)
+    bars.plot([], [], label="in the legend alone")
     bars.fill_between([0, 1], [0.0, 0.5], [1.0, 1.5], label="band")
     bars.annotate("at a bar", (1, 2.0), xytext=(0, 3), textcoords="offset points")
     bars.set_xticks([0, 1], ["left tick", "right tick"])
@@ -97,5 +98,5 @@ def test_every_kind_of_figure_is_drawn(tmp_path):
     template = "studies/papers/papers.md.jinja"
     page = Page(title="t", question="q", answer="a", template=template, values=values, figures=figures)
     texts, _ = printed(page.write(tmp_path), tmp_path)
-    for text in ("in the image", "at a bar", "left tick", "bars", "band", "above both"):
+    for text in ("in the image", "at a bar", "left tick", "bars", "band", "in the legend alone", "above both"):
         assert "".join(texts).count(bare(text)) == len(names)

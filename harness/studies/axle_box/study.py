@@ -88,7 +88,7 @@ class AxleBox(Study):
                 for n, (speed, runs) in enumerate(results.runs.items(), start=5)
             }
             numbered |= {"axle_box_9.svg": figures["network.svg"], "axle_box_10.png": figures["within_runs.png"]}
-            write_results("axle_box.md", self.name, named, numbered)
+            write_results("axle_box.md", named, numbered)
         return Page(
             title="Friction from axle-box accelerations",
             question="Can friction be estimated from the accelerations of an axle box on runs that no training saw?",

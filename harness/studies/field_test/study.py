@@ -116,7 +116,7 @@ class FieldTest(Study):
             named = {"field_test_1.svg": train_figure(train), "field_test_5.png": published}
             drawn = enumerate(("track.png", "speed.png", "readings.png"), start=2)
             named |= {f"field_test_{n}.png": figures[name] for n, name in drawn}
-            write_results("field_test.md", self.name, tables, named)
+            write_results("field_test.md", tables, named)
         return Page(
             title="Field test: friction of a train from pressures and speeds",
             question="How well are adhesion and pad friction of a braking train known from its pressures and speeds?",

@@ -13,7 +13,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import mark, write_tables
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
@@ -80,7 +80,7 @@ class KFactors(Study):
         shown = table(brake, result)
         lines = sentences(brake, distance, result, loop, work.count)
         if self.write:
-            write_tables(PAGE, {mark("K", f"{self.name} {self.file.stem}"): "\n\n".join((str(shown), *lines))})
+            write_tables(PAGE, {"K": "\n\n".join((str(shown), *lines))})
         return Page(
             title=f"K factors of {specification.name}",
             question="Which share of its nominal deceleration does the train keep with the confidence that ETCS wants?",

@@ -29,12 +29,12 @@ from railgrip.studies.lateral.tables import (
     error_rows,
     error_tables,
     flat,
+    friction_errors,
     innovation_table,
     levels,
     observability_table,
     skill,
     spread,
-    told,
 )
 from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, Trial
 from railgrip.studies.papers.pages import write_results
@@ -115,7 +115,7 @@ def page_of(plan: Plan, work: Work, command: str = "", *, write: bool = False) -
     tables = {
         "compared": compared(simulate(replace(drawn[len(plan.tests) - 1], prediction=plan.prediction)), command),
         "skill": skill(results, speed),
-        "told": told(results, speed),
+        "friction": friction_errors(results, speed),
         "transition": innovation_table(
             [result for result in results if result.case.test is plan.tests[-1] and result.case.speed == speed]
         ).without(("speed [m/s]", "test")),
@@ -126,7 +126,7 @@ def page_of(plan: Plan, work: Work, command: str = "", *, write: bool = False) -
     if write:
         figures = {"lateral_wheelset_2.svg": drawings["creep_curves.svg"]}
         figures |= {f"lateral_wheelset_{FIRST_FIGURES[test.name]}.png": drawings[f"{test.name}.png"] for test in TESTS}
-        write_results("lateral_wheelset.md", "lateral", tables, figures)
+        write_results("lateral_wheelset.md", tables, figures)
     return Page(
         title="Wheelset with lateral and yaw dynamics",
         question="Can friction be estimated from lateral and yaw acceleration of a wheelset, and what has to be known?",

@@ -204,7 +204,7 @@ def _share(error: float | None, constant: float) -> float | None:
     return None if error is None else error / constant
 
 
-def told(results: Sequence[Result], speed: float) -> Table:
+def friction_errors(results: Sequence[Result], speed: float) -> Table:
     """Return rms errors of mu0 by condition in runs of several, medians over seeds, by plant and filter."""
     rows: list[dict[str, Any]] = []
     for (plant, of_speed, _), runs in groups(results).items():

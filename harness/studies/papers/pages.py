@@ -17,9 +17,6 @@ from railgrip.report.table import Form, Table, percent, text
 FOLDER = Path("docs/papers")
 """Of the pages, from the folder of the project, where the commands run; their figures are in `figures` inside it."""
 
-END = "<!-- end -->"
-"""Mark after each table of a page."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Compared:
@@ -70,14 +67,8 @@ def comparison(rows: Sequence[Compared], command: str) -> Table:
     return Table([row.row(command) for row in rows], left=("figure", "quantity", "command"))
 
 
-def marked(study: str, tables: Mapping[str, Table | str]) -> dict[str, Table | str]:
-    """Return tables by the marks before them, as `with_tables` takes them, instead of by their names."""
-    return {f"<!-- {name}: written by `railgrip study {study} --write` -->": table for name, table in tables.items()}
-
-
 def write_results(
     page: str,
-    study: str,
     tables: Mapping[str, Table | str],
     figures: Mapping[str, Figure] | None = None,
     measures: Mapping[str, Any] | None = None,
@@ -86,7 +77,6 @@ def write_results(
 
     Args:
         page: File name of the page in `FOLDER`.
-        study: Whose command, with `--write`, writes them.
         tables: By the names in the marks.
         figures: By their file names, which begin with that of the page: all pages share the folder.
         measures: JSON values that tables are made of, so that tests need not run the study; see `measures_of`.
@@ -94,7 +84,7 @@ def write_results(
     Raises:
         RecordError: The page cannot be read, or lacks a mark.
     """
-    write_tables(FOLDER / page, marked(study, tables), END)
+    write_tables(FOLDER / page, tables)
     for name, figure in (figures or {}).items():
         path = save(figure, FOLDER / "figures" / name)
         if path.suffix == ".png":

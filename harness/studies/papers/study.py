@@ -59,7 +59,7 @@ class Papers(Study):
             write_fits(FITS, fits)
             write_fits(IDENTIFIED, [identified])
             diagram = {"adhesion_based_2.svg": adhesion_based.block_diagram()}
-            write_results(PAGE, self.name, tables, figures | diagram, found)
+            write_results(PAGE, tables, figures | diagram, found)
         error = tables["alternatives"].texts[0]["largest error"]
         return Page(
             title="Adhesion-based control: published figures and ours",

@@ -13,7 +13,7 @@ from railgrip.base.files import scratch
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
-from railgrip.report.marked import mark, write_tables
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import Table, percent
 from railgrip.rolling_stock.drawing import drawing
@@ -64,9 +64,9 @@ class Trains(Study):
         density, comparisons = compare(trial)
         page = page_of(stops[: len(names)], stops[len(names) :], protected, trial, density, comparisons)
         if self.write:
-            tables = {mark(name, self.name): page.values[name] for name in WRITTEN}
+            tables = {name: page.values[name] for name in WRITTEN}
             fitted = f"The fitted density of sand is {1e3 * density:.1f} g/m."
-            write_tables(PAGE, tables | {mark("sanders", self.name): f"{page.values['sanders']}\n\n{fitted}"})
+            write_tables(PAGE, tables | {"sanders": f"{page.values['sanders']}\n\n{fitted}"})
         return page
 
     def headlines(self, work: Work) -> list[Finding]:

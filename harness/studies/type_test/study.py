@@ -19,7 +19,7 @@ from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.index import write_report as write_panels
-from railgrip.report.marked import mark, write_tables
+from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.table import Table, names, percent, share
@@ -116,7 +116,7 @@ class TypeTest(Study):
         write_description(campaign, work.folder)
         page = page_of(read_results(work.folder), taking_part, judging, against=self.against, again=self._again)
         if self.write:
-            write_tables(PAGE, {mark("leaderboard", self.name): _written(page, len(design), self.validation)})
+            write_tables(PAGE, {"leaderboard": _written(page, len(design), self.validation)})
         panels = [
             str(write_panels(work.folder / stop.name))
             for stop in (stops.stops if self.case else ())
