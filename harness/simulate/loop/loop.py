@@ -31,6 +31,11 @@ _OBSERVED = ("slip", "adhesion", "pad_friction", "wheelset_speed", "driver_deman
 """What an observation has of each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`."""
 
 
+def _places_of_observed(groups: int) -> list[slice]:
+    """Return where the quantities of `_OBSERVED` stand in an observation, behind speed and acceleration."""
+    return [slice(2 + i * groups, 2 + (i + 1) * groups) for i in range(len(_OBSERVED))]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ending:
     """How a run of the loop ended.
@@ -85,6 +90,7 @@ class Loop:
         self._cycle = struct.pointer
         self._truth, self._inputs, self._reading = (struct.view(name) for name in ("truth", "inputs", "reading"))
         self._observation, self._demand = struct.view("observation"), struct.view("demand")
+        self._observed = _places_of_observed(layout.formation.groups)
         self._truth[:], self._inputs[:] = truth, inputs
         if np.isnan(truth[layout.output["slip"]]).any():
             struct.set(slip_radius=np.array(layout.formation.wheel_radius, dtype=np.float64))
@@ -191,20 +197,19 @@ class Loop:
 
     def _observe(self, provides: frozenset[str]) -> Observation:
         """Return what was observed last, with quantities of each group that an estimator provides."""
-        values = self._observation.copy()
-        values.flags.writeable = False  # for what is seen by several parts
-        slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = values[2:].reshape(len(_OBSERVED), -1)
+        values = np.frombuffer(self._observation.tobytes())  # read-only, for several parts see it
+        slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = self._observed
         return Observation(
             self._time,
-            float(values[0]),
-            float(values[1]),
-            wheelset_speed,
-            slip,
+            values.item(0),
+            values.item(1),
+            values[wheelset_speed],
+            values[slip],
             "slip" in provides,
-            adhesion if "adhesion" in provides else None,
-            pad_friction if "pad_friction" in provides else None,
-            pressure,
-            driver_demand,
+            values[adhesion] if "adhesion" in provides else None,
+            values[pad_friction] if "pad_friction" in provides else None,
+            values[pressure],
+            values[driver_demand],
         )
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
@@ -272,9 +277,8 @@ class _Direct:
         self._values = np.full(length(places(provided, parts.layout.formation)), np.nan)
         self._replaced = struct.view("replaced")
         self._replaced[:] = np.nan
-        groups = parts.layout.formation.groups
-        self._observed = {name: slice(2 + i * groups, 2 + (i + 1) * groups) for i, name in enumerate(_OBSERVED)}
-        self._observed["speed"] = slice(0, 1)
+        observed = _places_of_observed(parts.layout.formation.groups)
+        self._observed = dict(zip(_OBSERVED, observed, strict=True)) | {"speed": slice(0, 1)}
         struct.set(
             estimates=self._values, estimates_count=self._values.size,
             estimates_at=parts.recorder.block(provided).start,
