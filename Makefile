@@ -99,12 +99,13 @@ suite: $(DEV)
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile --no-loadscope-reorder
 
 PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \
-            tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py
+            tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py \
+            tests/fmus/test_platforms.py
 
 portable: $(DEV)  ## what may depend on the platform: installation, compiler, files, a stop, the tutorials
 	$(PROGRAM) doctor
 	$(PROGRAM) run trapezoid --out build/portable
-	$(RUN) -m pytest $(PORTABLE)
+	RAILGRIP_LINK_WINDOWS=1 $(RUN) -m pytest $(PORTABLE)
 
 test-omc: $(DEV)  ## compare the built-in compiler with OpenModelica, which must be on the PATH
 	@command -v omc >/dev/null || { echo "test-omc needs OpenModelica's omc on the PATH"; exit 2; }

@@ -328,16 +328,18 @@ def _readable(file: Any) -> list[str]:
 @contextmanager
 def _silently_collected() -> Generator[None]:
     """Collect what an exception has left half made: the destructor of asammdf's files prints a traceback then."""
+    gc.freeze()  # what was there before needs no search, which would take a third of a second
+    hook = sys.unraisablehook
     try:
         yield
     except Exception as problem:
-        hook, sys.unraisablehook = sys.unraisablehook, lambda unraisable: None
-        try:
-            error: BaseException | None = problem
-            while error is not None:
-                traceback.clear_frames(error.__traceback__)
-                error = error.__context__
-            gc.collect()
-        finally:
-            sys.unraisablehook = hook
+        sys.unraisablehook = lambda unraisable: None
+        error: BaseException | None = problem
+        while error is not None:
+            traceback.clear_frames(error.__traceback__)
+            error = error.__context__
+        gc.collect()
         raise
+    finally:
+        gc.unfreeze()
+        sys.unraisablehook = hook

@@ -37,25 +37,24 @@ REFUSED = {
     "an empty file": ("", "no file of it declares M"),
     "10⁸ states": (
         "model M Real a[100000000](each start=1); equation der(a) = -a; end M;",
-        "M takes more than (5 s|2048 MiB)",
+        "M takes more than (2 s|2048 MiB)",
     ),
-    "2²² states": (DOUBLED, "P.M takes more than (5 s|2048 MiB)"),
-    "too many states": ("model M Real a[20000](each start=1); equation der(a) = -a; end M;", "M takes more than 5 s"),
+    "2²² states": (DOUBLED, "P.M takes more than (2 s|2048 MiB)"),
+    "too many states": ("model M Real a[20000](each start=1); equation der(a) = -a; end M;", "M takes more than 2 s"),
 }
-
-
-@pytest.fixture(autouse=True)
-def short(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(confined, "LIMITS", confined.Limits(seconds=5, memory_mib=2048))
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux")
 @pytest.mark.parametrize("text", REFUSED)
-def test_it_ends_in_a_sentence(tmp_path: Path, text: str, capfd: pytest.CaptureFixture[str]):
+def test_it_ends_in_a_sentence(
+    tmp_path: Path, text: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
     modelica, sentence = REFUSED[text]
     file = tmp_path / "M.mo"
     file.write_text(modelica)
     name = "P.M" if modelica.startswith("package P") else "M"
+    seconds = 2 if "2 s" in sentence else 60  # a busy machine needs more for a better sentence
+    monkeypatch.setattr(confined, "LIMITS", confined.Limits(seconds=seconds, memory_mib=2048))
     with pytest.raises(InputError, match=sentence) as refusal:
         build_class(name, file, compiler="native")
     assert name in str(refusal.value)
