@@ -21,6 +21,7 @@ from pydantic.fields import FieldInfo
 import railgrip
 from railgrip.base import registry
 from railgrip.cli.main import app
+from railgrip.estimation.spec import Specification
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.campaign import CampaignFile
 from railgrip.scenario.file import NamedFile
@@ -96,7 +97,7 @@ def collect(key: Key, annotation: Any, metadata: Sequence[Any], plural: str = ""
     elif origin in (Union, UnionType):
         for argument in arguments:
             collect(key, argument, (), plural)
-    elif origin is tuple:
+    elif origin in (tuple, list):
         if ONE_OR_EACH in metadata:
             collect(key, arguments[0], (), plural)
         collect(key, arguments[0], (), "list of ")
@@ -196,7 +197,8 @@ class FilePage:
         rows: list[list[str]] = []
         place = len(self.sections)
         self.sections.append("")
-        for key, field_ in model.model_fields.items():
+        for name_, field_ in model.model_fields.items():
+            key = field_.alias or name_
             described = key_of(field_.annotation, field_.metadata)
             path = f"{name}.{key}" if name else key
             new = [
@@ -276,6 +278,20 @@ def campaign_page() -> None:
         "Campaign file",
         "A campaign file is a TOML file that names scenarios and axes of variants; every combination is a stop. "
         "`railgrip new campaign FILE` writes a commented one, `railgrip campaign FILE` runs it.",
+        *page.sections,
+    )
+
+
+def estimation_page() -> None:
+    page = FilePage()
+    page.add("", "", Specification)
+    write(
+        "estimation",
+        "Estimation file",
+        "An estimation file is a TOML file that decides how a filter runs over a recording: the model, its noises, the "
+        "start, and where the recording comes from. Quantities are written as in a [scenario file](scenario.md). "
+        "`extends` names an estimation of the library or a file, over which this one is laid. `railgrip inspect FILE` "
+        "proposes `[data]` for a recording; `railgrip estimate FILE` runs an estimation.",
         *page.sections,
     )
 
@@ -410,6 +426,7 @@ def creep_curves_page() -> None:
 scenario_page()
 train_page()
 campaign_page()
+estimation_page()
 signals_page()
 metrics_page()
 commands_page()

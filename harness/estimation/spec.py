@@ -92,61 +92,71 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class ModelTable(Table):
-    """[model]: the prediction, and its parameters where they differ from the defaults."""
+    """The prediction, and its parameters where they differ from the defaults."""
 
-    class_: Annotated[str, Field(alias="class", pattern=r"^[A-Za-z][A-Za-z0-9_.]*$")]
+    class_: str = Field(
+        alias="class",
+        pattern=r"^[A-Za-z][A-Za-z0-9_.]*$",
+        description="Modelica class of the prediction, of those of `railgrip build --list`",
+    )
     kind: Kind = Field(
         default="fmu", description="the class as an FMU, stepped through FMI 2.0, or its equations in the filter's C"
     )
-    parameters: dict[str, Magnitude] = Field(default_factory=dict)
-    outputs: list[str] | None = None
+    parameters: dict[str, Magnitude] = Field(
+        default_factory=dict, description="of the class; the others keep their defaults"
+    )
+    outputs: list[str] | None = Field(default=None, description="outputs compared with readings; all unless given")
 
 
 class NoiseTable(Table):
-    """[noise]: variances by name, of processes and readings."""
+    """Variances by name, of processes and readings."""
 
-    kind: Literal["density", "per_step"]
-    process: dict[str, NotNegative]
-    readings: dict[str, Positive]
+    kind: Literal["density", "per_step"] = Field(
+        description="process noise per second, or the covariance added in one step of a discrete filter"
+    )
+    process: dict[str, NotNegative] = Field(description="variance of each state, or of all elements of an array")
+    readings: dict[str, Positive] = Field(description="variance of each output that is read")
 
 
 class StartTable(Table):
-    """[start]: the belief at the first sample."""
+    """The belief at the first sample."""
 
-    mean: dict[str, Number] = Field(default_factory=dict)
-    deviation: dict[str, Positive]
+    mean: dict[str, Number] = Field(
+        default_factory=dict, description="of each state; a state that is read may be left out"
+    )
+    deviation: dict[str, Positive] = Field(description="standard deviation of each state")
 
 
 class GateTable(Table):
-    """[gate]: states held constant while their inputs are below a threshold."""
+    """States held constant while their inputs are below a threshold."""
 
-    states: list[str]
-    inputs: list[str]
-    threshold: Magnitude
+    states: list[str] = Field(description="states that are held")
+    inputs: list[str] = Field(description="inputs that decide it, one for each state")
+    threshold: Magnitude = Field(description="below it, in the unit of the inputs, the state is held")
 
 
 class ObservabilityTable(Table):
-    """[observability]: typical sizes of the states, and the windows of readings that must determine them."""
+    """Typical sizes of the states, and the windows of readings that must determine them."""
 
-    scale: dict[str, Positive]
-    window: Duration
-    stride: Duration
+    scale: dict[str, Positive] = Field(description="typical size of each state")
+    window: Duration = Field(description="length of a window")
+    stride: Duration = Field(description="from the start of a window to that of the next")
 
 
 class CourseTable(Table):
-    """[course]: the track force of a train from GNSS, speed and accelerometers; the filter runs from coasting on."""
+    """The track force of a train from GNSS, speed and accelerometers; the filter runs from coasting on."""
 
-    mass: Mass
-    curve_law: CurveLaw
+    mass: Mass = Field(description="of the train")
+    curve_law: CurveLaw = Field(description="formula of the resistance in curves")
     low_pass: LowPass = LOW_PASS
     trust: Trust = TRUST
 
 
 class SourceTable(Table):
-    """[source]: a scenario whose stop is the recording; without a seed it is the scenario's own."""
+    """A scenario whose stop is the recording; without a seed it is the scenario's own."""
 
-    scenario: str
-    seed: Seed | None = None
+    scenario: str = Field(description="name in the library or path of the scenario")
+    seed: Seed | None = Field(default=None, description="of the stop, in place of the scenario's")
     noise: dict[str, Magnitude] = Field(
         default={}, description="signals of the plant that are read, with the standard deviation of each reading"
     )
@@ -155,19 +165,25 @@ class SourceTable(Table):
 class Specification(Table):
     """Everything that decides an estimation."""
 
-    name: Name
-    description: str = ""
+    name: Name = Field(description="of the estimation, and of the folder of its results")
+    description: str = Field(default="", description="in a sentence")
     model: ModelTable
     noise: NoiseTable
     start: StartTable
     gate: GateTable | None = None
-    outlier_limit: Positive | None = None
-    between: Literal["held", "mean"] = "held"
+    outlier_limit: Positive | None = Field(
+        default=None, description="readings further from their prediction, in standard deviations, are not used"
+    )
+    between: Literal["held", "mean"] = Field(
+        default="held", description="inputs between two samples: those of the earlier one, or the mean of both"
+    )
     observability: ObservabilityTable | None = None
     course: CourseTable | None = None
-    inputs: dict[str, Magnitude] = Field(default_factory=dict)
+    inputs: dict[str, Magnitude] = Field(
+        default_factory=dict, description="constant inputs of the class in place of recorded ones"
+    )
     source: SourceTable | None = None
-    data: DataTable | None = Field(default=None, description="how a user's file is read, see railgrip.trace.table")
+    data: DataTable | None = None
 
     @model_validator(mode="after")
     def _has_one_track_force(self) -> Self:

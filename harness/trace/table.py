@@ -38,11 +38,11 @@ class TimeColumn(Table):
 class Column(Table):
     """One signal: a column of the file, or a constant value."""
 
-    column: str | None = None
+    column: str | None = Field(default=None, description="name of the column")
     unit: str | None = Field(
         default=None, description="of the column; may be left out where the header or the file states it"
     )
-    factor: Number = 1.0
+    factor: Number = Field(default=1.0, description="of the column's numbers")
     offset: Number = Field(default=0.0, description="added after the factor, in the column's unit")
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")
     holds: StrictBool = Field(default=False, description="repeats its last value until a new one comes")
@@ -57,17 +57,19 @@ class Column(Table):
 
 
 class DataTable(Table):
-    """[data]: the column map and how to treat what is wrong."""
+    """The column map and how to treat what is wrong."""
 
     time: TimeColumn
-    period: Period
-    longest_gap: Time
-    frozen: Time
-    spike: Annotated[float, Field(gt=2.0, allow_inf_nan=False)]
+    period: Period = Field(description="of the even grid that the filter steps on")
+    longest_gap: Time = Field(description="missing samples are bridged up to here")
+    frozen: Time = Field(description="a reading that repeats itself exactly for longer has died")
+    spike: Annotated[float, Field(gt=2.0, allow_inf_nan=False)] = Field(
+        description="deviations from its neighbours that make a sample an outlier"
+    )
     begin: Annotated[float, Unit("s")] | None = Field(default=None, description="cut, on the file's own axis")
-    end: Annotated[float, Unit("s")] | None = None
+    end: Annotated[float, Unit("s")] | None = Field(default=None, description="likewise")
     separator: Annotated[str, Field(min_length=1, max_length=1)] | None = Field(
         default=None, description="of a csv file; found unless given"
     )
     decimal: Literal[".", ","] | None = Field(default=None, description="likewise")
-    columns: dict[str, Column]
+    columns: dict[str, Column] = Field(description="by the name of the signal of the model")

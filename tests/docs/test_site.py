@@ -127,6 +127,16 @@ def test_every_key_of_the_campaigns_of_the_library_is_described(site: Path):
         assert set(keys_of(campaign, {"axes", "match", "sweep", "exclude"})) <= described, path.name
 
 
+def test_every_key_of_the_estimations_of_the_library_is_described(site: Path):
+    described = _Page(site / "reference/estimation.html").code
+    by_name = {"process", "readings", "mean", "deviation", "scale", "noise", "inputs", "parameters", "columns"}
+    for path in sorted((ROOT / "harness/estimation/library").glob("*.toml")):
+        estimation = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = [estimation.pop("noise", {})]  # whose keys are not names, as those of [source] noise are
+        keys = {key for table in (estimation, *tables) for key in keys_of(table, by_name)}
+        assert keys - {"extends"} <= described, path.name
+
+
 def test_every_signal_metric_curve_and_command_is_described(site: Path):
     signals = {signal.name for signal in (*PLANT, *EXTRA, *SENT, *READINGS, *ESTIMATES)}
     assert signals <= _Page(site / "reference/signals.html").code
