@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, Future, wait
 from contextlib import contextmanager, nullcontext
+from contextvars import ContextVar
 from multiprocessing import resource_tracker
 from multiprocessing.context import SpawnContext
 from types import FrameType
@@ -113,15 +114,31 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
             raise
 
 
+_SHARED: ContextVar[Executor | None] = ContextVar("_SHARED", default=None)
+
+
+@contextmanager
+def shared_pool(count: int) -> Generator[None]:
+    """Let every `pool` inside the block be the same `count` processes, which load their libraries once."""
+    with workers(count) as here:
+        before = _SHARED.set(here)
+        try:
+            yield
+        finally:
+            _SHARED.reset(before)
+
+
 @contextmanager
 def pool(count: int, scheduler: str | None) -> Generator[tuple[Executor, Callable[[], None]]]:
     """Yield `count` processes here, or the workers of a Dask cluster, and a check for `ended`."""
     if scheduler is not None:
         with cluster(scheduler) as far:
             yield far
-        return
-    with workers(count) as here:
+    elif (here := _SHARED.get()) is not None:
         yield here, lambda: None
+    else:
+        with workers(count) as here:
+            yield here, lambda: None
 
 
 class _LastingLocks(SpawnContext):

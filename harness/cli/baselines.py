@@ -11,6 +11,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_text
 from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
 from railgrip.campaign.run import CampaignRun
+from railgrip.campaign.workers import shared_pool
 from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Workers
 from railgrip.cli.campaigns import run_campaigns
 from railgrip.report.baseline import (
@@ -49,26 +50,32 @@ def regress(
 ) -> None:
     """Run what has a baseline and compare every number."""
     problem = 0
-    for path in _baseline_files(baselines):
-        baseline = load_baseline(path)
-        if across_compilers:
-            if baseline.campaign is None:
-                continue
-            baseline = baseline.across_compilers()
-        code, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from or ())
-        problem = code or problem
-        comparisons = compare(baseline, findings)
-        show_table(comparison_table(comparisons, path.name), "nothing changed")
-        deviations = [comparison.name for comparison in comparisons if comparison.state != "kept"]
-        if deviations:
-            problem = RUN_FAILED
-            what = "stops" if baseline.campaign is not None else "figures"
-            complain(
-                f"{path.name}: {len(deviations)} of {len(comparisons)} {what} did not keep to their baseline: "
-                f"{', '.join(deviations)}; if that is right, `railgrip maintain accept --reason '…'`"
-            )
+    with shared_pool(workers):
+        for path in _baseline_files(baselines):
+            problem = _regress_one(path, out, workers, across_compilers, import_from or ()) or problem
     if problem:
         raise typer.Exit(problem)
+
+
+def _regress_one(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
+    """Run what one baseline is of, show how its numbers changed, and return the exit code."""
+    baseline = load_baseline(path)
+    if across_compilers:
+        if baseline.campaign is None:
+            return 0
+        baseline = baseline.across_compilers()
+    code, findings = _numbers_of(baseline, path, out / path.stem, workers, import_from)
+    comparisons = compare(baseline, findings)
+    show_table(comparison_table(comparisons, path.name), "nothing changed")
+    deviations = [comparison.name for comparison in comparisons if comparison.state != "kept"]
+    if not deviations:
+        return code
+    what = "stops" if baseline.campaign is not None else "figures"
+    complain(
+        f"{path.name}: {len(deviations)} of {len(comparisons)} {what} did not keep to their baseline: "
+        f"{', '.join(deviations)}; if that is right, `railgrip maintain accept --reason '…'`"
+    )
+    return RUN_FAILED
 
 
 def accept(

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from railgrip.campaign.workers import pool, shared_pool
+
 PROGRAM = """
 import os
 import tempfile
@@ -158,3 +160,12 @@ def until(state):
             return
         time.sleep(0.05)
     raise AssertionError("it did not come to that")
+
+
+def test_pools_inside_of_a_shared_one_have_its_process():
+    with shared_pool(1):
+        processes = set()
+        for _ in range(2):
+            with pool(2, None) as (executor, _):
+                processes |= {executor.submit(os.getpid).result() for _ in range(2)}
+    assert len(processes - {os.getpid()}) == 1
