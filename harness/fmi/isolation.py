@@ -14,7 +14,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
-from dataclasses import asdict
 from pathlib import Path
 from secrets import token_hex
 from types import TracebackType
@@ -113,7 +112,7 @@ class IsolatedCoSimulation(SteppedPlant):
     def _how(self) -> str:
         """Return limits, and where to import from: after Python's own folders this program's, never the current one."""
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
-        return json.dumps({"path": [*path, str(Path(__file__).parents[2])], "limits": asdict(self._limits)})
+        return json.dumps({"path": [*path, str(Path(__file__).parents[2])], "limits": self._limits.model_dump()})
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None

@@ -3,7 +3,7 @@
 import math
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_validator, model_validator
+from pydantic import Field, StrictBool, ValidationInfo, field_validator, model_validator
 
 from railgrip.base import registry
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
@@ -161,36 +161,10 @@ Controller = Annotated[Law | ControllerFmu | CustomLaw, ByKind(_controllers, "co
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 
 
-Count = Annotated[StrictInt, Field(gt=0)]
+class ForeignFmus(FmuLimits, frozen=True):
+    """What an FMU from outside may take of this machine."""
 
-
-class ForeignFmus(Table):
-    """What an FMU from outside may take of this machine: `railgrip.base.limits` says what each means."""
-
-    files: Count = Field(default=FMU_LIMITS.files, description="most entries of the archive")
-    unpacked_mib: Count = Field(default=FMU_LIMITS.unpacked_mib, description="most that they unpack to, together [MiB]")
-    member_mib: Count = Field(default=FMU_LIMITS.member_mib, description="most that one of them unpacks to [MiB]")
-    ratio: Count = Field(
-        default=FMU_LIMITS.ratio,
-        description="most times that the archive grows when it is unpacked to more than 16 MiB",
-    )
-    description_mib: Count = Field(default=FMU_LIMITS.description_mib, description="largest modelDescription.xml [MiB]")
-    variables: Count = Field(default=FMU_LIMITS.variables, description="most variables")
-    memory_mib: Count = Field(default=FMU_LIMITS.memory_mib, description="most address space of its process [MiB]")
-    processes: Count = Field(
-        default=FMU_LIMITS.processes, description="most processes and threads it may add to those of its user"
-    )
-    open_files: Count = Field(default=FMU_LIMITS.open_files, description="most files open at once")
-    messages: Count = Field(default=FMU_LIMITS.messages, description="most messages it may log in all")
-    output_mib: Count = Field(
-        default=FMU_LIMITS.output_mib,
-        description="most that it may write to standard output and error together, and to any one file [MiB]",
-    )
     patience: Duration = Field(default=FMU_LIMITS.patience, description="real time one call may last")
-
-    def limits(self) -> FmuLimits:
-        """Return them in the form in which FMUs are opened."""
-        return FmuLimits(**self.model_dump())
 
 
 class Limits(Table):

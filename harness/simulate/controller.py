@@ -45,7 +45,7 @@ def controlling(
     scenario, table = vehicle.scenario, vehicle.scenario.controller
     if not isinstance(table, ControllerFmu):
         return controller_of(vehicle), False
-    description = description_of(table.file.path, scenario.limits.fmu.limits())
+    description = description_of(table.file.path, scenario.limits.fmu)
     name = description.file.name
     fmus[f"controller: {name}" if name in fmus else name] = description
     values = in_units("[controller.parameters]", table.parameters, units_of(description))

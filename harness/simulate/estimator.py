@@ -148,7 +148,7 @@ def _of_file(
         ScenarioError: It lacks a state or an input, or has an input that the loop does not know.
         FmuError: It is no prediction.
     """
-    layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu.limits())
+    layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
     groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
     inputs, others = description.names("input"), {"track_force"}

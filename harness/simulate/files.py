@@ -107,7 +107,7 @@ def plant_description(scenario: Scenario) -> Description:
         case LibraryClass(name, library):
             return description_of(_class_file(name, library.path, library.digest(), "cs"))
         case FmuFile(file):
-            return description_of(file.path, scenario.limits.fmu.limits())
+            return description_of(file.path, scenario.limits.fmu)
         case PythonClass(name):
             return Description(
                 file=Path(name), fmi=2, digest="", model=name, guid="", generator="", variables={}, states=(),

@@ -128,7 +128,7 @@ def foreign_controller(
         parameters=parameters,
         trusted=table.trust,
         notify=notify,
-        limits=scenario.limits.fmu.limits(),
+        limits=scenario.limits.fmu,
         table="[controller]",
     )
     with context as fmu:

@@ -112,7 +112,7 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         period=scenario.periods.communication,
         parameters=values if table.nudge is None else values | nudged(values, description, table.nudge),
         trusted=is_trusted(scenario),
-        limits=scenario.limits.fmu.limits(),
+        limits=scenario.limits.fmu,
     )
     # A train file's class is of our parts; what a distributor does by speed or a long pipe late is no mistake of a map.
     if not isinstance(source, OfOurParts) or (isinstance(source, TrainFile) and table.map):
