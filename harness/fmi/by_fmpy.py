@@ -24,7 +24,6 @@ Vector = NDArray[np.float64]
 TOLERANCE: Final = 1e-6
 """Relative error of a step of CVODE, that of the plants of this project; the absolute one is that times nominals."""
 _MOST_STEPS: Final = 5000  # of CVODE between two communication points
-_MOST_ITERATIONS: Final = 100  # of an event; far more than any model needs
 _DISCARD: Final = 2  # status of FMI
 
 
@@ -124,7 +123,7 @@ class IntegratedModel(_ByFmpy):
     def _begin(self, instance: Instance) -> None:
         super()._begin(instance)
         self._sent: Vector | None = None
-        self._next_event = self._settled(instance, 0.0)
+        self._next_event = instance.settle(0.0)
         self._solver = _solver(instance, self._period)
 
     def _advance(self, instance: Instance, inputs: Vector) -> None:
@@ -164,21 +163,8 @@ class IntegratedModel(_ByFmpy):
             fmu.enterEventMode()
             if inputs is not None:
                 self._send(inputs)
-            self._next_event = self._settled(instance, time)
+            self._next_event = instance.settle(time)
             self._solver.reset(time)
-
-    def _settled(self, instance: Instance, time: float) -> float | None:
-        """Iterate an event, enter continuous time and return when the next time event is, if there is one."""
-        with instance.calling(time, "at an event") as fmu:
-            update = fmu.newDiscreteStates if self._description.fmi == 2 else fmu.updateDiscreteStates
-            for _ in range(_MOST_ITERATIONS):
-                goes_on, ended, _, _, is_defined, next_time = update()
-                if ended:
-                    raise PlantFailed(instance.failure("ended", "", time))
-                if not goes_on:
-                    fmu.enterContinuousTimeMode()
-                    return next_time if is_defined else None
-        raise PlantFailed(instance.failure("not_integrated", "", time, doing="its events never settle"))
 
 
 def loaded_plant(description: Description) -> type[CoSimulation | SlaveOfFmi3 | IntegratedModel]:

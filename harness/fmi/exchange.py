@@ -16,7 +16,6 @@ from typing import Any, Final, Literal, Self
 from weakref import finalize
 
 import numpy as np
-from fmpy.fmi2 import fmi2EventInfo
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, PlantFailed
@@ -161,7 +160,12 @@ class FmuPrediction:
             instance.assign(self._assignments, 0.0)
             instance.enter_initialization()
             instance.exit_initialization()
-            _settle(instance)
+            if (event := instance.settle(0.0)) is not None:
+                raise FmuError(
+                    f"{self.file}: a prediction must be smooth, this FMU announces an event at {event:g} s; remove the "
+                    "condition on time from its equations."
+                )
+            instance.call("fmi2SetTime", 0.0, time=0.0)
             self._instance = instance
             self._prepare(instance)
             self._stack = stack.pop_all()
@@ -345,26 +349,6 @@ class FmuPrediction:
         if self._instance is None:
             raise RuntimeError("an FmuPrediction is used inside 'with'")
         return self._instance
-
-
-def _settle(instance: Instance) -> None:
-    """Iterate the initial event and enter continuous time."""
-    event = fmi2EventInfo()
-    for _ in range(100):  # far more than any model needs; one that never settles is broken
-        instance.call("fmi2NewDiscreteStates", ctypes.byref(event), time=0.0)
-        if event.terminateSimulation:
-            raise PlantFailed(instance.failure("ended", "fmi2NewDiscreteStates", 0.0))
-        if not event.newDiscreteStatesNeeded:
-            break
-    else:
-        raise PlantFailed(instance.failure("error", "fmi2NewDiscreteStates", 0.0, doing="its events never settle"))
-    if event.nextEventTimeDefined:
-        raise FmuError(
-            f"{instance.description.file}: a prediction must be smooth, this FMU announces an event at "
-            f"{event.nextEventTime:g} s; remove the condition on time from its equations."
-        )
-    instance.call("fmi2EnterContinuousTimeMode", time=0.0)
-    instance.call("fmi2SetTime", 0.0, time=0.0)
 
 
 def _real(description: Description, name: str, causality: Literal["input", "output"]) -> Variable:

@@ -49,6 +49,7 @@ _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
 _TERMINATED: Final = 3  # fmi2StatusKind
+_MOST_ITERATIONS: Final = 100  # of an event; far more than any model needs
 
 Log = deque[tuple[int, str]]
 _logs: dict[int, Log] = {}
@@ -299,6 +300,23 @@ class Instance:
         with self.calling(0.0) as fmu:
             fmu.exitInitializationMode()
         self._running = True
+
+    def settle(self, time: float) -> float | None:
+        """Iterate an event of Model Exchange, enter continuous time and return when the next time event is, if ever.
+
+        Raises:
+            PlantFailed: The FMU requests the end, or never settles.
+        """
+        with self.calling(time, "at an event") as fmu:
+            update = fmu.newDiscreteStates if self.description.fmi == 2 else fmu.updateDiscreteStates
+            for _ in range(_MOST_ITERATIONS):
+                goes_on, ended, _, _, is_defined, next_time = update()
+                if ended:
+                    raise PlantFailed(self.failure("ended", "", time))
+                if not goes_on:
+                    fmu.enterContinuousTimeMode()
+                    return next_time if is_defined else None
+        raise PlantFailed(self.failure("not_integrated", "", time, doing="its events never settle"))
 
     def close(self) -> None:
         """Terminate, free and unload, as far as the last status allows; safe to call twice."""

@@ -98,6 +98,16 @@ class Side:
         """Length of the vector."""
         return len(self.elements)
 
+    def ties(self) -> dict[str, tuple[str, float, float]]:
+        """Return by our name of an element the FMU's variable, and gain and shift on the way."""
+        return {
+            self.elements[position]: (variable, float(gain), float(shift))
+            for channel in self.channels
+            for variable, position, gain, shift in zip(
+                channel.variables, channel.positions, channel.gain, channel.shift, strict=True
+            )
+        }
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Binding:
@@ -179,7 +189,7 @@ def bind(
         inputs=sources,
         outputs=sinks,
         unused=tuple(v for v in description.names("input") if v not in variables),
-        parameters=_parameters(description, parameters, entries, where),
+        parameters=_side(description, parameters, entries, where, "parameter", into_fmu=True).ties(),
     )
 
 
@@ -225,6 +235,19 @@ def _side(
     )
 
 
+def side_of(variables: Sequence[Variable]) -> Side:
+    """Return variables of an FMU under their own names and in their own units."""
+    rows: dict[str, list[tuple[int, Variable, float, float]]] = {}
+    for position, variable in enumerate(variables):
+        rows.setdefault(variable.carrier, []).append((position, variable, 1.0, 0.0))
+    return Side(
+        layout={v.name: slice(i, i + 1) for i, v in enumerate(variables)},
+        elements=tuple(v.name for v in variables),
+        absent=(),
+        channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items()),
+    )
+
+
 def _channel(carrier: str, ties: Sequence[tuple[int, Variable, float, float]]) -> Channel:
     return Channel(
         carrier=carrier,
@@ -235,25 +258,6 @@ def _channel(carrier: str, ties: Sequence[tuple[int, Variable, float, float]]) -
         shift=np.array([shift for _, _, _, shift in ties]),
         variables=tuple(v.name for _, v, _, _ in ties),
     )
-
-
-def _parameters(
-    description: Description, signals: Sequence[Signal], entries: Mapping[str, object], where: str
-) -> dict[str, tuple[str, float, float]]:
-    ties: dict[str, tuple[str, float, float]] = {}
-    missing: list[str] = []
-    for signal in signals:
-        targets = _targets(signal, entries, where)
-        absent = [t.variable for t in targets if t.variable not in description.variables]
-        if absent and signal.name not in entries:
-            missing += absent if signal.needed else []
-            continue
-        for element, target in zip(signal.elements, targets, strict=True):
-            variable, gain, shift = _tie(description, signal, element, target, where, "parameter", into_fmu=True)
-            ties[element] = (variable.name, gain, shift)
-    if missing:
-        raise FmuError(_all_missing(description, missing, "parameter", where))
-    return ties
 
 
 def _tie(

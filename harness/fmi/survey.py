@@ -13,9 +13,9 @@ import numpy as np
 from railgrip.base.errors import Failure, FmuError, PlantFailed
 from railgrip.base.limits import FmuLimits
 from railgrip.fmi.archive import outline
-from railgrip.fmi.description import PLATFORMS, Description, Variable, describe
+from railgrip.fmi.description import PLATFORMS, Description, describe
 from railgrip.fmi.isolation import IsolatedCoSimulation
-from railgrip.fmi.mapping import Binding, Channel, Side
+from railgrip.fmi.mapping import Binding, side_of
 
 STEPS: Final = 20
 _STEP: Final = 1e-3  # s, where the FMU suggests none
@@ -92,7 +92,7 @@ def _reason(error: FmuError) -> str:
 def _step(description: Description, suggested: str) -> None:
     """Step an FMU with all of its outputs read; `PlantFailed` where it fails."""
     outputs = [v for v in description.variables.values() if v.causality == "output" and v.kind in _NUMBERS]
-    binding = Binding(inputs=_side([]), outputs=_side(outputs), unused=(), parameters={})
+    binding = Binding(inputs=side_of(()), outputs=side_of(outputs), unused=(), parameters={})
     try:
         period = float(suggested)
     except ValueError:
@@ -102,30 +102,6 @@ def _step(description: Description, suggested: str) -> None:
         plant.start(np.zeros(0))
         for _ in range(STEPS):
             plant.step(np.zeros(0))
-
-
-def _side(variables: list[Variable]) -> Side:
-    """Return variables under their own names and in their own units."""
-    carriers = dict.fromkeys(v.carrier for v in variables)
-    return Side(
-        layout={v.name: slice(i, i + 1) for i, v in enumerate(variables)},
-        elements=tuple(v.name for v in variables),
-        absent=(),
-        channels=tuple(_channel(carrier, variables) for carrier in carriers),
-    )
-
-
-def _channel(carrier: str, variables: list[Variable]) -> Channel:
-    carried = [(i, v) for i, v in enumerate(variables) if v.carrier == carrier]
-    return Channel(
-        carrier=carrier,
-        references=np.array([v.reference for _, v in carried], dtype=np.uint32),
-        elements=np.array([v.element for _, v in carried], dtype=np.intp),
-        positions=np.array([i for i, _ in carried], dtype=np.intp),
-        gain=np.ones(len(carried)),
-        shift=np.zeros(len(carried)),
-        variables=tuple(v.name for _, v in carried),
-    )
 
 
 def _tool(generator: str) -> str:

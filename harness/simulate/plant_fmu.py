@@ -58,13 +58,8 @@ def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]
     """Return what the track gives the plant at the start, by names of the plant's inputs."""
     inputs = np.zeros(vehicle.layout.inputs)
     rail_of(vehicle).write_inputs(inputs)
-    return {
-        variable: float(gain * inputs[position] + shift)
-        for channel in binding.inputs.channels
-        for variable, position, gain, shift in zip(
-            channel.variables, channel.positions, channel.gain, channel.shift, strict=True
-        )
-    }
+    values = dict(zip(binding.inputs.elements, inputs.tolist(), strict=True))
+    return {variable: gain * values[name] + shift for name, (variable, gain, shift) in binding.inputs.ties().items()}
 
 
 def _with_starts(model: str, vehicle: VehicleData, values: Mapping[str, float]) -> str:

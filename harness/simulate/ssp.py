@@ -8,7 +8,6 @@ from pathlib import Path
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
-from railgrip.fmi import Side
 from railgrip.fmus.native.package import Source, archive_bytes, zipped
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import FmuFile
@@ -95,7 +94,7 @@ def _components(scenario: Scenario, vehicle: VehicleData, platforms: Sequence[st
 
 def _connections(vehicle: VehicleData, components: Mapping[str, _Component]) -> Iterator[_Connection]:
     binding = binding_of(vehicle)
-    outputs, inputs = _ties(binding.outputs), _ties(binding.inputs)
+    outputs, inputs = binding.outputs.ties(), binding.inputs.ties()
     for name in ("track", "sensors"):
         for variable in components[name].variables("input"):
             if variable in outputs:
@@ -117,17 +116,6 @@ def _connections(vehicle: VehicleData, components: Mapping[str, _Component]) -> 
     for variable in components[last].variables("output"):
         name, gain, shift = inputs[command + variable[variable.find("[") :]]
         yield _Connection((last, variable), ("plant", name), gain, shift)
-
-
-def _ties(side: Side) -> dict[str, tuple[str, float, float]]:
-    """Return by our name of an element the plant's variable, and gain and shift on the way."""
-    return {
-        side.elements[position]: (variable, float(gain), float(shift))
-        for channel in side.channels
-        for variable, position, gain, shift in zip(
-            channel.variables, channel.positions, channel.gain, channel.shift, strict=True
-        )
-    }
 
 
 def _structure(
