@@ -60,9 +60,8 @@ def _sensors() -> dict[str, type[Table]]:
     return by_kind(*registry.parts(registry.SENSORS, SensorModel))
 
 
-Sensors = Annotated[SensorModel | Custom, ByKind(_sensors, "sensors")]
+class OwnSensors(Custom, SensorModel):
+    """Sensors that are a class of the user's own, read in every communication step."""
 
 
-def sampled_every(sensors: SensorModel | Custom, communication: float) -> int:
-    """Return the communication steps [s] between two readings of the sensors of a scenario."""
-    return sensors.sampled_every(communication) if isinstance(sensors, SensorModel) else 1
+Sensors = Annotated[SensorModel, ByKind(_sensors, "sensors", OwnSensors)]

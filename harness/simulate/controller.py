@@ -16,7 +16,6 @@ from railgrip.fmi import Description
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
-from railgrip.scenario.sensors import SensorModel
 from railgrip.simulate.custom import DemandLimits, Limited
 from railgrip.simulate.files import description_of, units_of
 from railgrip.simulate.foreign_controller import foreign_controller
@@ -120,7 +119,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     of_other_tables = {
         "period": scenario.periods.controller,
         "adhesion_max": scenario.limits.alpha_max,
-        "pressure_lag": scenario.sensors.pressure_lag if isinstance(scenario.sensors, SensorModel) else 0.0,
+        "pressure_lag": scenario.sensors.pressure_lag,
     }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
     try:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -162,17 +163,22 @@ def _of_file(
     outputs = [name for name in description.names("output") if name.partition("[")[0] in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
+    return _opened(
+        description,
+        fmus,
+        stack,
+        parameters=in_units("[estimator.parameters]", table.parameters, units_of(description)),
+        states=description.states,
+        inputs=[*pressures, *(name for name in inputs if name in others)],
+        outputs=outputs,
+    )
+
+
+def _opened(description: Description, fmus: dict[str, Description], stack: ExitStack, **names: Any) -> FmuPrediction:
+    """Return an open prediction FMU, which joins `fmus`; `names` are further arguments of `FmuPrediction`."""
     name = description.file.name
     fmus[f"prediction: {name}" if name in fmus else name] = description
-    return stack.enter_context(
-        FmuPrediction(
-            description,
-            parameters=in_units("[estimator.parameters]", table.parameters, units_of(description)),
-            states=description.states,
-            inputs=[*pressures, *(name for name in inputs if name in others)],
-            outputs=outputs,
-        )
-    )
+    return stack.enter_context(FmuPrediction(description, **names))
 
 
 def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
@@ -215,18 +221,8 @@ def _evaluated(
     """Return a model with its parameters, by its FMU where the estimator says so, or else in CasADi."""
     if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
-    description = prediction_description(table, consist)
-    name = description.file.name
-    fmus[f"prediction: {name}" if name in fmus else name] = description
-    return stack.enter_context(
-        FmuPrediction(
-            description,
-            parameters=parameters,
-            states=[v.name for v in model.states],
-            inputs=[v.name for v in model.inputs],
-            outputs=[v.name for v in model.outputs],
-        )
-    )
+    groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
+    return _opened(prediction_description(table, consist), fmus, stack, parameters=parameters, **groups)
 
 
 def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:

@@ -6,11 +6,10 @@ import os
 import sys
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
 from importlib import import_module, invalidate_caches
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -20,25 +19,7 @@ from railgrip.base.units import cut, short
 from railgrip.scenario.kinds import Custom
 from railgrip.simulate import custom
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Origin:
-    """Which class took part in a stop.
-
-    Attributes:
-        name: module:Class.
-        source: SHA-256 of the module's file, else of the class's source text; None where there is neither.
-        parameters: Arguments of the class; of an object that was given as such its public plain attributes.
-    """
-
-    name: str
-    source: str | None
-    parameters: Mapping[str, Any]
-
-    def to_plain(self) -> dict[str, Any]:
-        """Return it as JSON values."""
-        plain = asdict(self)
-        return {"class": plain["name"], "source_sha256": plain["source"], "parameters": dict(self.parameters)}
+_Table = TypeVar("_Table", bound=Custom)
 
 
 def part_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
@@ -111,15 +92,23 @@ def _table(role: Role) -> str:
     return {"sensors": "[sensors]", "plants": "[vehicle]"}.get(role, f"[{role.removesuffix('s')}]")
 
 
-def table_of(part: object) -> Custom:
-    """Return the table that stands for an object given as such."""
-    return Custom(kind=f"{type(part).__module__}:{type(part).__qualname__}", parameters=_plain_attributes(part))
+def table_of(part: object, table: type[_Table] = Custom, **keys: Any) -> _Table:
+    """Return the table that stands for an object given as such; `keys` are others of that table."""
+    return table(kind=_name(type(part)), parameters=_plain_attributes(part), **keys)
 
 
-def origin_of(part: object, parameters: Mapping[str, Any]) -> Origin:
-    """Return what a result says of an object's class."""
+def origin_of(part: object, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a result says of an object's class, as JSON values: its name, a digest of its source, its arguments.
+
+    The digest is that of the module's file, else of the class's source text; None where there is neither. The arguments
+    of an object that was given as such are its public plain attributes.
+    """
     kind = type(part)
-    return Origin(name=f"{kind.__module__}:{kind.__qualname__}", source=_source(kind), parameters=parameters)
+    return {"class": _name(kind), "source_sha256": _source(kind), "parameters": dict(parameters)}
+
+
+def _name(kind: type) -> str:
+    return f"{kind.__module__}:{kind.__qualname__}"
 
 
 def _source(kind: type) -> str | None:

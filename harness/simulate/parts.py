@@ -20,14 +20,13 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.parts import CustomLaw, KalmanFilter
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
-from railgrip.scenario.sensors import sampled_every
+from railgrip.scenario.sensors import OwnSensors
 from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.simulate import custom
 from railgrip.simulate.controller import controlling, law_states, over_the_train, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
-from railgrip.simulate.importing import Origin, origin_of, part_of, table_of
-from railgrip.simulate.instruments import sensors_of
+from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Controller, Instruments, Parts, Plant, StateEstimator
 from railgrip.simulate.plant import fmu_plant, python_plant
@@ -62,11 +61,14 @@ class CustomParts:
 
     def standing_for(self, scenario: Scenario) -> Scenario:
         """Return the scenario that names these objects' classes, as the results of a stop with them must."""
-        objects = {"controller": self.controller, "estimator": self.estimator, "sensors": self.sensors}
-        tables: dict[str, Any] = {name: table_of(part) for name, part in objects.items() if part is not None}
+        tables: dict[str, Any] = {}
         if self.controller is not None:
             over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
-            tables["controller"] = CustomLaw(**tables["controller"].model_dump(), **over)
+            tables["controller"] = table_of(self.controller, CustomLaw, **over)
+        if self.estimator is not None:
+            tables["estimator"] = table_of(self.estimator)
+        if self.sensors is not None:
+            tables["sensors"] = table_of(self.sensors, OwnSensors)
         if self.plant is not None:
             vehicle = {"plant": table_of(self.plant).kind, "formation": scenario.vehicle.formation}
             tables["vehicle"] = Vehicle.model_validate(vehicle)
@@ -85,14 +87,14 @@ class Assembled:
         vehicle: What is known of the scenario's.
         parts: What the loop is given.
         fmus: Those that take part, by name.
-        classes: Of the user's own that take part, by part.
+        classes: Of the user's own that take part, by part; see `origin_of`.
         limits: What limits the demands of a controller that is no law of ours.
     """
 
     vehicle: VehicleData
     parts: Parts
     fmus: Mapping[str, Description]
-    classes: Mapping[str, Origin]
+    classes: Mapping[str, Mapping[str, Any]]
     limits: custom.DemandLimits
 
     @property
@@ -122,7 +124,7 @@ class Assembled:
         stop = judged(self.vehicle, self.recorder, ending, self.fmus)
         return replace(
             stop,
-            classes={name: origin.to_plain() for name, origin in self.classes.items()},
+            classes=self.classes,
             reason=stop.reason + self.limits.sentence(),
             limited_demands=self.limits.limited,
         )
@@ -194,11 +196,11 @@ class _Players:
 
     Attributes:
         objects: Those that were handed over.
-        classes: Where each comes from, by part.
+        classes: Where each comes from, by part; see `origin_of`.
     """
 
     objects: CustomParts
-    classes: dict[str, Origin] = field(default_factory=dict[str, Origin])
+    classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
     def part(self, role: Role, table: object, instance: object) -> Any:
         """Return the object of the user's own that plays a part, if one does."""
@@ -217,7 +219,7 @@ def _clock(scenario: Scenario) -> Clock:
         estimator=scenario.periods.every("estimator"),
         controller=scenario.periods.every("controller"),
         samples=round(scenario.limits.horizon / period),
-        sensors=sampled_every(scenario.sensors, period),
+        sensors=scenario.sensors.sampled_every(period),
     )
 
 
@@ -253,7 +255,7 @@ def _sensors(vehicle: VehicleData, players: _Players, radius: float) -> Instrume
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
     if (instruments := players.part("sensors", scenario.sensors, players.objects.sensors)) is None:
-        return sensors_of(scenario, vehicle.layout, radius)
+        return scenario.sensors.opened(scenario, vehicle.layout, radius)
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
     return custom.CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)

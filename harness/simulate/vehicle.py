@@ -28,7 +28,6 @@ from railgrip.scenario.vehicle import CompiledHere, FormationTable, OfOurParts, 
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
 from railgrip.simulate.files import description_of, lowered, parameters_of, plant_description, recipe_file, units_of
-from railgrip.simulate.instruments import readings_of
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.brake import BRAKE, Brake
@@ -46,7 +45,7 @@ from railgrip.vehicle.parameters import (
     with_each,
 )
 from railgrip.vehicle.resistance import air_resistance
-from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, SENT, Layout, layout_of
+from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, READINGS, SENT, Layout, layout_of
 
 CATALOGUE = "TwoPartTrain"
 """The recipe whose parameters are the nominal data of a plant of the same formation that does not say its own."""
@@ -288,7 +287,7 @@ class VehicleData:
         """
         extra = tuple(s for s in EXTRA if s.name in self.shown)
         several = len(self.scenario.adhesion.curves) > 1
-        readings = readings_of(self.scenario, self.shown)
+        readings = (*READINGS, *self.scenario.sensors.extra_readings(self.scenario, self.shown))
         return layout_of(self.nominal.formation, (*PLANT, *extra), readings, (*SENT, *CURVE) if several else SENT)
 
     @cached_property

@@ -22,7 +22,6 @@ from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.track.table import track_force_of
-from railgrip.simulate.instruments import sensors_of
 from railgrip.trace.read import recorded
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import DataTable
@@ -126,7 +125,7 @@ def test_a_mutated_scenario_is_asked_about_or_refused(data):
         scenario.digest()
         profile_of(scenario, TWO_PART_TRAIN)
         track_force_of(scenario.track)
-        sensors_of(scenario, LAYOUT, 0.38)
+        scenario.sensors.opened(scenario, LAYOUT, 0.38)
 
     answered(question)
 

@@ -8,10 +8,8 @@ from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 from railgrip.base.errors import ScenarioError, SensorsFailed
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.merge import merged
-from railgrip.scenario.sensors import sampled_every
 from railgrip.scenario.track.geodesy import local
 from railgrip.scenario.track.irregularity import RIDE, spectrum
-from railgrip.simulate.instruments import readings_of, sensors_of
 from railgrip.vehicle.signals import EXTRA, PLANT, READINGS, layout_of
 
 OUTPUTS = [signal.name for signal in PLANT]
@@ -31,8 +29,8 @@ def scenario_with(track=None, **sensors):
 
 
 def reader(scenario):
-    layout = layout_of(TWO_PART_TRAIN, PLANT, readings_of(scenario, OUTPUTS))
-    return layout, sensors_of(scenario, layout, 0.4)
+    layout = layout_of(TWO_PART_TRAIN, PLANT, (*READINGS, *scenario.sensors.extra_readings(scenario, OUTPUTS)))
+    return layout, scenario.sensors.opened(scenario, layout, 0.4)
 
 
 def test_quantities_of_the_noise_table_are_read_beside_those_of_every_train():
@@ -108,17 +106,17 @@ def test_instruments_do_not_know_the_communication_step():
     readings = []
     for step in ("1 ms", "0.5 ms", "0.25 ms"):
         scenario = service(step)
-        every = sampled_every(scenario.sensors, scenario.periods.communication)
+        every = scenario.sensors.sampled_every(scenario.periods.communication)
         assert every * scenario.periods.communication == 1e-3
-        sensors = sensors_of(scenario, LAYOUT, 0.4)
+        sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
         truths = np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)
         readings.append(np.array([read(sensors, k, truth) for k, truth in enumerate(truths)]))
     assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
 
 
 def test_a_coarser_loop_reads_each_of_its_steps():
-    assert sampled_every(service("2 ms").sensors, 2e-3) == 1
-    assert sampled_every(service("0.3 ms").sensors, 3e-4) == 3
+    assert service("2 ms").sensors.sampled_every(2e-3) == 1
+    assert service("0.3 ms").sensors.sampled_every(3e-4) == 3
 
 
 def test_a_period_between_communication_steps_is_refused():
@@ -130,7 +128,7 @@ def test_a_period_between_communication_steps_is_refused():
 
 def driven(scenario, speed=20.0, seconds=40.0):
     """Readings of a train that runs at a constant speed, and what they would be without errors [rows of LAYOUT]."""
-    sensors = sensors_of(scenario, LAYOUT, 0.4)
+    sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
     rows = []
     for k in range(round(seconds / 1e-3)):
         truth = np.zeros(LAYOUT.outputs)
@@ -207,4 +205,4 @@ def test_a_quantity_that_the_plant_lacks_is_refused():
     with pytest.raises(
         ScenarioError, match="names 'pad_force', which this plant does not show; its sensors read speed"
     ):
-        sensors_of(scenario, without, 0.4)
+        scenario.sensors.opened(scenario, without, 0.4)

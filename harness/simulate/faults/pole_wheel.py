@@ -9,7 +9,6 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.sensors import SensorModel
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site, named, places
 from railgrip.simulate.loop.faults import ReadingFault
@@ -41,7 +40,7 @@ def missing_teeth(scenario: Scenario, formation: Formation) -> tuple[MissingTeet
     Raises:
         ScenarioError: There are no pole wheels, or more teeth are missing than there are.
     """
-    pulses = scenario.sensors.pulses if isinstance(scenario.sensors, SensorModel) else 0
+    pulses = scenario.sensors.pulses
     missing = [MissingTeeth()] * formation.groups
     for where, fault in named(scenario, ToothFault):
         if not pulses:
