@@ -21,8 +21,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         path: The file that was read: `package.mo` stands for all files of its library.
         class_name: The class that was wanted.
     """
-    files = sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]
-    texts = {short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in files}
+    texts = _texts(path)
     syntax = [place for name, text in texts.items() for place in _syntax(name, text)]
     if syntax:
         return tuple(syntax[:_MOST])
@@ -31,6 +30,51 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
         return (f"no file of it declares {name}",)
     words = re.findall(r"unresolved[^']*'([^']+)'", message)
     return (*_silent_use(path, texts), *tuple(_renamed(texts))[:_MOST], *tuple(_uses(words, texts))[:_MOST])
+
+
+def _texts(path: Path) -> dict[str, str]:
+    """Return the text of each file of a library by its short name; see `places`."""
+    return {short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in _files(path)}
+
+
+def _files(path: Path) -> list[Path]:
+    return sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]
+
+
+_REFERENCE = re.compile(r"\b[A-Za-z_]\w*(?:\[[^\]\n]*\])?(?:\.\w+(?:\[[^\]\n]*\])?)*\.\w+\b(?!\s*[\[(])")
+"""A reference to a variable of a component."""
+_ADVICE = (
+    "is not supported in a for equation or as a slice, because it goes through two arrays of components; write an "
+    "array comprehension outside of for equations, as in y = {wheels[i].contact[1].slip for i in 1:4}, or numbers as "
+    "indices, or declare a variable in the class of the outer component that equals the inner one, and refer to that."
+)
+
+
+def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
+    """Return a sentence for each reference through two arrays of components on which rumoca 0.10 fails.
+
+    It translates `wheels[i].contact[1].slip` with numbers as indices and in array comprehensions, and fails in for
+    equations and slices; its message speaks of semantic owners and names neither file nor line.
+
+    Args:
+        message: The front end's words.
+        path: See `places`.
+        class_name: The class that was wanted.
+    """
+    if "typed semantic owner" not in message and "member slice" not in message:
+        return ()
+    every, outside = list[str](), list[str]()
+    for name, text in _texts(path).items():
+        for match in _REFERENCE.finditer(text):
+            subscripts = re.findall(r"\[([^\]]*)\]\.", f"{match[0]}.")
+            is_indexed = len(subscripts) > 1 and not all(subscript.strip().isdigit() for subscript in subscripts)
+            is_slice = "member slice" in message and match[0].count(".") > 1 and len(subscripts) == 1
+            if is_indexed or is_slice:
+                line = text.count("\n", 0, match.start()) + 1
+                every.append(f"{name}:{line}: {class_name}: {match[0]} {_ADVICE}")
+                if not re.search(r"\bfor\s+\w+\s+in\b", text[match.end() :].partition(";")[0]):
+                    outside.append(every[-1])
+    return tuple((outside or every)[:_MOST])  # a comprehension fails only inside a for equation
 
 
 def _renamed(texts: dict[str, str]) -> Iterator[str]:
@@ -84,7 +128,7 @@ def require_readable(path: Path) -> None:
     Raises:
         InputError: A file is not in UTF-8, or has brackets nested too deeply.
     """
-    for file in sorted(path.parent.rglob("*.mo")) if path.name == "package.mo" else [path]:
+    for file in _files(path):
         content = file.read_bytes()
         try:
             text = content.decode()

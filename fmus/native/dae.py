@@ -13,7 +13,7 @@ from typing import Any
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
-from railgrip.fmus.native.complaint import places, require_readable, short
+from railgrip.fmus.native.complaint import nested_arrays, places, require_readable, short
 from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
@@ -120,7 +120,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
 
     Raises:
         InputError: The file or class is missing, or Modelica has an error; carries rumoca's words.
-        TranslationError: rumoca reads a form otherwise than the language, or a parameter has no value.
+        TranslationError: rumoca reads a form otherwise than the language or fails on it, or a parameter has no value.
     """
     path = LIBRARY if modelica_path is None else Path(modelica_path)
     if path.is_dir():
@@ -144,6 +144,8 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError and names its own template first.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
+        if nested := nested_arrays(message, path, class_name):
+            raise TranslationError("\n".join(nested)) from error
         hints = "".join(f"\n  {place}" for place in places(message, path, class_name))
         raise InputError(f"{class_name} does not compile ({path}): {message}{hints}") from error
     content = _content(template)
@@ -193,6 +195,3 @@ def _session(library: Path) -> rumoca.Session:
     if getattr(_last, "state", None) != state:
         _last.state, _last.session = state, rumoca.Session(roots=[str(LIBRARY)])
     return _last.session
-
-
-__all__ = ["LIBRARY", "Binding", "Dae", "Node", "read"]

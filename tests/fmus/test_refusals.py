@@ -8,6 +8,11 @@ from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import explicit
 
 STATE = "model M\n Real x(start=1,fixed=true);\n"
+WHEELS = (
+    "package P\n record Contact Real slip; end Contact;\n"
+    " model Wheel Contact contact[2]; equation contact[1].slip = time; contact[2].slip = 2*time; end Wheel;\n"
+    " model M Wheel wheels[2]; Real y[2]; Real x(start=1,fixed=true);\n equation\n  der(x) = -x;\n"
+)
 PLAIN = STATE + "equation\n der(x) = -x;\n"
 
 # What must be named, to (the line that must be named, the model).
@@ -35,6 +40,14 @@ REFUSED = {
         "model M\n parameter Real T = 0.1;\n discrete Real u(start=0,fixed=true);\n"
         "equation\n when sample(0, T) then\n u = pre(u) + 1;\n end when;\nend M;",
     ),
+    "two arrays of components": (
+        "wheels[i].contact[1].slip",
+        f"{WHEELS}  for i in 1:2 loop\n   y[i] = wheels[i].contact[1].slip;\n  end for;\n end M; end P;",
+    ),
+    "wheels.contact": (
+        "wheels.contact[1].slip",
+        f"{WHEELS}  y = wheels.contact[1].slip;\n end M; end P;",
+    ),
     "must be differentiated": (
         "x = u",
         STATE + " input Real u;\n Real v;\nequation\n x = u;\n der(x) = v;\nend M;",
@@ -53,6 +66,16 @@ def test_it_is_refused_with_construct_file_and_line(tmp_path, construct):
     file_name, _, line = place.rpartition(":")
     assert file_name == "Model.mo"
     assert word in text.splitlines()[int(line) - 1]
+
+
+def test_what_is_advised_for_two_arrays_of_components_is_translated(tmp_path):
+    file = tmp_path / "Model.mo"
+    outputs = []
+    for equation in ("y = {wheels[i].contact[2].slip for i in 1:2};", "y[1] = wheels[1].contact[2].slip; y[2] = y[1];"):
+        file.write_text(f"{WHEELS}{equation} end M; end P;".replace("Real y[2]", "output Real y[2]"))
+        model = lower("P.M", file)
+        outputs.append(model.output(3.0, [1.0], [], []).full().ravel().tolist())
+    assert outputs == [[6.0, 6.0], [6.0, 6.0]]
 
 
 def test_a_missing_file_and_a_missing_class_are_told(tmp_path):
