@@ -35,25 +35,12 @@ JOBS = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stamp:
-    """What recipe, Modelica files and compiler come to; kept under the digest of everything that was read.
-
-    Attributes:
-        source: Digest of the C code and XML, under which the FMU is kept: the C compiler runs only when it moves.
-        interface: The FMU as lock.toml records it; empty when OpenModelica built it.
-    """
-
-    source: str
-    interface: dict[str, Any]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Artifact:
     """An FMU that is up to date.
 
     Attributes:
         action: built; unchanged, when Modelica files moved but the model did not; current, when nothing did.
-        interface: As in `Stamp`.
+        interface: The FMU as lock.toml records it; empty when OpenModelica built it.
     """
 
     name: str
@@ -212,9 +199,9 @@ def _current(order: _Order, inputs: str) -> Artifact | None:
     file = cache.find(KIND, inputs, f"{order.name}.json")
     if file is None:
         return None
-    stamp = Stamp(**json.loads(file.read_text(encoding="utf-8")))
-    entry = order.entry(stamp.source)
-    return None if entry is None else order.artifact("current", entry, stamp.interface)
+    stamp = json.loads(file.read_text(encoding="utf-8"))
+    entry = order.entry(stamp["source"])
+    return None if entry is None else order.artifact("current", entry, stamp["interface"])
 
 
 def _translation_of(order: _Order) -> _Translation | None:
@@ -236,27 +223,31 @@ def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tu
 
 
 def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:
-    """Compile what was translated, unless it was before, and leave a stamp."""
+    """Compile what was translated, unless it was before, and leave a stamp under the digest of all that was read.
+
+    The stamp says under which digest of C code and XML the FMU is kept: the C compiler runs only when that moves.
+    """
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
-        stamp = Stamp(source=inputs, interface={})
+        kept_under, interface = inputs, dict[str, Any]()
         with scratch("build") as folder:
             # Where it is still there when somebody reads the message that names it: beside the copy, else in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
             content = openmodelica.export(order.recipe, order.library, folder / file, log).read_bytes()
-        entry = cache.keep(KIND, stamp.source, file, content)
+        entry = cache.keep(KIND, kept_under, file, content)
     else:
         from railgrip.fmus.native import package
 
         source, interface = translation
-        stamp = Stamp(source=digest([source.digest, toolchain_digest()]), interface=interface)
-        entry = order.entry(stamp.source)
+        kept_under = digest([source.digest, toolchain_digest()])
+        entry = order.entry(kept_under)
         if entry is None:
-            entry = cache.keep(KIND, stamp.source, file, package.archive_bytes(source))
+            entry = cache.keep(KIND, kept_under, file, package.archive_bytes(source))
         else:
             action = "unchanged"
-    cache.keep(KIND, inputs, f"{order.name}.json", json.dumps(asdict(stamp)).encode())
-    return order.artifact(action, entry, stamp.interface)
+    stamp = {"source": kept_under, "interface": interface}
+    cache.keep(KIND, inputs, f"{order.name}.json", json.dumps(stamp).encode())
+    return order.artifact(action, entry, interface)
 
 
 def _copy(entry: Path, directory: Path) -> Path:

@@ -3,7 +3,6 @@
 import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -17,14 +16,6 @@ from railgrip.fmus.recipe import Cookbook, Recipe
 LOCK = Path(__file__).with_name("lock.toml")
 
 Entry = dict[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """One thing that is not as lock.toml says."""
-
-    name: str
-    what: str
 
 
 def interface_of(recipe: Recipe, system: System, digest: str) -> Entry:
@@ -83,15 +74,15 @@ def _toml(value: object) -> str:
     return json.dumps(value, ensure_ascii=False)  # of texts, numbers and lists of them the same in TOML
 
 
-def differences(name: str, lock: Mapping[str, Entry], entry: Entry) -> list[Difference]:
+def differences(name: str, lock: Mapping[str, Entry], entry: Entry) -> list[str]:
     """Return what is not as locked.
 
     The digest is compared only under the tool versions it was made with: another CasADi may write other C.
     """
     if name not in lock:
-        return [Difference(name, "is not in lock.toml")]
+        return ["is not in lock.toml"]
     same_tools = all(lock.get("tools", {}).get(tool) == version(tool) for tool in ("rumoca", "casadi"))
-    out: list[Difference] = []
+    out: list[str] = []
     for key, value in entry.items():
         before = lock[name].get(key)
         if before == value or (key == "digest" and not same_tools):
@@ -99,9 +90,9 @@ def differences(name: str, lock: Mapping[str, Entry], entry: Entry) -> list[Diff
         if isinstance(value, dict) and isinstance(before, dict):
             for k in [*before, *(k for k in value if k not in before)]:
                 if before.get(k) != value.get(k):
-                    out.append(Difference(name, f"{key}: {k} was {before.get(k)!r}, is {value.get(k)!r}"))
+                    out.append(f"{key}: {k} was {before.get(k)!r}, is {value.get(k)!r}")
             if list(before) != list(value) and not out:
-                out.append(Difference(name, f"{key}: the order has changed"))
+                out.append(f"{key}: the order has changed")
         else:
-            out.append(Difference(name, f"{key} was {before!r}, is {value!r}"))
+            out.append(f"{key} was {before!r}, is {value!r}")
     return out

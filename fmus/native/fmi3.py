@@ -1,6 +1,5 @@
 """An FMU of ours by FMI 3.0: the same C below other function names, and its own modelDescription.xml."""
 
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -24,15 +23,11 @@ def as_fmi_3(source: Source) -> Source:
     """Return a co-simulation FMU by FMI 2.0 as one by FMI 3.0; names and value references stay."""
     files = source.files | {
         "fmi3.c": (RUNTIME / "fmi3.c").read_text(encoding="utf-8"),
-        "model.c": _without_guid(source.files["model.c"]) + '#include "fmi3.c"\n',
+        "model.c": source.files["model.c"] + '#include "fmi3.c"\n',
     }
     made = Source.of(source.identifier, files, _described(ET.fromstring(source.xml)), source.units)
     build = _build_description(made.identifier, made.units)
     return replace(made, files=made.files | {"buildDescription.xml": build}, is_fmi_3=True)
-
-
-def _without_guid(model: str) -> str:
-    return re.sub(r'#define MODEL_GUID ".*"', '#define MODEL_GUID ""', model)
 
 
 def _described(root: ET.Element) -> str:
@@ -46,7 +41,7 @@ def _described(root: ET.Element) -> str:
     return "\n".join(
         [
             '<?xml version="1.0" encoding="UTF-8"?>',
-            # Empty as the GUID of FMI 2.0 is, for `Source.of` to fill in.
+            # For `Source.of` to fill in.
             f'<fmiModelDescription instantiationToken=""{attributes_text(head)}>',
             f"  <CoSimulation{attributes_text(flags)}/>",
             *(

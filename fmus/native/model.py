@@ -26,9 +26,9 @@ class Variable:
     unit: str
     start: float
     description: str
-    minimum: float | None
-    maximum: float | None
-    nominal: float
+    minimum: float | None = None
+    maximum: float | None = None
+    nominal: float = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -47,10 +47,13 @@ class Source:
 
     @classmethod
     def of(cls, identifier: str, files: dict[str, str], xml: str, units: tuple[str, ...] = ("model.c",)) -> "Source":
-        """Return sources whose GUID is empty, in `model.c` and in the XML, with the one that all of them decide."""
+        """Return sources with the GUID that all of them decide, in `model.c` and in the XML, whatever they had."""
+        model = re.sub(r'#define MODEL_GUID ".*"', '#define MODEL_GUID ""', files["model.c"])
+        files = files | {"model.c": model}
+        xml = re.sub(r'(guid|instantiationToken)="[^"]*"', r'\1=""', xml, count=1)
         guid = f"{{{hashlib.sha256(chr(0).join([xml, *files.values()]).encode()).hexdigest()[:32]}}}"
-        model = files["model.c"].replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{guid}"')
-        xml = re.sub(r'(guid|instantiationToken)=""', rf'\1="{guid}"', xml, count=1)
+        model = model.replace('#define MODEL_GUID ""', f'#define MODEL_GUID "{guid}"')
+        xml = re.sub('(guid|instantiationToken)=""', rf'\1="{guid}"', xml, count=1)
         return cls(identifier=identifier, files=files | {"model.c": model}, xml=xml, units=units)
 
     @property

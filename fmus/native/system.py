@@ -7,7 +7,7 @@ import casadi as ca
 
 from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
-from railgrip.fmus.native.conditions import Conditions, Relations, find_relations
+from railgrip.fmus.native.conditions import Conditions, find_relations
 from railgrip.fmus.native.dae import Dae, Node
 from railgrip.fmus.native.expressions import Evaluator
 from railgrip.fmus.native.index import RELUCTANCE, IndexOne, reduce_index
@@ -148,7 +148,7 @@ def explicit(dae: Dae) -> System:
          column([relations.indicator[k] for k in relations.crossings])], loops, dae.class_name,
     )  # fmt: skip
     start, calculated = _start(dae, evaluate, v, states, index_one, start_loops)
-    events = _at_events(dae, evaluate, v, conditions, states, index_one, loops)
+    event_values, assertions = _at_events(dae, evaluate, v, conditions, states, index_one, loops)
     return System(
         class_name=dae.class_name,
         time=time,
@@ -166,26 +166,15 @@ def explicit(dae: Dae) -> System:
         clocks=clocks,
         ticks=column(ticks),
         previous=column(v.previous),
-        event_discretes=column([events.discretes]),
-        event_states=column([events.states]),
-        event_relations=column([events.relations]),
-        event_conditions=column([events.conditions]),
+        event_discretes=column([event_values[0]]),
+        event_states=column([event_values[1]]),
+        event_relations=column([event_values[2]]),
+        event_conditions=column([event_values[3]]),
         last_conditions=column(conditions.last),
         loops=loops,
         start_loops=start_loops,
-        assertions=events.assertions,
+        assertions=assertions,
     )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Events:
-    """What one pass of the event iteration gives, and what must hold between events; see `System`."""
-
-    discretes: SX
-    states: SX
-    relations: SX
-    conditions: SX
-    assertions: list[Assertion]
 
 
 def _at_events(
@@ -196,8 +185,11 @@ def _at_events(
     states: list[Scalar],
     index_one: IndexOne,
     loops: Loops,
-) -> _Events:
-    """Return what happens at events; `loops` keeps those of the running model.
+) -> tuple[list[SX], list[Assertion]]:
+    """Return discretes, states, relations and conditions after a pass of the event iteration, and what must hold.
+
+    Args:
+        loops: Keeps those of the running model.
 
     Raises:
         TranslationError: A nonlinear loop goes through discrete variables.
@@ -234,8 +226,7 @@ def _at_events(
             f"{', '.join(through_events)}; break it with pre()."
         )
     loops.blocks = blocks
-    after = dict(zip(("discretes", "states", "relations", "conditions"), event_values, strict=True))
-    return _Events(**after, assertions=assertions)
+    return event_values, assertions
 
 
 def _refuse_unsupported(dae: Dae) -> None:
@@ -434,6 +425,3 @@ def _message(dae: Dae, evaluate: Evaluator, expression: int) -> Message:
     if operation["kind"] == "string_conversion":
         return (SX(evaluate(operation["value"]).item()),)
     raise dae.refuse(f"this text of a message is not supported: {dae.text(node['provenance'])}", node["provenance"])
-
-
-__all__ = ["Assertion", "Relations", "System", "column", "explicit"]

@@ -138,7 +138,7 @@ def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
     else:
         lock = read_lock()
         complaints += [
-            f"{d.name}: {d.what}" for name, interface in interfaces.items() for d in differences(name, lock, interface)
+            f"{name}: {what}" for name, interface in interfaces.items() for what in differences(name, lock, interface)
         ]
     if complaints:
         fail(*complaints)

@@ -117,7 +117,6 @@ def variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: s
             description=quantity.description,
             minimum=quantity.minimum,
             maximum=quantity.maximum,
-            nominal=1.0,
         )
         for quantity, start in zip(quantities, starts, strict=True)
     )

@@ -211,10 +211,8 @@ def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
         if isinstance(sensors, WhiteSensors):
             changes["noise"] = np.zeros(deviation.size)
     given, places = _given(layout, struct, needed)
-    seed = Variable(
-        name="seed", unit="1", start=float(scenario.seed % 2**32), description="of the noise, a whole number",
-        minimum=0.0, maximum=None, nominal=1.0,
-    )  # fmt: skip
+    start, meaning = float(scenario.seed % 2**32), "of the noise, a whole number"
+    seed = Variable(name="seed", unit="1", start=start, description=meaning, minimum=0.0)
     return _Role(
         given=given,
         shown=_of(layout.reading_signals, layout),
@@ -293,20 +291,11 @@ def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[V
 
 def _of(signals: Sequence[Signal], layout: Layout, starts: NDArray[np.float64] | None = None) -> list[Variable]:
     """Return the variables of signals, one after the other."""
-    names = [
-        (name, signal)
-        for signal in signals
-        for name in (
-            [signal.name]
-            if signal.extent == "train"
-            else [f"{signal.name}[{i + 1}]" for i in range(layout.formation.width(signal.extent))]
-        )
-    ]
-    values = np.zeros(len(names)) if starts is None else starts
-    return [
-        Variable(
-            name=name, unit=signal.unit, start=float(start), description=signal.meaning, minimum=None, maximum=None,
-            nominal=1.0,
-        )
-        for (name, signal), start in zip(names, values, strict=True)
-    ]  # fmt: skip
+    variables: list[Variable] = []
+    for signal in signals:
+        numbers = [f"[{i + 1}]" for i in range(layout.formation.width(signal.extent))]
+        for number in [""] if signal.extent == "train" else numbers:
+            start = 0.0 if starts is None else float(starts[len(variables)])
+            name = signal.name + number
+            variables.append(Variable(name=name, unit=signal.unit, start=start, description=signal.meaning))
+    return variables

@@ -48,7 +48,7 @@ def plant_fmu(scenario: Scenario) -> Source:
     if scenario.vehicle.nudge is not None:
         values |= nudged(values, vehicle.file, scenario.vehicle.nudge)
     values |= _inputs_at_start(vehicle, binding)
-    model = re.sub(r'#define MODEL_GUID ".*"', '#define MODEL_GUID ""', _with_starts(files["model.c"], vehicle, values))
+    model = _with_starts(files["model.c"], vehicle, values)
     description = vehicle.file.co_simulation
     assert description is not None
     return Source.of(description.identifier, files | {"model.c": model}, _described(xml, values))
@@ -79,11 +79,10 @@ def _with_starts(model: str, vehicle: VehicleData, values: Mapping[str, float]) 
 
 
 def _described(xml: str, values: Mapping[str, float]) -> str:
-    """Return modelDescription.xml, without its GUID, with other start values."""
+    """Return modelDescription.xml with other start values."""
 
     def changed(row: re.Match[str]) -> str:
         value = values.get(ET.fromstring(row[0]).get("name", ""))
         return row[0] if value is None else re.sub(r' start="[^"]*"', f' start="{value!r}"', row[0])
 
-    xml = re.sub(r"<ScalarVariable .*</ScalarVariable>", changed, xml)
-    return re.sub(r' guid="[^"]*"', ' guid=""', xml, count=1)
+    return re.sub(r"<ScalarVariable .*</ScalarVariable>", changed, xml)

@@ -124,11 +124,11 @@ def test_the_lock_file_is_read_as_it_was_written_and_tells_what_differs(tmp_path
     assert interface["states"] == {"h": "", "v": ""}
     assert interface["event_indicators"] == 1
     moved = interface | {"states": {"h": "m", "v": ""}, "event_indicators": 2}
-    assert [d.what for d in differences("Ball", locked, moved)] == [
+    assert differences("Ball", locked, moved) == [
         "event_indicators was 1, is 2",
         "states: h was '', is 'm'",
     ]
-    assert [d.what for d in differences("New", locked, interface)] == ["is not in lock.toml"]
+    assert differences("New", locked, interface) == ["is not in lock.toml"]
 
 
 def ended(*command: str | Path, cwd: Path = ROOT, env: dict[str, str] | None = None):
