@@ -9,6 +9,7 @@ that rolls, slides and locks, of a train that stands, and of sensors that have n
 
 import copy
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cache
 from typing import TypeVar
@@ -40,7 +41,7 @@ from railgrip.simulate.custom import (
 )
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant import NEEDED
-from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, findings, tried
+from railgrip.simulate.trial import findings, on_both_rails
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.signals import layout_of
@@ -163,10 +164,8 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
     def rows(part: Plant, vehicle: Formation) -> Iterator[Row]:
         layout, pressure = layout_of(vehicle), tuple(vehicle.pressure_max.tolist())
         plant = CustomPlant(part, layout, speed=_SPEED, period=_PERIOD, required=NEEDED, command="pressure_command")
-        good, poor = (
-            tried(layout, plant, period=_PERIOD, release=(0.0,) * vehicle.groups, brake=pressure, friction=friction)
-            for friction in (GOOD_RAIL, POOR_RAIL)
-        )
+        release = (0.0,) * vehicle.groups
+        good, poor = on_both_rails(lambda: nullcontext(plant), layout, period=_PERIOD, release=release, brake=pressure)
         slowing = slowing_of(carried_mass(sum(vehicle.wheelset_load)), is_known=False)
         radius = tuple(vehicle.wheel_radius.tolist())
         for finding in findings(good, poor, speed=_SPEED, radius=radius, pressure=pressure, slowing=slowing):

@@ -15,7 +15,7 @@ from railgrip.fmi.draft import drafted, sizes_of
 from railgrip.simulate.files import parameters_of
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant import plant_signals
-from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, Finding, Trial, findings, tried
+from railgrip.simulate.trial import GOOD_RAIL, Finding, Trial, Trials, findings, on_both_rails
 from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import COUNTS, counts_of
@@ -161,14 +161,13 @@ def _entry(description: Description, signal: Signal, variables: str | tuple[str,
     return Entry(signal, bare[0] if isinstance(variables, str) else bare, scale, unit)
 
 
-# ---- the short run ----------------------------------------------------------------------------------------------
-
-Run = Callable[[Mapping[str, Entry]], tuple[Trial, Trial]]
+Run = Callable[[Mapping[str, Entry]], Trials]
+"""Runs the FMU with a table."""
 
 
 def _run(
     description: Description, formation: Formation, table: Mapping[str, Entry], *, speed: float, period: float
-) -> tuple[Trial, Trial]:
+) -> Trials:
     """Return the trials of an FMU on a good rail and on a poor one."""
     layout = layout_of(formation)
     inputs, outputs, start = plant_signals(layout, pneumatic=False, track_force=False)
@@ -180,19 +179,15 @@ def _run(
         table={name: entry.plain for name, entry in table.items()},
         where="the draft of [vehicle.map]",
     )
-
-    def trial(friction: float) -> Trial:
-        with open_plant(
-            description, binding, period=period, parameters=binding.translate({"start_speed": speed}), trusted=False,
-            notify=lambda sentence: None,
-        ) as fmu:  # fmt: skip
-            full = tuple(group.pressure_max for group in catalogue_brakes(formation.groups))
-            return tried(layout, fmu, period=period, release=(0.0,) * formation.groups, brake=full, friction=friction)
-
-    return trial(GOOD_RAIL), trial(POOR_RAIL)
+    opening = partial(
+        open_plant, description, binding, period=period, parameters=binding.translate({"start_speed": speed}),
+        trusted=False, notify=lambda sentence: None,
+    )  # fmt: skip
+    full = tuple(group.pressure_max for group in catalogue_brakes(formation.groups))
+    return on_both_rails(opening, layout, period=period, release=(0.0,) * formation.groups, brake=full)
 
 
-def _rescaled(trials: tuple[Trial, Trial], factors: Mapping[str, float]) -> tuple[Trial, Trial]:
+def _rescaled(trials: Trials, factors: Mapping[str, float]) -> Trials:
     """Return trials whose outputs are `factors` times as large."""
 
     def one(trial: Trial) -> Trial:
@@ -212,7 +207,7 @@ def _radius(trial: Trial) -> list[float]:
         return (float(trial.rows[last, outputs["speed"].start]) / wheels).tolist()
 
 
-def _judged(trials: tuple[Trial, Trial], formation: Formation, speed: float) -> list[Finding]:
+def _judged(trials: Trials, formation: Formation, speed: float) -> list[Finding]:
     """Return what trials show; wheels of any radius that wheels have are right."""
     groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
     radius = [
@@ -234,8 +229,6 @@ def _judged(trials: tuple[Trial, Trial], formation: Formation, speed: float) -> 
     return found
 
 
-# ---- corrections ------------------------------------------------------------------------------------------------
-
 Factors = Mapping[str, float]
 """Signal → what its values of ours are multiplied by."""
 
@@ -247,7 +240,7 @@ def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
     found = _judged(trials, draft.formation, speed)
     for _ in range(_ROUNDS):
         wrong = [finding for finding in found if not finding.good]
-        best: tuple[int, Factors, tuple[Trial, Trial], list[Finding]] | None = None
+        best: tuple[int, Factors, Trials, list[Finding]] | None = None
         for factors in _proposals(wrong, trials[0]):
             changed = _applied(trials, table, factors, run)
             after = _judged(changed, draft.formation, speed)
@@ -283,9 +276,7 @@ def _doubt(found: Sequence[Finding]) -> int:
     return sum(3 if finding.signal == "pressure_command" else 1 for finding in found if not finding.good)
 
 
-def _applied(
-    trials: tuple[Trial, Trial], table: Mapping[str, Entry], factors: Factors, run: Run
-) -> tuple[Trial, Trial]:
+def _applied(trials: Trials, table: Mapping[str, Entry], factors: Factors, run: Run) -> Trials:
     """Return the trials with a correction; only one of what is sent wants another run."""
     layout: Layout = trials[0].layout
     if all(name in layout.output for name in factors):

@@ -18,7 +18,7 @@ from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
 from railgrip.simulate.loop.parts import Plant
 from railgrip.simulate.readback import V_SMALL, probed, require_curve, require_radius
-from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, Trial, findings, tried
+from railgrip.simulate.trial import findings, on_both_rails
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
 from railgrip.vehicle.signals import CURVE, Layout
@@ -181,11 +181,7 @@ def python_plant(vehicle: VehicleData, part: custom.Plant) -> Plant:
 
 
 def _refuse_steep_track(vehicle: VehicleData) -> None:
-    """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass.
-
-    Raises:
-        ScenarioError: The force is more than that of the steepest gradient.
-    """
+    """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass."""
     mass = vehicle.true.mass or 0.0
     most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
     if mass and abs(force) > most:
@@ -224,19 +220,13 @@ def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], Abstract
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
     ideal = scenario.actuation.kind == "ideal"
     vent, fill = -1.0, 1.0
-    trials: list[Trial] = []
-    for friction in (GOOD_RAIL, POOR_RAIL):
-        with opening() as plant:
-            trials.append(
-                tried(
-                    vehicle.layout,
-                    plant,
-                    period=scenario.periods.communication,
-                    release=(0.0 if ideal else vent,) * len(brakes),
-                    brake=pressure if ideal else (fill,) * len(brakes),
-                    friction=friction,
-                )
-            )
+    trials = on_both_rails(
+        opening,
+        vehicle.layout,
+        period=scenario.periods.communication,
+        release=(0.0 if ideal else vent,) * len(brakes),
+        brake=pressure if ideal else (fill,) * len(brakes),
+    )
     speed, slowing = scenario.start.speed, vehicle.slowing
     results = findings(*trials, speed=speed, radius=radius, pressure=pressure, slowing=slowing)
     wrong = [f"'{finding.signal}' {finding.sentence}" for finding in results if not finding.good]

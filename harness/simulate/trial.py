@@ -6,8 +6,10 @@ poor rail shows whether friction bounds its deceleration.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,6 +117,20 @@ def tried(
     return Trial(layout=layout, rows=np.array(rows), coasting=coasting + 1, period=period)
 
 
+Trials = tuple[Trial, Trial]
+"""On a good rail and on a poor one."""
+
+
+def on_both_rails(opening: Callable[[], AbstractContextManager[Plant]], layout: Layout, **how: Any) -> Trials:
+    """Return the trials of a plant on a good rail and on a poor one, opened for each; `how` as for `tried`."""
+
+    def on(friction: float) -> Trial:
+        with opening() as plant:
+            return tried(layout, plant, friction=friction, **how)
+
+    return on(GOOD_RAIL), on(POOR_RAIL)
+
+
 def findings(
     trial: Trial, poor: Trial, *, speed: float, radius: tuple[float, ...], pressure: tuple[float, ...], slowing: Slowing
 ) -> tuple[Finding, ...]:
@@ -135,38 +151,24 @@ def findings(
     )
 
 
-def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> list[Finding]:
-    """Return what the trials showed of the train as a whole; arguments are those of `findings`."""
+def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iterator[Finding]:
+    """Yield what the trials showed of the train as a whole; arguments are those of `findings`."""
     v, x, a = (trial.output(name)[:, 0] for name in ("speed", "distance", "acceleration"))
-    last = trial.coasting - 1
-    results = [_ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")]
-    results.append(
-        _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
-    )
-    loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
-    results.append(
-        Finding(
-            signal="pressure_command",
-            good=trial.deceleration >= _LEAST_DECELERATION,
-            sentence=f"full brakes slow the train by {trial.deceleration:.3g} m/s2, {_LEAST_DECELERATION:g} and more "
-            "is expected",
-        )
-    )
+    last, braking = trial.coasting - 1, trial.deceleration
+    yield _ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")
+    yield _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
+    sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_LEAST_DECELERATION:g} and more is expected"
+    yield Finding(signal="pressure_command", good=braking >= _LEAST_DECELERATION, sentence=sentence)
     most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
-    results.append(
-        Finding(
-            signal="mu0",
-            good=poor.deceleration <= most,
-            sentence=f"does not bound the brakes: they slow the train by {trial.deceleration:.3g} m/s2 with friction "
-            f"of {GOOD_RAIL:g} and by {poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} and less is "
-            "expected; brakes on the rail itself stand in [vehicle.formation] track_brakes",
-        )
+    sentence = (
+        f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
+        f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} and less is expected; brakes on the rail "
+        "itself stand in [vehicle.formation] track_brakes"
     )
+    yield Finding(signal="mu0", good=poor.deceleration <= most, sentence=sentence)
+    loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
     if abs(loss) > 0.1:
-        results.append(
-            _ratio("acceleration", integral, loss, 0.1, "m/s as its integral in braking, the speed changes by")
-        )
-    return results
+        yield _ratio("acceleration", integral, loss, 0.1, "m/s as its integral in braking, the speed changes by")
 
 
 def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[Finding]:
