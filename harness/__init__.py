@@ -11,67 +11,12 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    __version__: str
-    from railgrip import testing
-    from railgrip.api import (
-        Controller,
-        ControllerFailed,
-        Estimate,
-        EstimationError,
-        Estimator,
-        EstimatorFailed,
-        FilterDiverged,
-        FmuError,
-        Formation,
-        InputError,
-        Observation,
-        Outcome,
-        Plant,
-        PlantFailed,
-        RailgripError,
-        Scenario,
-        ScenarioError,
-        Sensors,
-        SensorsFailed,
-        Stop,
-        compare,
-        estimate,
-        inspect,
-        open,
-        run,
-        sweep,
-    )
+    from railgrip import api, testing
+    from railgrip.api import *  # noqa: F403 - the names are listed there
 
-__all__ = [
-    "Controller",
-    "ControllerFailed",
-    "Estimate",
-    "EstimationError",
-    "Estimator",
-    "EstimatorFailed",
-    "FilterDiverged",
-    "FmuError",
-    "Formation",
-    "InputError",
-    "Observation",
-    "Outcome",
-    "Plant",
-    "PlantFailed",
-    "RailgripError",
-    "Scenario",
-    "ScenarioError",
-    "Sensors",
-    "SensorsFailed",
-    "Stop",
-    "__version__",
-    "compare",
-    "estimate",
-    "inspect",
-    "open",
-    "run",
-    "sweep",
-    "testing",
-]
+    __version__: str
+    __all__ = ["__version__", "testing"]
+    __all__ += api.__all__
 
 
 def __getattr__(name: str) -> Any:
@@ -80,10 +25,13 @@ def __getattr__(name: str) -> Any:
         return version("railgrip")
     if name == "testing":
         return import_module("railgrip.testing")
-    if name in __all__:
+    if name == "__all__":
+        return ["__version__", "testing", *import_module("railgrip.api").__all__]
+    names = [] if name.startswith("_") else __getattr__("__all__")
+    if name in names:
         return getattr(import_module("railgrip.api"), name)
-    raise AttributeError(f"module 'railgrip' has no attribute '{name}'; it has {', '.join(__all__)}")
+    raise AttributeError(f"module 'railgrip' has no attribute '{name}'; it has {', '.join(names)}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__getattr__("__all__")})
