@@ -141,9 +141,8 @@ def tables_by_kind(by_kind: ByKind) -> dict[str, type[BaseModel]]:
 
 
 def range_of(unit: Unit) -> str:
-    range_ = unit.range
-    limits = {">": range_.above, "≥": range_.at_least, "<": range_.below, "≤": range_.at_most}
-    return ", ".join(f"{sign} {limit:g}" for sign, limit in limits.items() if limit is not None)
+    signs = {"above": ">", "at least": "≥", "below": "<", "at most": "≤"}
+    return ", ".join(f"{signs[words]} {limit:g}" for words, limit in unit.limits.items() if limit is not None)
 
 
 def bound_of(entry: Any) -> str:

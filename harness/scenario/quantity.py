@@ -1,8 +1,8 @@
 """Numbers with units as people write them ("80 km/h"), made SI floats at the edge of a file, and what is plausible."""
 
 import math
+import operator
 from collections.abc import Mapping
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
@@ -13,26 +13,8 @@ from railgrip.base import units
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import quantity, short, to_si, unit
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Range:
-    above: float | None
-    at_least: float | None
-    below: float | None
-    at_most: float | None
-
-    def broken(self, value: float) -> str | None:
-        """Return the words of the first limit that `value` does not keep, or None."""
-        if self.above is not None and value <= self.above:
-            return f"above {self.above:g}"
-        if self.at_least is not None and value < self.at_least:
-            return f"at least {self.at_least:g}"
-        if self.below is not None and value >= self.below:
-            return f"below {self.below:g}"
-        if self.at_most is not None and value > self.at_most:
-            return f"at most {self.at_most:g}"
-        return None
-
+_LIMITS = {"above": operator.gt, "at least": operator.ge, "below": operator.lt, "at most": operator.le}
+"""Words for a limit → what a value and the limit have to be."""
 
 _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
 """A number with its unit, for the schema that editors use."""
@@ -58,13 +40,12 @@ class Unit:
         """Take the SI unit, "1" for a ratio, the limits of the value in that unit, and the reason of the outer ones."""
         self.unit = unit
         self.because = f"; {because}" if because else ""
-        self.range = _Range(above=above, at_least=at_least, below=below, at_most=at_most)
+        self.limits = dict(zip(_LIMITS, (above, at_least, below, at_most), strict=True))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Read before pydantic does: what leaves here is a float in `unit`."""
-        si = core_schema.float_schema(
-            gt=self.range.above, ge=self.range.at_least, lt=self.range.below, le=self.range.at_most
-        )
+        above, at_least, below, at_most = self.limits.values()
+        si = core_schema.float_schema(gt=above, ge=at_least, lt=below, le=at_most)
         return core_schema.no_info_before_validator_function(
             self.read, handler(source), json_schema_input_schema=core_schema.union_schema([si, _WITH_UNIT])
         )
@@ -85,12 +66,12 @@ class Unit:
             value = math.inf
         if not math.isfinite(value):
             raise _refusal(f"is {_spell(entry)}, but a finite number is wanted")
-        limit = self.range.broken(value)
-        if limit is not None:
-            # That a speed is above zero needs no reason.
-            reason = "" if limit.endswith(" 0") else self.because
-            suffix = "" if self.unit == "1" else f" {self.unit}"
-            raise _refusal(f"must be {limit}{suffix}, got {_spell(entry)}{reason}")
+        for words, limit in self.limits.items():
+            if limit is not None and not _LIMITS[words](value, limit):
+                # That a speed is above zero needs no reason.
+                reason = "" if limit == 0.0 else self.because
+                suffix = "" if self.unit == "1" else f" {self.unit}"
+                raise _refusal(f"must be {words} {limit:g}{suffix}, got {_spell(entry)}{reason}")
         return value
 
     @property

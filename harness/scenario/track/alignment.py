@@ -8,7 +8,6 @@ closed form.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,8 +78,18 @@ class LaidTrack:
         return self.origin.height + self.slope.integral(distance) - self.slope.integral(self.middle)
 
     def plan(self) -> "Plan":
-        """Return north and east of the whole track."""
-        return Plan.of(self)
+        """Return north and east of the whole track, by Simpson's rule over each step."""
+        count = int(np.ceil(self.length / _PLAN_STEP))
+        distance = np.linspace(0.0, self.length, count + 1)
+        between = 0.5 * (distance[1:] + distance[:-1])
+        ends, middles = (
+            np.stack([np.cos(phi), np.sin(phi)], axis=1)
+            for phi in (self.heading_at(distance), self.heading_at(between))
+        )
+        steps = np.diff(distance)[:, None] / 6.0 * (ends[:-1] + 4.0 * middles + ends[1:])
+        horizontal = np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+        start = [float(np.interp(self.middle, distance, column)) for column in horizontal.T]
+        return Plan(self, distance, horizontal - start)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,21 +105,6 @@ class Plan:
     track: LaidTrack
     distance: Array
     horizontal: Array
-
-    @classmethod
-    def of(cls, track: LaidTrack) -> Self:
-        """Tabulate a track, by Simpson's rule over each step."""
-        count = int(np.ceil(track.length / _PLAN_STEP))
-        distance = np.linspace(0.0, track.length, count + 1)
-        between = 0.5 * (distance[1:] + distance[:-1])
-        ends, middles = (
-            np.stack([np.cos(phi), np.sin(phi)], axis=1)
-            for phi in (track.heading_at(distance), track.heading_at(between))
-        )
-        steps = np.diff(distance)[:, None] / 6.0 * (ends[:-1] + 4.0 * middles + ends[1:])
-        horizontal = np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-        start = [float(np.interp(track.middle, distance, column)) for column in horizontal.T]
-        return cls(track, distance, horizontal - start)
 
     def horizontal_at(self, distance: ArrayLike) -> Array:
         """Return north and east [m], shape (…, 2)."""
