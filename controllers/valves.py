@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
+from typing import Annotated, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,23 +23,17 @@ PULSE_MIN = 20e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValveModel:
-    """What the valve logic believes of the valves and brake cylinders.
+    """What the valve logic believes of the valves and brake cylinders: each datum with its unit and meaning.
 
-    Attributes:
-        period: Between two commands [s].
-        dead_time: From a command to the change of flow [s].
-        fill_time: Time constant of filling towards the supply pressure [s].
-        vent_time: Time constant of venting towards zero gauge pressure [s].
-        band: Half width of the band around the demand in which the valves hold [Pa].
-        pulse_min: Shortest time a valve stays as it is [s].
+    Filling is towards the supply pressure, venting towards zero gauge pressure; the band is around the demand.
     """
 
-    period: float
-    dead_time: float
-    fill_time: float
-    vent_time: float
-    band: float
-    pulse_min: float
+    period: Annotated[float, "s", "between two commands"]
+    dead_time: Annotated[float, "s", "from a command to the change of flow"]
+    fill_time: Annotated[float, "s", "time constant of filling"]
+    vent_time: Annotated[float, "s", "time constant of venting"]
+    band: Annotated[float, "Pa", "half width of the band in which the valves hold"]
+    pulse_min: Annotated[float, "s", "shortest time a valve stays as it is"]
 
 
 class ValveLogic(Sampled):
@@ -70,11 +65,10 @@ def valve_logic(groups: int, delay: int) -> Formula:
     draft, numbers = Draft(), range(1, groups + 1)
     demands = [draft.input(f"demand[{g}]", "Pa", "demanded brake cylinder pressure") for g in numbers]
     pressures = [draft.input(f"pressure[{g}]", "Pa", "measured brake cylinder pressure") for g in numbers]
-    period = draft.parameter("period", "s", "between two commands")
-    fill_time = draft.parameter("fill_time", "s", "time constant of filling")
-    vent_time = draft.parameter("vent_time", "s", "time constant of venting")
-    band = draft.parameter("band", "Pa", "half width of the band in which the valves hold")
-    pulse_min = draft.parameter("pulse_min", "s", "shortest time a valve stays as it is")
+    data = {name: hint.__metadata__ for name, hint in get_type_hints(ValveModel, include_extras=True).items()}
+    period, fill_time, vent_time, band, pulse_min = (
+        draft.parameter(name, *datum) for name, datum in data.items() if name != "dead_time"
+    )
     commands: list[Expression] = []
     for g, demand, pressure in zip(numbers, demands, pressures, strict=True):
         supply = draft.parameter(f"supply[{g}]", "Pa", "pressure behind the fill valve")

@@ -1,7 +1,5 @@
 """Figures of the estimator: how wrong, how sure, how late."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray
 from numpy.typing import NDArray
@@ -15,42 +13,33 @@ _LONGEST_DELAY = 0.5  # s
 _DELAY_STEP = 0.005  # s
 
 
-@dataclass(frozen=True, slots=True)
-class Errors:
-    """Error of the estimated adhesion above 10 km/h, for each group.
+_OF_ADHESION = (
+    "adhesion_rmse", "adhesion_bias", "adhesion_error_95", "adhesion_nees", "adhesion_delay", "adhesion_outside",
+)  # fmt: skip
+"""Fields of `Metrics` that `adhesion_errors` gives."""
 
-    Attributes:
-        rmse: Root mean square error.
-        bias: Mean of estimate minus truth.
-        within_95: Magnitude that 95 % of the errors do not exceed.
-        nees: Mean of (error/standard deviation)²; 1 for an estimator as sure as it is right; None if it claims none.
-        delay: Shift of the estimate against the truth that fits best [s], 0 to 0.5 in steps of 5 ms.
-        outside: Share of time with the truth outside ±2σ; 0.046 for an estimator as sure as it is right.
+
+def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None]:
+    """Return the errors of the estimated adhesion of each group by their names in `Metrics`.
+
+    They are estimate minus truth above 10 km/h; all are None of a stop without estimates, or that was never as fast.
+    Without a standard deviation there is no NEES, mean of (error/deviation)², which is 1 for an estimator as sure as it
+    is right, and no share outside ±2σ, which is 0.046 then. Delays are 0 to 0.5 s in steps of 5 ms.
     """
-
-    rmse: tuple[float, ...]
-    bias: tuple[float, ...]
-    within_95: tuple[float, ...]
-    nees: tuple[float, ...] | None
-    delay: tuple[float, ...]
-    outside: tuple[float, ...] | None
-
-
-def adhesion_errors(trace: xarray.Dataset) -> Errors | None:
-    """Return the errors of the estimated adhesion, or None of a stop without estimates or above 10 km/h."""
     truth, estimate = _moving(trace, "group_adhesion"), _moving(trace, "estimate_adhesion")
     if truth is None or estimate is None or len(truth) < 2:
-        return None
+        return dict.fromkeys(_OF_ADHESION)
     error, spread = estimate - truth, _moving(trace, "estimate_adhesion_sd")
     period = float(trace["time"].values[1] - trace["time"].values[0])
-    return Errors(
-        rmse=_row(np.sqrt(np.mean(error**2, axis=0))),
-        bias=_row(np.mean(error, axis=0)),
-        within_95=_row(np.quantile(np.abs(error), 0.95, axis=0)),
-        nees=None if spread is None else _row(np.mean((error / spread) ** 2, axis=0)),
-        delay=_row(_delay(truth, estimate, period)),
-        outside=None if spread is None else _row(_outside(error, spread)),
+    errors = (
+        _row(np.sqrt(np.mean(error**2, axis=0))),
+        _row(np.mean(error, axis=0)),
+        _row(np.quantile(np.abs(error), 0.95, axis=0)),
+        None if spread is None else _row(np.mean((error / spread) ** 2, axis=0)),
+        _row(_delay(truth, estimate, period)),
+        None if spread is None else _row(_outside(error, spread)),
     )
+    return dict(zip(_OF_ADHESION, errors, strict=True))
 
 
 def _moving(trace: xarray.Dataset, name: str) -> Array | None:

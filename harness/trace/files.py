@@ -124,9 +124,6 @@ def _library(path: Path, module: str, extra: str) -> Any:
         ) from problem
 
 
-# ---- tables -----------------------------------------------------------------------------------------------------
-
-
 def _csv(path: Path, separator: str | None, decimal: str | None) -> Mapping[str, Any]:
     with _reading(path, "a csv file"):
         frame = read_delimited(path, separator, decimal)
@@ -282,9 +279,6 @@ def _instants(path: Path, values: Any, table: DataTable) -> Vector:
     if np.asarray(values).dtype.kind == "M":
         raise EstimationError(f"{path.name}: column '{name}' holds time stamps; write unit = 'timestamp'.")
     return _numbers(path, name, values, table) * gain
-
-
-# ---- measurement data format ------------------------------------------------------------------------------------
 
 
 def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Series]:

@@ -21,76 +21,52 @@ MOSTLY = 0.5
 share of 20 % is within the luck of one stop; a consistent filter has most of one stop in twenty outside."""
 
 
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """Annotation of a metric: its unit and definition."""
-
-    unit: str
-    meaning: str
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Metrics:
-    """The figures of a stop; tuples are lead to trail, of wheelsets or groups.
+    """The figures of a stop, each with its unit and definition; tuples are lead to trail, of wheelsets or groups.
 
     A figure that does not exist (no estimator, no motion) is NaN or None; `meanings` says what each is.
     """
 
-    distance: Annotated[
-        float, Figure("m", "braking distance, from the brake demand to standstill; none without standstill")
-    ]
-    distance_travelled: Annotated[
-        float, Figure("m", "distance from the brake demand to the end, however the stop ended")
-    ]
-    duration: Annotated[float, Figure("s", "time from the brake demand to the end of the stop")]
-    mean_deceleration: Annotated[float, Figure("m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)")]
-    jerk_mean: Annotated[float, Figure("m/s3", "mean magnitude of the change of acceleration over 0.1 s")]
-    jerk_rms: Annotated[float, Figure("m/s3", "root mean square of the change of acceleration over 0.1 s")]
-    energy_residual: Annotated[float, Figure("1", "energy the plant left unexplained over kinetic energy at the start")]
-    utilisation: Annotated[float, Figure("1", "contact impulse of the train over that of the ideal bound")]
-    utilisation_wheelset: Annotated[
-        Each, Figure("1", "contact impulse of each wheelset over its share in the ideal bound")
-    ]
-    time_over_alpha_max: Annotated[Each, Figure("s", "time of each group above the adhesion limit")]
+    distance: Annotated[float, "m", "braking distance, from the brake demand to standstill; none without standstill"]
+    distance_travelled: Annotated[float, "m", "distance from the brake demand to the end, however the stop ended"]
+    duration: Annotated[float, "s", "time from the brake demand to the end of the stop"]
+    mean_deceleration: Annotated[float, "m/s2", "mean over the distance travelled, (v0^2 - v1^2)/(2 s)"]
+    jerk_mean: Annotated[float, "m/s3", "mean magnitude of the change of acceleration over 0.1 s"]
+    jerk_rms: Annotated[float, "m/s3", "root mean square of the change of acceleration over 0.1 s"]
+    energy_residual: Annotated[float, "1", "energy the plant left unexplained over kinetic energy at the start"]
+    utilisation: Annotated[float, "1", "contact impulse of the train over that of the ideal bound"]
+    utilisation_wheelset: Annotated[Each, "1", "contact impulse of each wheelset over its share in the ideal bound"]
+    time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
-        tuple[Each, ...],
-        Figure("s", f"time of each group in the slip classes with inner edges {slide.SLIP_EDGES}"),
+        tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {slide.SLIP_EDGES}"
     ]
-    time_in_deep_slide: Annotated[Each, Figure("s", "time of each group above 30 % slip")]
-    longest_lock: Annotated[Each, Figure("s", "longest uninterrupted lock of each group")]
-    longest_lock_fast: Annotated[Each, Figure("s", "longest uninterrupted lock of each group above 15 km/h")]
-    locked_distance: Annotated[Each, Figure("m", "distance each group was dragged without turning")]
-    tread_energy: Annotated[Each, Figure("J", "energy each wheelset dissipated in its contacts")]
-    tread_power_peak: Annotated[Each, Figure("W", "greatest power of each wheelset in its contacts")]
-    disc_temperature_peak: Annotated[Each, Figure("K", "greatest disc temperature of each group")]
-    air_used: Annotated[float, Figure("m3", "free air taken from the reservoir")]
-    actuations: Annotated[
-        Each, Figure("1", "valve strokes of each group; turns of the pressure command with ideal actuation")
-    ]
-    adhesion_rmse: Annotated[Each | None, Figure("1", "RMS error of the estimated adhesion above 10 km/h, each group")]
-    adhesion_bias: Annotated[Each | None, Figure("1", "mean error of the estimated adhesion above 10 km/h, each group")]
-    adhesion_error_95: Annotated[
-        Each | None, Figure("1", "bound of 95 % of the adhesion errors above 10 km/h, each group")
-    ]
-    adhesion_nees: Annotated[Each | None, Figure("1", "mean squared error over variance, above 10 km/h, each group")]
-    adhesion_delay: Annotated[Each | None, Figure("s", "shift of the estimated adhesion that fits best, each group")]
-    pad_friction_rmse: Annotated[
-        Each | None, Figure("1", "RMS error of the estimated pad friction above 10 km/h, each group")
-    ]
+    time_in_deep_slide: Annotated[Each, "s", "time of each group above 30 % slip"]
+    longest_lock: Annotated[Each, "s", "longest uninterrupted lock of each group"]
+    longest_lock_fast: Annotated[Each, "s", "longest uninterrupted lock of each group above 15 km/h"]
+    locked_distance: Annotated[Each, "m", "distance each group was dragged without turning"]
+    tread_energy: Annotated[Each, "J", "energy each wheelset dissipated in its contacts"]
+    tread_power_peak: Annotated[Each, "W", "greatest power of each wheelset in its contacts"]
+    disc_temperature_peak: Annotated[Each, "K", "greatest disc temperature of each group"]
+    air_used: Annotated[float, "m3", "free air taken from the reservoir"]
+    actuations: Annotated[Each, "1", "valve strokes of each group; turns of the pressure command with ideal actuation"]
+    adhesion_rmse: Annotated[Each | None, "1", "RMS error of the estimated adhesion above 10 km/h, each group"]
+    adhesion_bias: Annotated[Each | None, "1", "mean error of the estimated adhesion above 10 km/h, each group"]
+    adhesion_error_95: Annotated[Each | None, "1", "bound of 95 % of the adhesion errors above 10 km/h, each group"]
+    adhesion_nees: Annotated[Each | None, "1", "mean squared error over variance, above 10 km/h, each group"]
+    adhesion_delay: Annotated[Each | None, "s", "shift of the estimated adhesion that fits best, each group"]
+    pad_friction_rmse: Annotated[Each | None, "1", "RMS error of the estimated pad friction above 10 km/h, each group"]
     adhesion_outside: Annotated[
-        Each | None, Figure("1", "share of time above 10 km/h with the true adhesion outside ±2σ, each group")
+        Each | None, "1", "share of time above 10 km/h with the true adhesion outside ±2σ, each group"
     ]
     pad_friction_outside: Annotated[
-        Each | None, Figure("1", "share of time above 10 km/h with the true pad friction outside ±2σ, each group")
+        Each | None, "1", "share of time above 10 km/h with the true pad friction outside ±2σ, each group"
     ]
     nis_ratio: Annotated[
-        float | None,
-        Figure("1", "median squared innovation of the estimator over its expected median; 1 if consistent"),
+        float | None, "1", "median squared innovation of the estimator over its expected median; 1 if consistent"
     ]
-    estimator_lost: Annotated[
-        float | None, Figure("s", "when innovations said that the estimator's belief means nothing")
-    ]
-    speed_rmse: Annotated[Each | None, Figure("m/s", "RMS error of the estimated speed above 10 km/h")]
+    estimator_lost: Annotated[float | None, "s", "when innovations said that the estimator's belief means nothing"]
+    speed_rmse: Annotated[Each | None, "m/s", "RMS error of the estimated speed above 10 km/h"]
 
     def doubts(self) -> tuple[str, ...]:
         """Return why the estimator's own claims should not be believed, a sentence each; none if they fit.
@@ -155,9 +131,7 @@ class Metrics:
 
 def meanings() -> dict[str, tuple[str, str]]:
     """Return figure name → unit and definition."""
-    hints = get_type_hints(Metrics, include_extras=True)
-    figures = ((name, hint.__metadata__[0]) for name, hint in hints.items())
-    return {name: (figure.unit, figure.meaning) for name, figure in figures}
+    return {name: hint.__metadata__ for name, hint in get_type_hints(Metrics, include_extras=True).items()}
 
 
 def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuation: str) -> Metrics:
@@ -174,7 +148,6 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
     travelled = motion.distance_travelled(trace)
     jerk_mean, jerk_rms = motion.jerk(trace)
     share, share_each = adhesion_use.utilisation(trace)
-    errors = estimation.adhesion_errors(trace)
     nis_ratio, divergence = estimation.innovations(trace)
     return Metrics(
         distance=travelled if outcome is Outcome.STANDSTILL else float("nan"),
@@ -197,17 +170,12 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         disc_temperature_peak=tuple(map(float, trace["disc_temperature"].values.max(axis=0))),
         air_used=air_used(trace),
         actuations=actuations(trace, actuation),
-        adhesion_rmse=errors.rmse if errors else None,
-        adhesion_bias=errors.bias if errors else None,
-        adhesion_error_95=errors.within_95 if errors else None,
-        adhesion_nees=errors.nees if errors else None,
-        adhesion_delay=errors.delay if errors else None,
         pad_friction_rmse=estimation.rmse(trace, "estimate_pad_friction", "pad_friction"),
-        adhesion_outside=errors.outside if errors else None,
         pad_friction_outside=estimation.outside(trace, "estimate_pad_friction", "pad_friction"),
         nis_ratio=nis_ratio,
         estimator_lost=divergence,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
+        **estimation.adhesion_errors(trace),
     )
 
 
