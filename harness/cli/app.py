@@ -111,7 +111,7 @@ class _Main(Commands):
         },
         "Files and parts": {
             "list": Command("library:list_", "List what may be named: scenarios, controllers, trains and more."),
-            "new": Command("new:new", "Write a commented file to begin with, which runs at once."),
+            "new": Command("library:new", "Write a commented file to begin with, which runs at once."),
             "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
             "train": Command("trains:trains", "Draw and check trains in files."),
             "build": Command("fmus:build_command", "Bring FMUs up to date, or build the plant of your own class."),

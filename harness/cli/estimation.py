@@ -2,7 +2,7 @@
 
 import math
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 import xarray
@@ -15,7 +15,7 @@ from railgrip.estimation.judge import judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.plausible import strange_estimates, strange_signals
 from railgrip.estimation.sources import recording_of_estimation
-from railgrip.estimation.spec import estimate_of, load_specification, prediction_for
+from railgrip.estimation.spec import Specification, estimate_of, load_specification, prediction_for
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.estimation import estimated, information
 from railgrip.report.table import Form, Table, share
@@ -56,12 +56,8 @@ def observability(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     remove(folder, "observability.csv", "observability.png")
-    with progress(f"{specification.name}: recording"):
-        recording = recording_of_estimation(
-            specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ()
-        )
+    recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     if data is not None:
-        _say_flags(recording)
         with progress(f"{specification.name}: filter"):
             recording = with_estimates_as_truth(specification, recording)
     with progress(f"{specification.name}: windows"):
@@ -96,11 +92,7 @@ def estimate(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     remove(folder, "estimates.nc", "estimates.png")
-    with progress(f"{specification.name}: recording"):
-        recording = recording_of_estimation(
-            specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ()
-        )
-    _say_flags(recording)
+    recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):
         prediction = prediction_for(specification)
         estimates = estimate_of(specification, recording)
@@ -165,10 +157,13 @@ def inspect(
         remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")
 
 
-def _say_flags(recording: xarray.Dataset) -> None:
-    """Print what was mended in a user's file."""
+def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
+    """Return the recording of an estimation, see `recording_of_estimation`; print what was mended in a user's file."""
+    with progress(f"{specification.name}: recording"):
+        recording = recording_of_estimation(specification, **source)
     for sentence in recording.attrs.get("flags", ()):
         say(f"{recording.attrs['name']}: {sentence}")
+    return recording
 
 
 def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset) -> None:

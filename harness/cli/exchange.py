@@ -1,9 +1,8 @@
 """FMUs for other tools and of other tools: export the parts of a scenario, map a plant."""
 
 from collections.abc import Sequence
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -23,16 +22,8 @@ from railgrip.simulate.plant_fmu import plant_fmu
 from railgrip.simulate.ssp import write_ssp
 from railgrip.simulate.static_library import write_library
 
-
-class Part(StrEnum):
-    """What of a scenario leaves as an FMU."""
-
-    ONBOARD = "onboard"
-    CONTROLLER = "controller"
-    PLANT = "plant"
-    TRACK = "track"
-    SENSORS = "sensors"
-    ESTIMATOR = "estimator"
+Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
+"""What of a scenario leaves as an FMU."""
 
 
 def _fmi(version: int) -> int:
@@ -52,7 +43,7 @@ def export(
             help="onboard: estimator, law and valves from readings to commands; controller: law and valves alone; "
             "track: rail and driver."
         ),
-    ] = Part.ONBOARD,
+    ] = "onboard",
     fmi: Annotated[int, typer.Option(metavar="2|3", callback=_fmi, help="Version of FMI.")] = 2,
     platforms: Annotated[
         list[str] | None,
@@ -73,7 +64,7 @@ def export(
     """Make FMUs of a scenario for another tool: a part or the whole loop."""
     scenario, targets = load(file, overrides or [], equipment or []), _targets(platforms or [])
     if ssp is not None:
-        if out is not None or fmi == 3 or part != Part.ONBOARD or library:
+        if out is not None or fmi == 3 or part != "onboard" or library:
             raise InputError(
                 "--ssp writes all parts by FMI 2 into one file; leave out --out, --part, --fmi and --library."
             )
@@ -81,7 +72,7 @@ def export(
         say(str(write_ssp(scenario, ssp, targets)))
         return
     if library:
-        if fmi == 3 or targets or part != Part.ONBOARD:
+        if fmi == 3 or targets or part != "onboard":
             raise InputError(
                 "--library compiles the onboard part for this machine; leave out --part, --fmi and --platforms."
             )
@@ -93,12 +84,12 @@ def export(
     place = out or Path("build") / f"{scenario.name}-{part}.fmu"
     make_folder(place.parent, place.name)
     match part:
-        case Part.CONTROLLER:
+        case "controller":
             source = controller_fmu(scenario)
-        case Part.PLANT:
+        case "plant":
             source = plant_fmu(scenario)
         case _:
-            source = part_fmu(scenario, part.value)
+            source = part_fmu(scenario, part)
     say(str(pack(as_fmi_3(source) if fmi == 3 else source, place, platforms=targets)))
 
 
