@@ -122,11 +122,7 @@ def full_brake_force(train: Train) -> Vector:
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
-    """Refuse a train that still rolls so long [s] after it was braked at a speed [m/s].
-
-    Raises:
-        InputError: It takes too long.
-    """
+    """Refuse a train that still rolls so long [s] after it was braked at a speed [m/s]."""
     if time > _LONGEST:
         raise InputError(
             f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "

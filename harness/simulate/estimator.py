@@ -182,11 +182,7 @@ def _opened(description: Description, fmus: dict[str, Description], stack: ExitS
 
 
 def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
-    """Require names among those available, by the kind of thing they are.
-
-    Raises:
-        ScenarioError: Some are missing.
-    """
+    """Require names among those available, by the kind of thing they are."""
     for kind, (names, available) in needs.items():
         if missing := [name for name in names if name not in available]:
             raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")

@@ -279,11 +279,7 @@ def _signals(
 
 
 def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
-    """Refuse a driver's demand beside a controller that commands the valves.
-
-    Raises:
-        ScenarioError: There are both.
-    """
+    """Refuse a driver's demand beside a controller that commands the valves."""
     if commands_valves and scenario.demand is not None:
         raise ScenarioError(
             f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
@@ -292,11 +288,7 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
 
 
 def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
-    """Refuse a law that needs a quantity that is not estimated.
-
-    Raises:
-        ScenarioError: It says what is missing.
-    """
+    """Refuse a law that needs a quantity that is not estimated."""
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
         choice = ", ".join(sorted(estimates)) or "nothing"
