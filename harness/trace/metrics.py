@@ -9,7 +9,7 @@ import xarray
 
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace import adhesion_use, estimation, motion, slide
+from railgrip.trace import estimation, figures
 
 Each = tuple[float, ...]
 
@@ -39,7 +39,7 @@ class Metrics:
     utilisation_wheelset: Annotated[Each, "1", "contact impulse of each wheelset over its share in the ideal bound"]
     time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
-        tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {slide.SLIP_EDGES}"
+        tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {figures.SLIP_EDGES}"
     ]
     time_in_deep_slide: Annotated[Each, "s", "time of each group above 30 % slip"]
     longest_lock: Annotated[Each, "s", "longest uninterrupted lock of each group"]
@@ -99,7 +99,7 @@ class Metrics:
 
         Errors of the estimator are means over the groups, locks the longest of any, strokes the sum.
         """
-        figures = {
+        values = {
             "energy_residual": self.energy_residual,
             "longest_lock": max(self.longest_lock),
             "actuations": float(sum(self.actuations)),
@@ -108,7 +108,7 @@ class Metrics:
             "adhesion_nees": _mean(self.adhesion_nees),
             "nis_ratio": self.nis_ratio,
         }
-        return {name: value for name, value in figures.items() if value is not None and np.isfinite(value)}
+        return {name: value for name, value in values.items() if value is not None and np.isfinite(value)}
 
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
@@ -122,11 +122,11 @@ class Metrics:
             TypeError: A figure is missing or unknown.
         """
         hints = get_type_hints(cls)
-        figures: dict[str, Any] = {
+        values: dict[str, Any] = {
             name: None if value is None and hints.get(name) is not float else _tupled(value)
             for name, value in plain.items()
         }
-        return cls(**figures)
+        return cls(**values)
 
 
 def meanings() -> dict[str, tuple[str, str]]:
@@ -144,29 +144,29 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
     """
-    trace = motion.since_brake_demand(trace)
-    travelled = motion.distance_travelled(trace)
-    jerk_mean, jerk_rms = motion.jerk(trace)
-    share, share_each = adhesion_use.utilisation(trace)
+    trace = figures.since_brake_demand(trace)
+    travelled = figures.distance_travelled(trace)
+    jerk_mean, jerk_rms = figures.jerk(trace)
+    share, share_each = figures.utilisation(trace)
     nis_ratio, divergence = estimation.innovations(trace)
     return Metrics(
         distance=travelled if outcome is Outcome.STANDSTILL else float("nan"),
         distance_travelled=travelled,
-        duration=motion.duration(trace),
-        mean_deceleration=motion.mean_deceleration(trace),
+        duration=figures.duration(trace),
+        mean_deceleration=figures.mean_deceleration(trace),
         jerk_mean=jerk_mean,
         jerk_rms=jerk_rms,
-        energy_residual=motion.energy_residual(trace),
+        energy_residual=figures.energy_residual(trace),
         utilisation=share,
         utilisation_wheelset=share_each,
-        time_over_alpha_max=adhesion_use.time_over_limit(trace, alpha_max),
-        slip_histogram=slide.slip_histogram(trace),
-        time_in_deep_slide=slide.time_in_deep_slide(trace),
-        longest_lock=slide.longest_lock(trace),
-        longest_lock_fast=slide.longest_lock(trace, above=slide.FAST),
-        locked_distance=slide.locked_distance(trace),
-        tread_energy=slide.tread_energy(trace),
-        tread_power_peak=tuple(map(float, slide.tread_power(trace).max(axis=0))),
+        time_over_alpha_max=figures.time_over_limit(trace, alpha_max),
+        slip_histogram=figures.slip_histogram(trace),
+        time_in_deep_slide=figures.time_in_deep_slide(trace),
+        longest_lock=figures.longest_lock(trace),
+        longest_lock_fast=figures.longest_lock(trace, above=figures.FAST),
+        locked_distance=figures.locked_distance(trace),
+        tread_energy=figures.tread_energy(trace),
+        tread_power_peak=tuple(map(float, figures.tread_power(trace).max(axis=0))),
         disc_temperature_peak=tuple(map(float, trace["disc_temperature"].values.max(axis=0))),
         air_used=air_used(trace),
         actuations=actuations(trace, actuation),
