@@ -17,10 +17,9 @@ from railgrip.report.console import say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
 from railgrip.simulate.mapped import mapped
-from railgrip.simulate.parts_in_c import part_fmu
+from railgrip.simulate.parts_in_c import part_fmu, write_library
 from railgrip.simulate.plant_fmu import plant_fmu
 from railgrip.simulate.ssp import write_ssp
-from railgrip.simulate.static_library import write_library
 
 Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
 """What of a scenario leaves as an FMU."""

@@ -1,20 +1,24 @@
-"""Parts of a scenario's stop as FMUs: the loop's own C, with the memory that it has before the first sample."""
+"""Parts of a scenario's stop as FMUs or a static library: the loop's C, with its memory before the first sample."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.files import write_bytes
 from railgrip.controllers.law import OF_GROUPS
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmus.native import Variable, memory
 from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.discrete import Discrete, WrittenStep, sources, straight_step
-from railgrip.fmus.native.package import Source
+from railgrip.fmus.native.embedded import sources_of_library
+from railgrip.fmus.native.package import Source, c_identifier
+from railgrip.fmus.native.toolchain import FMU_FLAGS, static_library
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export import PERIODS, variables
@@ -98,6 +102,33 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
         if parts.driver.has_phases:
             demand = rows[:, recorder.block(DRIVEN)]
         return np.hstack([rows[:, recorder.block(parts.layout.reading_signals)], demand])
+
+
+def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
+    """Write the onboard part as a library for real-time targets, with readings of its stop to time it on.
+
+    The files are library, header, worst_case.c, readings.csv and the folder `sources`; yield the files.
+
+    Raises:
+        ScenarioError: A part of it is not in C, see `part_in_c`.
+        CompilerMissing, BuildFailed: From the C compiler.
+    """
+    system = part_in_c(scenario, "onboard")
+    name, files = c_identifier(system.name), sources_of_library(system)
+    assert isinstance(system.step, WrittenStep)
+    units = (f"{name}.c", *system.step.units)
+    names = ",".join(variable.name for variable in system.inputs)
+    rows = "\n".join(",".join(map(repr, row)) for row in readings_of(scenario).tolist())
+    beside = {f"{name}.h": files[f"{name}.h"], "worst_case.c": files["worst_case.c"]}
+    beside["readings.csv"] = f"{names}\n{rows}\n"
+    contents = {folder / file: text.encode() for file, text in beside.items()}
+    contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in beside}
+    contents[folder / "sources" / f"{name}.h"] = contents[folder / f"{name}.h"]
+    contents[folder / f"lib{name}.a"] = static_library(files, name, units=units, flags=FMU_FLAGS)
+    (folder / "sources").mkdir(parents=True, exist_ok=True)
+    for file, content in contents.items():
+        write_bytes(file, content)
+        yield file
 
 
 def _with_filter_in_c(scenario: Scenario) -> Scenario:
