@@ -66,7 +66,7 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
         agreed = agreed / count if choice == "mean" else agreed
         # A valve of one group: its demand to the last bit.
         shared += [agreed * most for most in full] if count > 1 else [demands[end - 1]]
-    return _law(law, groups, replace(law.formula, step=_step(law.formula, symbols, following, shared)))
+    return _law(law, groups, replace(law.formula, step=_step(symbols, following, shared)))
 
 
 def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adhesion_max: float) -> Law:
@@ -108,7 +108,7 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     state = Quantity(name="missing", unit="N", description="force that groups cannot give, filtered")
     formula = replace(law.formula, states=(*law.formula.states, state))
     widened = (ca.vertcat(symbols[0], carried), *symbols[1:])
-    return _law(law, groups, replace(formula, step=_step(formula, widened, ca.vertcat(following, after), results)))
+    return _law(law, groups, replace(formula, step=_step(widened, ca.vertcat(following, after), results)))
 
 
 def _opened(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
@@ -123,9 +123,7 @@ def _named(quantities: Sequence[Quantity], symbols: Expression) -> list[tuple[Qu
     return [(quantity, symbols[i]) for i, quantity in enumerate(quantities)]
 
 
-def _step(
-    formula: Formula, symbols: Sequence[Expression], following: Expression, demands: Sequence[Expression]
-) -> ca.Function:
+def _step(symbols: Sequence[Expression], following: Expression, demands: Sequence[Expression]) -> ca.Function:
     results = [ca.densify(each) for each in (following, ca.vertcat(*demands))]
     return ca.Function("step", list(symbols), results, {"cse": True})
 

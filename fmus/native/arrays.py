@@ -3,6 +3,7 @@
 A Modelica value of any shape is a numpy object array of scalar `SX`; a scalar is 0-dimensional.
 """
 
+import operator
 import sys
 from collections.abc import Callable, Iterable
 from functools import reduce
@@ -56,7 +57,7 @@ def choose(condition: SX, yes: SX, no: SX) -> SX:
 def _power(base: SX, exponent: SX) -> SX:
     # Small whole exponents as products: exact, fast, and differentiable at zero.
     if is_number(exponent) and float(exponent) == integer(exponent) and 0 <= integer(exponent) <= 4:
-        return reduce(lambda a, b: a * b, [base] * integer(exponent), SX(1))
+        return reduce(operator.mul, [base] * integer(exponent), SX(1))
     return base**exponent
 
 
@@ -72,23 +73,23 @@ def _plain(function: Callable[[Array, Array], Any]) -> Callable[[Array, Array], 
     return lambda a, b: as_array(function(a, b))
 
 
-BINARY: dict[str, Callable[[Array, Array], Array]] = {
-    "add": _plain(lambda a, b: a + b),
-    "subtract": _plain(lambda a, b: a - b),
-    "multiply": _product,
-    "divide": _plain(lambda a, b: a / b),
+_ARITHMETIC: dict[str, Callable[[Array, Array], Array]] = {
+    "add": _plain(operator.add),
+    "subtract": _plain(operator.sub),
+    "multiply": _plain(operator.mul),
+    "divide": _plain(operator.truediv),
     "power": each(_power, 2),
-    "elementwise_add": _plain(lambda a, b: a + b),
-    "elementwise_subtract": _plain(lambda a, b: a - b),
-    "elementwise_multiply": _plain(lambda a, b: a * b),
-    "elementwise_divide": _plain(lambda a, b: a / b),
-    "elementwise_power": each(_power, 2),
-    "less": each(lambda a, b: a < b, 2),
-    "less_equal": each(lambda a, b: a <= b, 2),
-    "greater": each(lambda a, b: a > b, 2),
-    "greater_equal": each(lambda a, b: a >= b, 2),
-    "equal": each(lambda a, b: a == b, 2),
-    "not_equal": each(lambda a, b: a != b, 2),
+}
+BINARY: dict[str, Callable[[Array, Array], Array]] = {
+    **_ARITHMETIC,
+    **{f"elementwise_{name}": function for name, function in _ARITHMETIC.items()},
+    "multiply": _product,
+    "less": each(operator.lt, 2),
+    "less_equal": each(operator.le, 2),
+    "greater": each(operator.gt, 2),
+    "greater_equal": each(operator.ge, 2),
+    "equal": each(operator.eq, 2),
+    "not_equal": each(operator.ne, 2),
     "and": each(ca.logic_and, 2),
     "or": each(ca.logic_or, 2),
 }
@@ -152,8 +153,8 @@ def _matrix_cat(axis: int) -> Callable[..., Array]:
 SHAPED: dict[str, Callable[..., Array]] = {
     "min": _fold(ca.fmin, sys.float_info.max),  # Modelica Language Specification 3.6, section 10.3.4
     "max": _fold(ca.fmax, -sys.float_info.max),
-    "sum": lambda a: array([reduce(lambda p, q: p + q, a.flat, SX(0))]),
-    "product": lambda a: array([reduce(lambda p, q: p * q, a.flat, SX(1))]),
+    "sum": lambda a: array([reduce(operator.add, a.flat, SX(0))]),
+    "product": lambda a: array([reduce(operator.mul, a.flat, SX(1))]),
     "zeros": lambda *sizes: _fill(SX(0), *sizes),
     "ones": lambda *sizes: _fill(SX(1), *sizes),
     "fill": lambda value, *sizes: _fill(value.item(), *sizes),

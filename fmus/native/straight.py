@@ -51,7 +51,7 @@ def straight(function: ca.Function) -> str:
     virtual machine would have it, so that places are used again as soon as they are free.
     """
     steps = list(_steps(function))
-    parts = [_part(k, steps[k * LONGEST : (k + 1) * LONGEST]) for k in range(-(-len(steps) // LONGEST))]
+    parts = [_part(steps[k : k + LONGEST]) for k in range(0, len(steps), LONGEST)]
     name = function.name()
     return "\n".join(
         [
@@ -87,7 +87,7 @@ def _steps(function: ca.Function) -> Iterator[_Step]:
             count += 1
 
 
-def _part(part: int, steps: list[_Step]) -> list[str]:
+def _part(steps: list[_Step]) -> list[str]:
     lines: list[str] = []
     names: set[str] = set()
     for step in steps:

@@ -140,7 +140,7 @@ def explicit(dae: Dae) -> System:
         [s.symbol for s in v.states], v.derivatives, [s.symbol for s in v.algebraics],
         [RELUCTANCE[s.attributes["state_select"]] * (2 if s.fixed else 1) for s in v.states], dae.class_name,
     )  # fmt: skip
-    states, algebraics = _split_states(v, index_one.states, index_one.former_states, dae)
+    states, algebraics = _split_states(v, index_one.states, index_one.former_states)
     loops, start_loops = Loops(), Loops()
     derivative, algebraic, indicators = solve(
         index_one.equations, index_one.unknowns,
@@ -197,7 +197,7 @@ def _at_events(
     # The same loops are met again in the event system and the assertions; `loops` counts them once.
     blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
-    assertions = _assertions(dae, evaluate, v, conditions)
+    assertions = _assertions(dae, evaluate, conditions)
     targets = v.with_numbers([
         vector(v.discretes),
         column(event_states),
@@ -285,7 +285,7 @@ def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
 
 
 def _split_states(
-    v: Variables, pairs: list[tuple[SX, SX]], former_states: frozenset[str], dae: Dae
+    v: Variables, pairs: list[tuple[SX, SX]], former_states: frozenset[str]
 ) -> tuple[list[Scalar], list[Scalar]]:
     """Return states and algebraics after index reduction."""
     by_name = {s.name: s for s in v.states}
@@ -394,7 +394,7 @@ def _state_place(dae: Dae, v: Variables, operation: Node, place: dict[str, int],
     return place[scalars[0].name]
 
 
-def _assertions(dae: Dae, evaluate: Evaluator, v: Variables, conditions: Conditions) -> list[Assertion]:
+def _assertions(dae: Dae, evaluate: Evaluator, conditions: Conditions) -> list[Assertion]:
     out: list[Assertion] = []
     for action in dae.systems["events"]["actions"]:
         operation = action["operation"]

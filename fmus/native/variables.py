@@ -147,7 +147,7 @@ def settle(
 
     # Numbers first: constants, then parameters that shape the equations or are final.
     numeric = by_kind["constant"] + [p for p in by_kind["parameter"] if _is_structural(p)]
-    values = _numbers(dae, numeric, by_kind["parameter"])
+    values = _numbers(dae, numeric)
     constants = vector(numeric), ca.vertcat(*values) if values else SX(0, 1)
     parameters = [p for p in by_kind["parameter"] if not _is_structural(p)]
     # One substitution for all: each has a cost of its own.
@@ -200,7 +200,7 @@ def _start(v: Node, scalars: list[Scalar], evaluate: Evaluator) -> None:
             s.start = float(values[i])
 
 
-def _numbers(dae: Dae, scalars: list[Scalar], parameters: list[Scalar]) -> list[SX]:
+def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
     """Return the values of constants and structural parameters, which may refer to each other."""
     values = [s.binding for s in scalars]
     names, out = vector(scalars), ca.vertcat(*values) if values else SX(0, 1)

@@ -103,7 +103,7 @@ class IsolatedCoSimulation(SteppedPlant):
                 )
             self._line, self._life = ours, life
             stack.callback(self._end)
-            self._receive("start a process for", _READY)
+            self._receive(_READY)
             options = {"period": self._period, "parameters": self._parameters, "folder": folder}
             self._ask("open", pickle.dumps((self._description, self._binding, options)))
             self._stack = stack.pop_all()
@@ -190,9 +190,9 @@ class IsolatedCoSimulation(SteppedPlant):
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
         with suppress(OSError):  # nobody is there any more: what was last said may still be read
             send(line, request, payload)
-        return self._receive(request, self._patience)
+        return self._receive(self._patience)
 
-    def _receive(self, request: str, timeout: float) -> bytes:
+    def _receive(self, timeout: float) -> bytes:
         line = self._line
         assert line is not None
         if line.gettimeout() != timeout:  # changing it is a call to the system, twice for each step

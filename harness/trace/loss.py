@@ -123,10 +123,10 @@ def loss(first: Course, course: Course) -> Loss:
     lost = course.place - first.place_at(course.speed)
     if course.speed[0] >= first.speed[0]:
         lost[0] = 0.0
-    return Loss(first=first, course=course, lost=lost, sections=_sections(first, course, lost))
+    return Loss(first=first, course=course, lost=lost, sections=_sections(course, lost))
 
 
-def _sections(first: Course, course: Course, lost: Array) -> tuple[Section, ...]:
+def _sections(course: Course, lost: Array) -> tuple[Section, ...]:
     end = float(course.place[-1])
     if end <= 0.0:
         return ()
