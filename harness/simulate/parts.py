@@ -33,7 +33,7 @@ from railgrip.simulate.plant import fmu_plant, python_plant
 from railgrip.simulate.rail import driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
-from railgrip.trace.figures import over_the_rail
+from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, sent

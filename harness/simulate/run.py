@@ -12,7 +12,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts, assembled
-from railgrip.trace.figures import distance_travelled, since_brake_demand
+from railgrip.trace.measures import distance_travelled, since_brake_demand
 
 
 def run_stop(

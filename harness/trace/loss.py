@@ -12,7 +12,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.trace.figures import since_brake_demand
+from railgrip.trace.measures import since_brake_demand
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import xarray
 
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace import estimation, figures
+from railgrip.trace import estimation, measures
 
 Each = tuple[float, ...]
 
@@ -39,7 +39,7 @@ class Metrics:
     utilisation_wheelset: Annotated[Each, "1", "contact impulse of each wheelset over its share in the ideal bound"]
     time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
-        tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {figures.SLIP_EDGES}"
+        tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {measures.SLIP_EDGES}"
     ]
     time_in_deep_slide: Annotated[Each, "s", "time of each group above 30 % slip"]
     longest_lock: Annotated[Each, "s", "longest uninterrupted lock of each group"]
@@ -144,29 +144,29 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         alpha_max: Greatest adhesion that may be used.
         actuation: "ideal" or "pneumatic": what the commands in the trace mean.
     """
-    trace = figures.since_brake_demand(trace)
-    travelled = figures.distance_travelled(trace)
-    jerk_mean, jerk_rms = figures.jerk(trace)
-    share, share_each = figures.utilisation(trace)
+    trace = measures.since_brake_demand(trace)
+    travelled = measures.distance_travelled(trace)
+    jerk_mean, jerk_rms = measures.jerk(trace)
+    share, share_each = measures.utilisation(trace)
     nis_ratio, divergence = estimation.innovations(trace)
     return Metrics(
         distance=travelled if outcome is Outcome.STANDSTILL else float("nan"),
         distance_travelled=travelled,
-        duration=figures.duration(trace),
-        mean_deceleration=figures.mean_deceleration(trace),
+        duration=measures.duration(trace),
+        mean_deceleration=measures.mean_deceleration(trace),
         jerk_mean=jerk_mean,
         jerk_rms=jerk_rms,
-        energy_residual=figures.energy_residual(trace),
+        energy_residual=measures.energy_residual(trace),
         utilisation=share,
         utilisation_wheelset=share_each,
-        time_over_alpha_max=figures.time_over_limit(trace, alpha_max),
-        slip_histogram=figures.slip_histogram(trace),
-        time_in_deep_slide=figures.time_in_deep_slide(trace),
-        longest_lock=figures.longest_lock(trace),
-        longest_lock_fast=figures.longest_lock(trace, above=figures.FAST),
-        locked_distance=figures.locked_distance(trace),
-        tread_energy=figures.tread_energy(trace),
-        tread_power_peak=tuple(map(float, figures.tread_power(trace).max(axis=0))),
+        time_over_alpha_max=measures.time_over_limit(trace, alpha_max),
+        slip_histogram=measures.slip_histogram(trace),
+        time_in_deep_slide=measures.time_in_deep_slide(trace),
+        longest_lock=measures.longest_lock(trace),
+        longest_lock_fast=measures.longest_lock(trace, above=measures.FAST),
+        locked_distance=measures.locked_distance(trace),
+        tread_energy=measures.tread_energy(trace),
+        tread_power_peak=tuple(map(float, measures.tread_power(trace).max(axis=0))),
         disc_temperature_peak=tuple(map(float, trace["disc_temperature"].values.max(axis=0))),
         air_used=air_used(trace),
         actuations=actuations(trace, actuation),

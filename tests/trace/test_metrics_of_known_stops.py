@@ -8,56 +8,56 @@ from scipy.stats import chi2
 from synthetic import BRAKES, LOAD, parabola, uniform_stop
 
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace import estimation, figures
+from railgrip.trace import estimation, measures
 from railgrip.trace.bound import brake_limit, with_bound
 from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
 
 
 def test_uniform_braking_has_the_textbook_figures():
     trace = uniform_stop(speed=20.0, deceleration=1.0)
-    assert figures.distance_travelled(trace) == pytest.approx(200.0)
-    assert figures.duration(trace) == pytest.approx(20.0)
-    assert figures.mean_deceleration(trace) == pytest.approx(1.0)
-    assert figures.jerk(trace) == pytest.approx((0.0, 0.0))
-    assert figures.energy_residual(trace) == pytest.approx(0.0, abs=1e-12)
+    assert measures.distance_travelled(trace) == pytest.approx(200.0)
+    assert measures.duration(trace) == pytest.approx(20.0)
+    assert measures.mean_deceleration(trace) == pytest.approx(1.0)
+    assert measures.jerk(trace) == pytest.approx((0.0, 0.0))
+    assert measures.energy_residual(trace) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_ramp_of_acceleration_is_its_slope_in_jerk():
     time = uniform_stop()["time"].values
-    assert figures.jerk(uniform_stop(acceleration=-0.3 * time)) == pytest.approx((0.3, 0.3))
+    assert measures.jerk(uniform_stop(acceleration=-0.3 * time)) == pytest.approx((0.3, 0.3))
 
 
 def test_energy_that_vanishes_shows():
     trace = uniform_stop(speed=20.0, pad_heat=0.0)
-    assert figures.energy_residual(trace) == pytest.approx(1.0)
+    assert measures.energy_residual(trace) == pytest.approx(1.0)
 
 
 def test_slip_classes_and_deep_slide_count_the_time():
     time = uniform_stop()["time"].values
     slip = np.where(time[:, None] < 4.0, [[0.01, 0.12, 0.4, 1.0]], 0.01)
     trace = uniform_stop(slip=slip)
-    histogram = np.array(figures.slip_histogram(trace))
+    histogram = np.array(measures.slip_histogram(trace))
     assert histogram.sum(axis=1) == pytest.approx(np.full(4, 20.0))
     assert histogram[1, 3] == pytest.approx(4.0)  # 10 to 15 %
     assert histogram[2, 6] == pytest.approx(4.0)  # 30 to 50 %
     assert histogram[3, 8] == pytest.approx(4.0)  # above 90 %
-    assert figures.time_in_deep_slide(trace) == pytest.approx((0.0, 0.0, 4.0, 4.0))
+    assert measures.time_in_deep_slide(trace) == pytest.approx((0.0, 0.0, 4.0, 4.0))
 
 
 def test_the_longest_lock_is_one_lock_and_not_their_sum():
     time = uniform_stop()["time"].values
     locks = ((time >= 1) & (time < 3)) | ((time >= 5) & (time < 8))
     trace = uniform_stop(locked=np.stack([locks, 0 * time, 0 * time, 0 * time], axis=1))
-    assert figures.longest_lock(trace) == pytest.approx((3.0, 0, 0, 0))
+    assert measures.longest_lock(trace) == pytest.approx((3.0, 0, 0, 0))
     # 20 t − t²/2 over 1…3 and 5…8 s: 36 m and 40.5 m
-    assert figures.locked_distance(trace) == pytest.approx((76.5, 0, 0, 0))
+    assert measures.locked_distance(trace) == pytest.approx((76.5, 0, 0, 0))
 
 
 def test_tread_energy_is_force_times_creep_path():
     trace = uniform_stop(speed=20.0, deceleration=0.981, adhesion=0.1, slip=0.05)
-    distance = figures.distance_travelled(trace)
-    assert figures.tread_energy(trace) == pytest.approx((0.1 * LOAD * 0.05 * distance,) * 6, rel=1e-6)
-    assert figures.tread_power(trace).max() == pytest.approx(0.1 * LOAD * 0.05 * 20.0)
+    distance = measures.distance_travelled(trace)
+    assert measures.tread_energy(trace) == pytest.approx((0.1 * LOAD * 0.05 * distance,) * 6, rel=1e-6)
+    assert measures.tread_power(trace).max() == pytest.approx(0.1 * LOAD * 0.05 * 20.0)
 
 
 def test_valve_strokes_are_changes_of_position():
@@ -117,7 +117,7 @@ def test_an_isolated_brake_bounds_its_group_to_nothing():
 
 def test_utilisation_is_used_over_possible_impulse():
     trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, BRAKES, alpha_max=0.15)
-    train, each = figures.utilisation(trace)
+    train, each = measures.utilisation(trace)
     assert train == pytest.approx(0.8)
     assert each == pytest.approx((0.8,) * 6)
 
@@ -125,7 +125,7 @@ def test_utilisation_is_used_over_possible_impulse():
 def test_time_over_the_limit_counts_each_group():
     time = uniform_stop()["time"].values
     trace = uniform_stop(group_adhesion=np.where(time[:, None] < 3, [[0.16, 0.14, 0.14, 0.2]], 0.1))
-    assert figures.time_over_limit(trace, 0.15) == pytest.approx((3.0, 0, 0, 3.0))
+    assert measures.time_over_limit(trace, 0.15) == pytest.approx((3.0, 0, 0, 3.0))
 
 
 def test_a_perfect_estimator_has_no_error_and_no_delay():
