@@ -2,16 +2,13 @@
 
 import pytest
 
-from railgrip.studies.filter_consistency import Case, errors_of
+from railgrip.studies.filter_consistency import errors_of
 
 
 @pytest.mark.parametrize("load", [0.8, 1.12])
 def test_a_load_that_nobody_knows_is_learned_over_a_stop(load):
     """Adhesion without a bias, and as sure as it is right; a seed that its noises were not chosen on."""
-    own, other = (
-        errors_of(Case(scenario="sine_sweep", load=load, fault="none", filter=name, seed=4))
-        for name in ("loaded", "disturbed")
-    )
+    own, other = (errors_of(("sine_sweep", load, "none", 4, name)) for name in ("loaded", "disturbed"))
     assert own.rmse < 0.8 * other.rmse
     assert abs(own.bias) < 0.25 * abs(other.bias)
     assert 0.3 < own.nees < 2.0 < other.nees

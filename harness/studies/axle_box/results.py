@@ -50,16 +50,16 @@ def compared(results: Results, command: str) -> Table:
               for s, runs in results.runs.items()}  # fmt: skip
     hidden, inputs = next(iter(results.networks.values())).network.hidden_weights.shape
     rows = [
-        Compared(figure="Fig. 5 to 8", quantity=f"mean amplitude at {', '.join(map(str, levels))} mph [m/s²]",
-                 published="rises with speed", ours=" / ".join(f"{level:.4f}" for level in levels.values())),
-        Compared(figure="Fig. 9", quantity="inputs", published=4, ours=inputs, form="{:d}"),
-        Compared(figure="Fig. 9", quantity="hidden neurons", published=6, ours=hidden, form="{:d}"),
+        Compared("Fig. 5 to 8", f"mean amplitude at {', '.join(map(str, levels))} mph [m/s²]", "rises with speed",
+                 " / ".join(f"{level:.4f}" for level in levels.values())),
+        Compared("Fig. 9", "inputs", 4, inputs, "{:d}"),
+        Compared("Fig. 9", "hidden neurons", 6, hidden, "{:d}"),
     ]  # fmt: skip
     for s, network in results.networks.items():
         late = parts_of(results.runs[s], results.recipe)[1]
-        error = np.concatenate([network(x) - y for x, y in late])
-        rows.append(Compared(figure=f"Fig. {_ESTIMATES[s]}", quantity=f"MAE at {s} mph, one of the best networks",
-                             published=PUBLISHED_BEST[s], ours=float(np.abs(error).mean()), form=_FORM))  # fmt: skip
+        error = float(np.abs(np.concatenate([network(x) - y for x, y in late])).mean())
+        quantity = f"MAE at {s} mph, one of the best networks"
+        rows.append(Compared(f"Fig. {_ESTIMATES[s]}", quantity, PUBLISHED_BEST[s], error, _FORM))
     return comparison(rows, command)
 
 

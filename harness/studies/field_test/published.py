@@ -59,18 +59,15 @@ def _of_track(train: Train, run: Run) -> Sequence[Compared]:
     curves = np.diff(np.append(False, course.curvature > CURVED).astype(int))
     span = np.sort(plan.place(course.distance[[0, -1]]))
     grades = np.array([place for place, *_ in plan.grades])
+    published, ours = (" / ".join(f"{float(x) / 1e3:.3f}" for x in place) + " km" for place in (MIDDLE, middle))
+    changes = int(((grades > span[0]) & (grades < span[1])).sum())
     return (
-        Compared(figure="Fig. 1", quantity="independent rotations", published=4, ours=len(train.groups), form="{:d}"),
-        Compared(figure="Fig. 1", quantity="mass, sum of Table 3", published=sum(LOADS), ours=train.mass / 1e3,
-                 form="{:.1f} t"),
-        Compared(figure="Fig. 2", quantity="middle of the track, earth-centred",
-                 published=" / ".join(f"{x / 1e3:.3f}" for x in MIDDLE) + " km",
-                 ours=" / ".join(f"{float(x) / 1e3:.3f}" for x in middle) + " km",
+        Compared("Fig. 1", "independent rotations", 4, len(train.groups), "{:d}"),
+        Compared("Fig. 1", "mass, sum of Table 3", sum(LOADS), train.mass / 1e3, "{:.1f} t"),
+        Compared("Fig. 2", "middle of the track, earth-centred", published, ours,
                  difference=f"{np.linalg.norm(np.array(MIDDLE) - np.ravel(middle)):.1f} m"),
-        Compared(figure="Fig. 2", quantity="curves to the right", published=2, ours=int((curves == 1).sum()),
-                 form="{:d}"),
-        Compared(figure="Fig. 2", quantity="changes of slope", published=3, form="{:d}",
-                 ours=int(((grades > span[0]) & (grades < span[1])).sum())),
+        Compared("Fig. 2", "curves to the right", 2, int((curves == 1).sum()), "{:d}"),
+        Compared("Fig. 2", "changes of slope", 3, changes, "{:d}"),
     )  # fmt: skip
 
 
@@ -83,15 +80,15 @@ def _of_drive(run: Run) -> Sequence[Compared]:
     second = round(1.0 / (time[1] - time[0]))
     decelerating = np.polyfit(time[-second:], speed[-second:], 1)
     standstill = float(-decelerating[1] / decelerating[0])
-    ours = (*time[drives].tolist(), float(time[brake]), standstill)
+    begin = float(time[brake])
+    ours = (*time[drives].tolist(), begin, standstill)
     return (
-        *(Compared(figure="Fig. 3", quantity=name, published=at, ours=value, form="{:.1f} s",
-                   difference=f"{value - at:+.1f} s".replace("-", "−"))
+        *(Compared("Fig. 3", name, at, value, "{:.1f} s", f"{value - at:+.1f} s".replace("-", "−"))
           for (name, at), value in zip(TIMES.items(), ours, strict=True)),
-        Compared(figure="Fig. 3", quantity="time of braking", ours=standstill - float(time[brake]), form="{:.1f} s",
-                 published=TIMES["standstill"] - TIMES["braking begins"]),
-        Compared(figure="Fig. 3", quantity="speed when braking begins", published=START_SPEED, form="{:.1f} km/h",
-                 ours=style.KMH * float(speed[brake - second : brake].mean())),
+        Compared("Fig. 3", "time of braking", TIMES["standstill"] - TIMES["braking begins"], standstill - begin,
+                 "{:.1f} s"),
+        Compared("Fig. 3", "speed when braking begins", START_SPEED,
+                 style.KMH * float(speed[brake - second : brake].mean()), "{:.1f} km/h"),
     )  # fmt: skip
 
 
@@ -112,21 +109,17 @@ def _of_braking(task: Task, estimate: Estimates) -> Sequence[Compared]:
     levels = adhesion[rolling].mean(axis=0)
     pads = estimate.mean[:, 1 + GROUPS : 1 + 2 * GROUPS]
     early, late = (pads[rolling[part]].mean(axis=0) for part in (slice(0, 50), slice(-50, None)))
+    rises = " / ".join(f"{100 * (b / a - 1):+.1f} %" for a, b in zip(early, late, strict=True)).replace("-", "−")
     return (
-        *(Compared(figure="Fig. 4", quantity=f"highest pressure, {bogie}", published=published, ours=ours,
-                   form="{:.2f} bar")
+        *(Compared("Fig. 4", f"highest pressure, {bogie}", published, ours, "{:.2f} bar")
           for bogie, published, ours in zip(("motor bogie", "Jacobs bogie"), PRESSURES, highest, strict=True)),
-        Compared(figure="Fig. 4", quantity="largest slip of motor bogie 1", published=OVERBRAKING,
-                 ours=float(time[peak]), form="at {:.1f} s",
-                 difference=f"{time[peak] - OVERBRAKING:+.1f} s".replace("-", "−")),
-        Compared(figure="Fig. 4", quantity="overbraking of the wheelset behind", published="not distinct",
-                 ours=f"{100 * slip[moving, 1].max():.1f} % slip, motor bogie 1 {100 * slip[peak, 0]:.1f} %"),
-        Compared(figure="Fig. 5", quantity="adhesion of motor bogie 1, slippery", published=ADHESIONS[0], ours=low),
-        Compared(figure="Fig. 5", quantity="adhesion of motor bogie 1, elsewhere", published=ADHESIONS[1],
-                 ours=float(levels[0])),
-        Compared(figure="Fig. 5", quantity="adhesion of Jacobs bogie over that of motor bogie 1", published="below 1",
-                 ours=float(levels[1] / levels[0])),
-        Compared(figure="Fig. 5", quantity="brake friction over the braking", published="rises",
-                 ours=" / ".join(f"{100 * (b / a - 1):+.1f} %" for a, b in zip(early, late, strict=True))
-                 .replace("-", "−")),
+        Compared("Fig. 4", "largest slip of motor bogie 1", OVERBRAKING, float(time[peak]), "at {:.1f} s",
+                 f"{time[peak] - OVERBRAKING:+.1f} s".replace("-", "−")),
+        Compared("Fig. 4", "overbraking of the wheelset behind", "not distinct",
+                 f"{100 * slip[moving, 1].max():.1f} % slip, motor bogie 1 {100 * slip[peak, 0]:.1f} %"),
+        Compared("Fig. 5", "adhesion of motor bogie 1, slippery", ADHESIONS[0], low),
+        Compared("Fig. 5", "adhesion of motor bogie 1, elsewhere", ADHESIONS[1], float(levels[0])),
+        Compared("Fig. 5", "adhesion of Jacobs bogie over that of motor bogie 1", "below 1",
+                 float(levels[1] / levels[0])),
+        Compared("Fig. 5", "brake friction over the braking", "rises", rises),
     )  # fmt: skip

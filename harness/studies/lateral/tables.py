@@ -161,21 +161,17 @@ def compared(trace: Trace, command: str) -> Table:
         command: That runs it.
     """
     creep = np.geomspace(1e-5, 0.1, 400)
-    peaks = [
-        Compared(figure="Fig. 2", quantity=f"largest adhesion, {rail.name}", published=rail.mu0, form="{:.3f}",
-                 ours=float(adhesion(rail, creep, trace.case.speed).max()))
-        for rail in CONDITIONS
-    ]  # fmt: skip
     error = np.abs(beliefs_about(trace, "literal")["creep_force"].mean - trace.truth["creep_force"])
     instant = float(trace.time[np.nanargmax(error)])
+    changes = f"{', '.join(f'{at:g}' for at in trace.changes[1:])} s"
     rows = [
-        *peaks,
-        Compared(figure="Fig. 4 to 23", quantity="largest deviation of the track", published=7.0, form="{:.1f} mm",
-                 ours=1e3 * float(np.abs(trace.track).max())),
-        Compared(figure="Fig. 20 to 23", quantity="changes of the surface", published="2, 4, 6 and 8 s",
-                 ours=f"{', '.join(f'{at:g}' for at in trace.changes[1:])} s"),
-        Compared(figure="Fig. 23", quantity="largest error of the creep force, literal filter", published=2.0,
-                 ours=instant, form="at {:.1f} s", difference=f"{instant - 2.0:+.1f} s".replace("-", "−")),
+        *(Compared("Fig. 2", f"largest adhesion, {rail.name}", rail.mu0,
+                   float(adhesion(rail, creep, trace.case.speed).max()), "{:.3f}") for rail in CONDITIONS),
+        Compared("Fig. 4 to 23", "largest deviation of the track", 7.0, 1e3 * float(np.abs(trace.track).max()),
+                 "{:.1f} mm"),
+        Compared("Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s", changes),
+        Compared("Fig. 23", "largest error of the creep force, literal filter", 2.0, instant, "at {:.1f} s",
+                 f"{instant - 2.0:+.1f} s".replace("-", "−")),
     ]  # fmt: skip
     return comparison(rows, command)
 

@@ -193,7 +193,10 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
     force.plot(time, reading_of(recording, "pad_force") / 1e3, color=palette.ORANGE, lw=0.6, label="pad force (right)")
     force.set_ylim(0, 150)
     inputs.set_ylim(0, 1.25 * START_SPEED[test])
-    _legend(inputs, force)
+    # Above the axes, where no line runs.
+    lines = [*inputs.get_lines(), *force.get_lines()]
+    names = [str(line.get_label()) for line in lines]
+    style.legend(inputs, lines, names, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)
     measured = measured_adhesion(recording)
     friction.plot(time, truth_of(recording, "mu_b"), color=palette.BLACK, lw=1.2, ls="--", label="true")
     # The noisiest line, as wide as a band, lies below what it is compared with.
@@ -356,32 +359,32 @@ def compared(found: Mapping[str, Any]) -> list[Compared]:
     """Return the published quantities beside ours; `found` are `measures`."""
     words = {"1": "greatest adhesion", "2": "brake released", "3": "rolling"}
     points = [
-        Compared(
-            figure="Fig. 3",
-            quantity=f"point {number}, {words[number]}",
-            published="no numbers",
-            ours=f"adhesion {adhesion:.3f} at {100 * slip:.1f} % slip",
-        )
+        Compared("Fig. 3", f"point {number}, {words[number]}", "no numbers",
+                 f"adhesion {adhesion:.3f} at {100 * slip:.1f} % slip")
         for number, (slip, adhesion) in found["points"].items()
-    ]
+    ]  # fmt: skip
     slide, sand = found["rig_slide"], found["rig_sand"]
-    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *_compared_over_slip(sand)]
+    peaks = [
+        Compared("Fig. 6", f"peaks above {LIMIT:g} as drawn / in all of the test, {NAMES[name]}", "one",
+                 f"{count} / {sand['filters'][name]['excursions']}")
+        for name, count in sand["peaks"].items()
+    ]  # fmt: skip
+    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *_compared_errors("Fig. 6", sand), *peaks]
 
 
 def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
     """Return what the text says of figure 4, beside the sliding test."""
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
-    numbers = [
-        ("initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h"),
-        ("short brakings", 3.0, float(len(short)), "{:.0f}"),
-        ("begin of the first short braking", 18.0, short[0][0], "{:.1f} s"),
-        ("end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
-        ("begin of the stop braking", low.begin, slide["stop"], "{:.1f} s"),
-        (f"adhesion until {low.end:g} s, 5 % quantile", (0.02, 0.05), slide["adhesion"][0], "{:.3f}"),
-        (f"adhesion until {low.end:g} s, 95 % quantile", (0.02, 0.05), slide["adhesion"][1], "{:.3f}"),
-    ]
     return [
-        *_compared_numbers("Fig. 4", numbers),
+        Compared("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h"),
+        Compared("Fig. 4", "short brakings", 3.0, float(len(short)), "{:.0f}"),
+        Compared("Fig. 4", "begin of the first short braking", 18.0, short[0][0], "{:.1f} s"),
+        Compared("Fig. 4", "end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
+        Compared("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s"),
+        *(
+            Compared("Fig. 4", f"adhesion until {low.end:g} s, {name} quantile", (0.02, 0.05), adhesion, "{:.3f}")
+            for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True)
+        ),
         *_compared_friction("Fig. 4", slide),
         *_compared_errors("Fig. 4", slide),
     ]
@@ -390,84 +393,43 @@ def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
 def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Compared]:
     """Return what the text says of figure 5, beside the sanding test."""
     names = ("first peak", "after the fall", "after the release", "at last")
-    numbers = [
-        ("initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h"),
+    return [
+        Compared("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h"),
         *(
-            (f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}")
+            Compared("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}")
             for name, published, ours in zip(names, (0.1, 0.05, 0.1, 0.0), sand["adhesion"], strict=True)
         ),
-    ]
-    against = [
-        (f"{name}, slide / sand", words, f"{slide[key]:{form}} / {sand[key]:{form}}", "{}")
-        for name, words, key, form in (
-            ("applications of the brake a second", "fewer in the sanding test", "applications", ".2f"),
-            ("rms oscillation of estimated pad friction", "larger in the sanding test", "oscillation", ".4f"),
-        )
-    ]
-    return [
-        *_compared_numbers("Fig. 5", numbers),
         *_compared_friction("Fig. 5", sand),
-        *_compared_numbers("Fig. 5", against),
-    ]
-
-
-def _compared_over_slip(sand: Mapping[str, Any]) -> list[Compared]:
-    """Return what the text says of figure 6, beside the sanding test."""
-    peaks = [
-        (f"peaks above {LIMIT:g} as drawn / in all of the test, {NAMES[name]}", "one",
-         f"{count} / {sand['filters'][name]['excursions']}", "{}")
-        for name, count in sand["peaks"].items()
+        Compared("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
+                 f"{slide['applications']:.2f} / {sand['applications']:.2f}"),
+        Compared("Fig. 5", "rms oscillation of estimated pad friction, slide / sand", "larger in the sanding test",
+                 f"{slide['oscillation']:.4f} / {sand['oscillation']:.4f}"),
     ]  # fmt: skip
-    return [*_compared_errors("Fig. 6", sand), *_compared_numbers("Fig. 6", peaks)]
-
-
-def _compared_numbers(
-    figure: str, rows: Sequence[tuple[str, float | tuple[float, float] | str, float | str, str]]
-) -> list[Compared]:
-    """Return quantities of a figure: name, published, ours, form."""
-    return [
-        Compared(figure=figure, quantity=name, published=published, ours=ours, form=form)
-        for name, published, ours, form in rows
-    ]
 
 
 def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[Compared]:
     """Return the errors of adhesion of each filter in a test."""
-    return [
-        row
-        for name, judged in test["filters"].items()
-        for row in _compared_numbers(
-            figure,
-            [
-                (f"error of adhesion outside protection events, {NAMES[name]}", (-np.inf, LIMIT),
-                 judged["alpha_outside"], "{:.4f}"),
-                (f"longest error above {LIMIT:g}, {NAMES[name]}", (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
-            ],
-        )
-    ]  # fmt: skip
+    rows: list[Compared] = []
+    for name, judged in test["filters"].items():
+        outside = f"error of adhesion outside protection events, {NAMES[name]}"
+        longest = f"longest error above {LIMIT:g}, {NAMES[name]}"
+        rows += [
+            Compared(figure, outside, (-np.inf, LIMIT), judged["alpha_outside"], "{:.4f}"),
+            Compared(figure, longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
+        ]
+    return rows
 
 
 def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[Compared]:
     """Return how pad friction rises to the end of a test, true and estimated."""
+    published = f"rises from {test['rises']:g} s on"
     return [
-        Compared(
-            figure=figure,
-            quantity=f"pad friction, {NAMES.get(name, name)}",
-            published=f"rises from {test['rises']:g} s on",
-            ours=f"{begin:.3f} to {end:.3f}",
-            difference="" if end > begin else "does not rise",
-        )
+        Compared(figure, f"pad friction, {NAMES.get(name, name)}", published, f"{begin:.3f} to {end:.3f}",
+                 difference="" if end > begin else "does not rise")
         for name, (begin, end) in test["pad friction"].items()
-    ]
+    ]  # fmt: skip
 
 
 def table(found: Mapping[str, Any]) -> Table:
     """Return the table of the page; `found` are `measures`."""
     return comparison(compared(found), "railgrip study roller_rig --write")
-
-
-def _legend(axes: Axes, other: Axes) -> None:
-    """Name the lines of both scales above the axes, where none of them runs."""
-    lines = [*axes.get_lines(), *other.get_lines()]
-    names = [str(line.get_label()) for line in lines]
-    style.legend(axes, lines, names, loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=4)

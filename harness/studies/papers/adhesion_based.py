@@ -18,7 +18,7 @@ from railgrip.studies.papers.creep_curves import CreepCurve
 from railgrip.studies.papers.lyapunov import course_of, violations
 from railgrip.studies.papers.pages import Compared
 from railgrip.studies.papers.schematic import arrow, box, canvas
-from railgrip.studies.papers.table1 import ABC, BOUNDS, DEFAULT, EQUAL, SBC, SCENARIOS, Fitted, stop_of
+from railgrip.studies.papers.table1 import ABC, BOUNDS, DEFAULT, EQUAL, SBC, SCENARIOS, Candidate, Fitted, stop_of
 from railgrip.trace.stop import Stop
 
 LIBRARY = Path(__file__).parent / "library"
@@ -48,14 +48,17 @@ def distances(identified: Fitted) -> Table:
 
 def parameters(identified: Fitted) -> Table:
     """Return what was identified, beside the published shape that the scenarios have and the bounds of the search."""
-    rows: list[tuple[str, str, str, str]] = []
-    for name, (low, high) in BOUNDS.items():
-        value, default = (
-            _value(fit, name) for fit in (identified, Fitted(candidate=DEFAULT, levels={}, sbc={}, abc={}))
+    rows = [
+        (
+            name,
+            *(f"{_value(candidate, name):.3g}" for candidate in (identified.candidate, DEFAULT)),
+            f"{low:g} – {high:g}",
         )
-        rows.append((name, f"{value:.3g}", f"{default:.3g}", f"{low:g} – {high:g}"))
-    for name in SCENARIOS:
-        rows.append((f"level, {name.replace('_', ' ')}", f"{identified.levels[name]:.3f}", "", "0.5 – 2.5"))
+        for name, (low, high) in BOUNDS.items()
+    ]
+    rows += [
+        (f"level, {name.replace('_', ' ')}", f"{identified.levels[name]:.3f}", "", "0.5 – 2.5") for name in SCENARIOS
+    ]
     return Table.of(("number", "identified", "dry", "bounds"), rows)
 
 
@@ -70,27 +73,25 @@ def profile(fits: Sequence[Fitted]) -> Table:
         cells: list[str] = []
         for begin, end in pairwise(edges):
             # Values are rounded to four digits, so that one at a bound may lie beyond it.
-            inside = [fit.largest for fit in fits if begin * 0.999 <= _value(fit, name) <= end * 1.001]
+            inside = [fit.largest for fit in fits if begin * 0.999 <= _value(fit.candidate, name) <= end * 1.001]
             cells.append(f"{begin:.2g} – {end:.2g}: {100 * min(inside):.1f} %" if inside else "none tried")
         rows.append((name, *cells))
     return Table.of(("number", "lowest quarter", "second", "third", "highest quarter"), rows)
 
 
-def equal_fits(fits: Sequence[Fitted], most: float = 2 * EQUAL, apart: float = 0.25) -> list[Fitted]:
-    """Return fits with errors up to `most`, the best first, that differ in some number by `apart` of its bounds."""
+def alternatives(fits: Sequence[Fitted]) -> Table:
+    """Return fits with errors up to twice `EQUAL`, the best first.
+
+    Each differs from those before it in some number by a quarter of its bounds.
+    """
     chosen: list[Fitted] = []
     for fit in sorted(fits, key=lambda fit: fit.largest):
-        if fit.largest <= most and all(_apart(fit, other) >= apart for other in chosen):
+        if fit.largest <= 2 * EQUAL and all(_apart(fit, other) >= 0.25 for other in chosen):
             chosen.append(fit)
-    return chosen
-
-
-def alternatives(fits: Sequence[Fitted]) -> Table:
-    """Return `equal_fits` as a table."""
     rows = [
-        (*(f"{_value(fit, name):.3g}" for name in BOUNDS), f"{100 * fit.largest:.1f} %",
+        (*(f"{_value(fit.candidate, name):.3g}" for name in BOUNDS), f"{100 * fit.largest:.1f} %",
          " / ".join(f"{distance:.0f}" for distance in fit.abc.values()))
-        for fit in equal_fits(fits)
+        for fit in chosen
     ]  # fmt: skip
     return Table.of((*BOUNDS, "largest error", "adhesion-based [m]"), rows, left=0)
 
@@ -100,7 +101,12 @@ def profile_figure(fits: Sequence[Fitted]) -> Figure:
     drawing, panels = style.panels(10, 5.6, 2, 3, sharey=True)
     for panel, name in zip(panels.flat, BOUNDS, strict=True):
         shown = [fit for fit in fits if np.isfinite(fit.largest)]
-        panel.plot([_value(fit, name) for fit in shown], [100 * fit.largest for fit in shown], ".", color=palette.BLUE)
+        panel.plot(
+            [_value(fit.candidate, name) for fit in shown],
+            [100 * fit.largest for fit in shown],
+            ".",
+            color=palette.BLUE,
+        )
         panel.axhline(100 * EQUAL, color=palette.GREY, linestyle="--", linewidth=1)
         style.dress(panel, x=name, y="largest error of six [%]" if panel in panels[:, 0] else "")
         panel.set_yscale("log")
@@ -183,7 +189,8 @@ def adhesion_figure(stops: Mapping[str, Stop]) -> Figure:
         ):
             panel.axvspan(begin, end, color=palette.SKY, alpha=0.2, linewidth=0)
             panel.text(place, 0.008, words, fontsize=8)
-        style.dress(panel, y="adhesion of wheelset 1", title=f"{law}: {_metres(stops[law])}; SBC: {_metres(sbc)}")
+        ours, slip_based = (stop.metrics.distance for stop in (stops[law], sbc))
+        style.dress(panel, y="adhesion of wheelset 1", title=f"{law}: {ours:.1f} m; SBC: {slip_based:.1f} m")
         panel.set_ylim(0, 0.24)
         style.legend(panel, ncols=3, loc="upper left")
     panels[-1].set_xlabel("time since the brake demand [s]")
@@ -237,44 +244,33 @@ def _course_of_adhesion(stop: Stop) -> dict[str, Any]:
 def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
     """Return the published quantities beside ours; `found` are `measures`."""
     rows = [
-        Compared(figure="Fig. 1", quantity=f"slip of maxima, {name}", published="two distinct maxima, no numbers",
-                 ours=", ".join(f"{100 * slip:.1f} %" for slip in slips))
+        Compared("Fig. 1", f"slip of maxima, {name}", "two distinct maxima, no numbers",
+                 ", ".join(f"{100 * slip:.1f} %" for slip in slips))
         for name, slips in found["maxima"].items()
     ]  # fmt: skip
     rows += [
-        Compared(figure="Fig. 3", quantity=f"minimum of μ0 from front to rear, {_rail(name)}", published="rises",
-                 ours=f"{minima[0]:.3f} to {minima[-1]:.3f}",
-                 difference="" if minima[-1] > minima[0] else "does not rise")
+        Compared("Fig. 3", f"minimum of μ0 from front to rear, {_rail(name)}", "rises",
+                 f"{minima[0]:.3f} to {minima[-1]:.3f}", difference="" if minima[-1] > minima[0] else "does not rise")
         for name, minima in found["minima"].items()
     ]  # fmt: skip
-    for title, paper, ours in (("SBC", SBC, identified.sbc), ("ABC as printed", ABC, identified.abc)):
-        rows += [
-            Compared(figure="Table 1", quantity=f"{title}, {_rail(name)}", published=paper[name], ours=ours[name],
-                     form="{:.1f} m")
-            for name in SCENARIOS
-        ]  # fmt: skip
-    rows.append(
-        Compared(figure="Fig. 4", quantity="begin of the last rise of μ0", published=LAST_RISE, ours=found["rise"],
-                 form="{:.1f} s")
-    )  # fmt: skip
+    rows += [
+        Compared("Table 1", f"{title}, {_rail(name)}", paper[name], ours[name], "{:.1f} m")
+        for title, paper, ours in (("SBC", SBC, identified.sbc), ("ABC as printed", ABC, identified.abc))
+        for name in SCENARIOS
+    ]
+    rows.append(Compared("Fig. 4", "begin of the last rise of μ0", LAST_RISE, found["rise"], "{:.1f} s"))
     for law in LAWS:
-        rows += _compared_of_law(law, found)
+        course, longer = found[law], found["trapezoid"]["duration"] - found[law]["duration"]
+        rows += [
+            Compared("Fig. 4", f"{law}: SBC takes longer by", 2.0, longer, "{:.1f} s"),
+            Compared("Fig. 4", f"{law}: adhesion over the greatest possible, before / in / after {COUPLED[0]:g} to "
+                     f"{COUPLED[1]:g} s", "very close / suboptimal / very close",
+                     " / ".join(f"{100 * used:.0f} %" for used in course["used"].values())),
+            Compared("Fig. 4", f"{law}: rms of fast changes of adhesion, before / after {LAST_RISE:g} s",
+                     "significant chattering after 25 s",
+                     " / ".join(f"{deviation:.4f}" for deviation in course["chatter"])),
+        ]  # fmt: skip
     return rows
-
-
-def _compared_of_law(law: str, found: Mapping[str, Any]) -> list[Compared]:
-    """Return what the text says of figure 4, beside one of the laws."""
-    course, span = found[law], f"{COUPLED[0]:g} to {COUPLED[1]:g} s"
-    return [
-        Compared(figure="Fig. 4", quantity=f"{law}: SBC takes longer by", published=2.0,
-                 ours=found["trapezoid"]["duration"] - course["duration"], form="{:.1f} s"),
-        Compared(figure="Fig. 4", quantity=f"{law}: adhesion over the greatest possible, before / in / after {span}",
-                 published="very close / suboptimal / very close",
-                 ours=" / ".join(f"{100 * used:.0f} %" for used in course["used"].values())),
-        Compared(figure="Fig. 4", quantity=f"{law}: rms of fast changes of adhesion, before / after {LAST_RISE:g} s",
-                 published="significant chattering after 25 s",
-                 ours=" / ".join(f"{deviation:.4f}" for deviation in course["chatter"])),
-    ]  # fmt: skip
 
 
 def _rail(name: str) -> str:
@@ -284,19 +280,15 @@ def _rail(name: str) -> str:
     return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
-def _metres(stop: Stop) -> str:
-    return f"{stop.metrics.distance:.1f} m"
-
-
-def _value(fit: Fitted, name: str) -> float:
-    return fit.candidate.k_S / fit.candidate.k_A if name == "k_S/k_A" else float(getattr(fit.candidate, name))
+def _value(candidate: Candidate, name: str) -> float:
+    return candidate.k_S / candidate.k_A if name == "k_S/k_A" else float(getattr(candidate, name))
 
 
 def _apart(fit: Fitted, other: Fitted) -> float:
     """Return the greatest distance of two fits in a number, as a share of its bounds."""
     shares: list[float] = []
     for name, (low, high) in BOUNDS.items():
-        first, second = _value(fit, name), _value(other, name)
+        first, second = _value(fit.candidate, name), _value(other.candidate, name)
         shares.append(
             abs(first - second) / (high - low) if name == "A" else abs(np.log(first / second) / np.log(high / low))
         )

@@ -11,13 +11,10 @@ from numpy.typing import NDArray
 from railgrip.report import palette, style
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.load import load
-from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track.table import Track, track_force_of
 from railgrip.simulate.loop.rail import Field, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.trace.contact import Contact
-from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
 
 Vector = NDArray[np.float64]
@@ -33,34 +30,30 @@ SPEED = 80 / 3.6
 SLIPS = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 80)])
 
 
-def adhesion_over_slip(
-    formation: Formation, contact: Contact, curve: Polach, mu0: float, slips: Vector, speed: float, clean: Recovery
-) -> Vector:
-    """Return the adhesion of each wheelset once all of them have slid far enough with a slip, (slips, wheelsets)."""
+def curves(name: str, mu0: float) -> tuple[Vector, Vector]:
+    """Return adhesion at `SLIPS` on a rail that stays as it lies, (slips,), and on one that slip cleans.
+
+    The latter, shape (slips, wheelsets), is that of each wheelset once all of them have slid far enough with a slip.
+    """
+    scenario = load(Path("plain"), [f"adhesion.polach={name}"])
+    vehicle = VehicleData(scenario)
+    same = np.ones(SLIPS.size)
+    as_it_lies = vehicle.contact(SLIPS, SPEED * same, LOAD * same, mu0 * same)
+    formation = vehicle.formation
     layout, count = layout_of(formation), formation.wheelsets
     profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
     way = formation.wheelset_position[-1] + 1.0
-    alpha = np.empty((slips.size, count))
-    for slip, row in zip(slips, alpha, strict=True):
-        rail = TabulatedRail(layout, profile, track_force_of(Track()), Field(layout, clean, curve, way))
+    cleaned = np.empty((SLIPS.size, count))
+    for slip, row in zip(SLIPS, cleaned, strict=True):
+        field = Field(layout, CLEAN, scenario.adhesion.polach, way)
+        rail = TabulatedRail(layout, profile, track_force_of(Track()), field)
         plant_outputs = np.zeros(layout.outputs)
-        plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = speed, slip
+        plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = SPEED, slip
         plant_outputs[layout.output["wheelset_load"]] = LOAD
         for place in np.arange(round(way / STRIDE)) * STRIDE:
-            row[:] = contact(np.full(count, slip), np.full(count, speed), np.full(count, LOAD), rail.mu0)
+            row[:] = vehicle.contact(np.full(count, slip), np.full(count, SPEED), np.full(count, LOAD), rail.mu0)
             plant_outputs[layout.output["distance"]], plant_outputs[layout.output["adhesion"]] = place, row
             rail.advance(0.0, plant_outputs)
-    return alpha
-
-
-def curves(name: str, mu0: float, slips: Vector, speed: float = SPEED) -> tuple[Vector, Vector]:
-    """Return adhesion on a rail that stays as it lies, (slips,), and where slip cleans it, (slips, wheelsets)."""
-    scenario = load(Path("plain"), [f"adhesion.polach={name}"])
-    vehicle = VehicleData(scenario)
-    contact, curve = vehicle.contact, scenario.adhesion.polach
-    same = np.ones(slips.size)
-    as_it_lies = contact(slips, speed * same, LOAD * same, mu0 * same)
-    cleaned = adhesion_over_slip(vehicle.formation, contact, curve, mu0, slips, speed, CLEAN)
     return as_it_lies, cleaned
 
 
@@ -91,8 +84,8 @@ WET, LOW = ("wet", 0.15), ("low", 0.06)
 
 def figure_1_curves() -> list[CreepCurve]:
     """Return a wet rail, and a rail of low adhesion as it lies and as the first wheelset cleans it by its slip."""
-    wet, _ = curves(*WET, SLIPS)
-    low, cleaned = curves(*LOW, SLIPS)
+    wet, _ = curves(*WET)
+    low, cleaned = curves(*LOW)
     titles = [f"{name}, μ0 = {mu0:g}" for name, mu0 in (WET, LOW)]
     return [
         CreepCurve(label=f"{titles[0]}, rail as it lies", adhesion=wet, color=palette.BLUE, linestyle="--"),

@@ -18,9 +18,9 @@ FOLDER = Path("docs/papers")
 """Of the pages, from the folder of the project, where the commands run; their figures are in `figures` inside it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Compared:
-    """A quantity of a published figure or table, beside ours.
+    """A quantity of a published figure or table, beside ours: a row of `comparison`.
 
     Attributes:
         figure: Of the paper, as "Fig. 4" or "Table 1".
@@ -39,32 +39,29 @@ class Compared:
     form: Form = "{:.3g}"
     difference: str = ""
 
-    def row(self, command: str) -> dict[str, str]:
-        """Return the row of the table, computed by `command`."""
-        published, ours = self.published, self.ours
-        difference = self.difference
-        if not isinstance(ours, str) and not isinstance(published, str) and not difference:
-            if isinstance(published, tuple):
-                difference = _beyond(ours, *published, self.form)
-            else:
-                difference = percent(ours / published - 1) if published else text(ours, self.form)
-        return {
-            "figure": self.figure,
-            "quantity": self.quantity,
-            "published": _range(*published, self.form) if isinstance(published, tuple) else text(published, self.form),
-            "ours": text(ours, self.form),
-            "difference": difference,
-            "command": f"`{command}`",
-        }
-
 
 def comparison(rows: Sequence[Compared], command: str) -> Table:
-    """Return the table of a page: figure, quantity, published, ours, difference, command.
+    """Return the table of a page: figure, quantity, published, ours, difference, and the command that computes ours.
 
     The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
     its nearer bound.
     """
-    return Table([row.row(command) for row in rows], left=("figure", "quantity", "command"))
+    return Table(
+        [
+            {
+                "figure": row.figure,
+                "quantity": row.quantity,
+                "published": _range(*row.published, row.form)
+                if isinstance(row.published, tuple)
+                else text(row.published, row.form),
+                "ours": text(row.ours, row.form),
+                "difference": row.difference or _difference(row),
+                "command": f"`{command}`",
+            }
+            for row in rows
+        ],
+        left=("figure", "quantity", "command"),
+    )
 
 
 def write_results(
@@ -110,7 +107,13 @@ def _range(low: float, high: float, form: Form) -> str:
     return f"≥ {text(low, form)}" if high == float("inf") else f"{text(low, form)} to {text(high, form)}"
 
 
-def _beyond(value: float, low: float, high: float, form: Form) -> str:
-    if low <= value <= high:
+def _difference(row: Compared) -> str:
+    published, ours = row.published, row.ours
+    if isinstance(ours, str) or isinstance(published, str):
+        return ""
+    if not isinstance(published, tuple):
+        return percent(ours / published - 1) if published else text(ours, row.form)
+    low, high = published
+    if low <= ours <= high:
         return "within"
-    return f"{text(value - high, form)} above" if value > high else f"{text(low - value, form)} below"
+    return f"{text(ours - high, row.form)} above" if ours > high else f"{text(low - ours, row.form)} below"

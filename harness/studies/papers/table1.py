@@ -11,7 +11,7 @@ import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from scipy.stats import qmc
 
 from railgrip.api import Scenario
 from railgrip.base.files import replacing
-from railgrip.campaign.work import Work
+from railgrip.campaign.work import Work, call
 from railgrip.simulate.run import braking_distance
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
@@ -83,8 +83,8 @@ class Fitted:
     @property
     def largest(self) -> float:
         """The largest of them; infinite where a level was not found."""
-        worst = max(map(abs, self.errors))
-        return worst if math.isfinite(worst) and not any(map(math.isnan, self.errors)) else math.inf
+        worst = float(np.max(np.abs(self.errors)))
+        return worst if math.isfinite(worst) else math.inf
 
 
 DEFAULT = Candidate(k_A=1.0, k_S=0.4, A=0.4, B=0.6, filter_time=0.0042, slip_small=0.003)
@@ -142,11 +142,9 @@ def fit(candidate: Candidate) -> Fitted:
     for name in SCENARIOS:
         levels[name] = level = _level(name, candidate)
         if math.isnan(level):
-            return Fitted(candidate=candidate, levels=levels | dict.fromkeys(SCENARIOS, math.nan), sbc=_NONE, abc=_NONE)
+            none = dict.fromkeys(SCENARIOS, math.nan)
+            return Fitted(candidate=candidate, levels=none, sbc=none, abc=none)
     return at_levels(candidate, levels, SEARCHED)
-
-
-_NONE: Mapping[str, float] = {str(name): math.nan for name in SCENARIOS}
 
 
 def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mapping[str, int]) -> Fitted:
@@ -199,12 +197,8 @@ def search(work: Work, stages: Sequence[int] = STAGES, seed: int = 1) -> list[Fi
 
 def refined(work: Work, fits: Sequence[Fitted], count: int = 6) -> Fitted:
     """Return the best of the first few fits by the medians of `FINAL` repeats."""
-    again = work.map(_at_levels, [(fit.candidate, dict(fit.levels), FINAL) for fit in fits[:count]])
+    again = work.map(call, [partial(at_levels, fit.candidate, fit.levels, FINAL) for fit in fits[:count]])
     return min(again, key=lambda fit: fit.largest)
-
-
-def _at_levels(case: tuple[Candidate, Mapping[str, float], Mapping[str, int]]) -> Fitted:
-    return at_levels(*case)
 
 
 def write_fits(path: Path, fits: Sequence[Fitted]) -> None:
