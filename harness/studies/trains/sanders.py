@@ -3,7 +3,7 @@
 The other four are no blind prediction: further assumptions of the trial were chosen with all five in view.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -63,24 +63,10 @@ class Trial(Table):
         return self
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
-    """A distance of the trial beside ours; None for a train that did not stop within the horizon.
-
-    Attributes:
-        fitted: Whether the density of sand was found on it.
-    """
-
-    sanders: str
-    distance: float | None
-    measured: float
-    at_least: bool
-    fitted: bool
-
-    @property
-    def off(self) -> float | None:
-        """Relative difference; None where the trial gives only a bound."""
-        return None if self.at_least or self.distance is None else self.distance / self.measured - 1
+Comparison = Mapping[str, Any]
+"""A distance of the trial beside ours, as sanders.json has it: `sanders`; `distance_m`, None for a train that did not
+stop within the horizon; `measured_m`; `fitted`, whether the density of sand was found on it; `at_least`, true where the
+trial gives only a bound."""
 
 
 def trial_of() -> Trial:
@@ -131,12 +117,12 @@ def compare(trial: Trial) -> tuple[float, list[Comparison]]:
 
     density = float(root_scalar(excess, bracket=trial.law.density, rtol=_CLOSE).root)
     return density, [
-        Comparison(
-            sanders=row.sanders,
-            distance=braking_distance(scenario_of_row(trial, row, density, tables)),
-            measured=row.measured,
-            at_least=row.at_least,
-            fitted=row is fitted,
-        )
+        {
+            "sanders": row.sanders,
+            "distance_m": braking_distance(scenario_of_row(trial, row, density, tables)),
+            "measured_m": row.measured,
+            "fitted": row is fitted,
+        }
+        | ({"at_least": True} if row.at_least else {})
         for row in trial.rows
     ]

@@ -23,7 +23,8 @@ from railgrip.scenario.merge import merged
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.loop.loop import Ending
+from railgrip.simulate.parts import Assembled, assembled
 from railgrip.studies.bench.fmi import plant_step
 
 LIBRARY = Path(__file__).parent / "library"
@@ -94,12 +95,7 @@ def dry_stop(train: str | Path) -> DryStop:
     data = load_train(Path(train))
     from_speed = data.reference[0].speed if data.reference else USUAL_SPEED
     scenario = dry_scenario(train, from_speed)
-    with assembled(scenario) as parts:
-        begin = process_time()
-        result = parts.run()
-        seconds = process_time() - begin
-    if result.outcome is not Outcome.STANDSTILL:
-        raise ScenarioError(f"{data.name}: the dry stop ended with {result.outcome.value}: {result.reason}")
+    seconds, result, parts = _timed(scenario, f"{data.name}: the dry stop")
     trace = parts.recorder.trace(result.samples, scenario.periods.communication)
     force = trace["coupler_force"].values if "coupler_force" in trace else np.zeros((1, 0))
     push, pull = (-force).max(axis=0, initial=0.0), force.max(axis=0, initial=0.0)
@@ -132,28 +128,12 @@ def _build_seconds(train: Train) -> float:
         return sum(os.times()[:4]) - begin
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProtectedStop:
-    """What a stop with valves, sensors, estimator and slip control costs.
+def protected_stop(estimator_period: float) -> dict[str, float]:
+    """Stop the four-car train on a poor rail as `library/protected.toml` has it, with valves, sensors and estimator.
 
-    Attributes:
-        estimator_period: [s].
-        simulated: Length of the stop [s].
-        processor: Time of the processor, the best of some runs [s].
-    """
-
-    estimator_period: float
-    simulated: float
-    processor: float
-
-    @property
-    def times_real_time(self) -> float:
-        """Simulated time over that of the processor."""
-        return self.simulated / self.processor
-
-
-def protected_stop(estimator_period: float) -> ProtectedStop:
-    """Stop the four-car train on a poor rail as `library/protected.toml` has it.
+    Returns:
+        As trains.json has it: period of the estimator [s], length of the stop [s], time of the processor [s], the best
+        of some runs, and simulated time over that of the processor.
 
     Raises:
         ScenarioError: It does not come to stand.
@@ -163,17 +143,29 @@ def protected_stop(estimator_period: float) -> ProtectedStop:
     table = merged(merged(read_toml(LIBRARY / "dry.toml"), service), read_toml(LIBRARY / "protected.toml"))
     table["periods"]["estimator"] = estimator_period
     scenario = scenario_of(table, directory=Path(), origin="protected.toml")
-    times: list[float] = []
-    simulated = 0.0
-    for _ in range(_ROUNDS):
-        with assembled(scenario) as parts:
-            begin = process_time()
-            result = parts.run()
-            times.append(process_time() - begin)
-        if result.outcome is not Outcome.STANDSTILL:
-            raise ScenarioError(f"{scenario.name}: ended with {result.outcome.value}: {result.reason}")
-        simulated = result.samples * scenario.periods.communication
-    return ProtectedStop(estimator_period=estimator_period, simulated=simulated, processor=min(times))
+    runs = [_timed(scenario, f"{scenario.name}: the protected stop") for _ in range(_ROUNDS)]
+    simulated, processor = runs[-1][1].samples * scenario.periods.communication, min(seconds for seconds, *_ in runs)
+    return {
+        "estimator_period_s": estimator_period,
+        "simulated_s": simulated,
+        "processor_s": processor,
+        "times_real_time": simulated / processor,
+    }
+
+
+def _timed(scenario: Scenario, subject: str) -> tuple[float, Ending, Assembled]:
+    """Return the time of the processor for a stop [s], its result, and the parts that were run.
+
+    Raises:
+        ScenarioError: It does not come to stand; the sentence begins with `subject`.
+    """
+    with assembled(scenario) as parts:
+        begin = process_time()
+        result = parts.run()
+        seconds = process_time() - begin
+    if result.outcome is not Outcome.STANDSTILL:
+        raise ScenarioError(f"{subject} ended with {result.outcome.value}: {result.reason}")
+    return seconds, result, parts
 
 
 def filling_of(train: Train, trace: Any) -> Filling:
@@ -182,11 +174,9 @@ def filling_of(train: Train, trace: Any) -> Filling:
     cars = [train.axles[members[0]].car for members in train.groups]
     first = [cars.index(car) for car in range(len(train.cars))]
     highest = np.array([train.bogie_of(g).brake.pressure_max for g in first])
-    begin = np.array(
-        [time[np.argmax(pressure[:, g] > _FIRST_SHARE * top)] for g, top in zip(first, highest, strict=True)]
-    )
-    full = np.array(
-        [time[np.argmax(pressure[:, g] > _FULL_SHARE * top)] for g, top in zip(first, highest, strict=True)]
+    begin, full = (
+        np.array([time[np.argmax(pressure[:, g] > share * top)] for g, top in zip(first, highest, strict=True)])
+        for share in (_FIRST_SHARE, _FULL_SHARE)
     )
     lengths = np.array([car.length for car in train.cars])
     middles = np.cumsum(lengths) - lengths / 2

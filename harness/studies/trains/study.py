@@ -1,6 +1,6 @@
 """Trains against reality: their stops, two JSON files, figures, a page, and headline numbers."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -26,7 +26,6 @@ from railgrip.studies.trains.stops import (
     FILLING,
     PROPAGATION,
     DryStop,
-    ProtectedStop,
     dry_scenario,
     dry_stop,
     multiplied,
@@ -129,7 +128,7 @@ def row_of(stop: DryStop) -> dict[str, object]:
 def page_of(
     stops: Sequence[DryStop],
     series: Sequence[DryStop],
-    protected_stops: Sequence[ProtectedStop],
+    protected_stops: Sequence[Mapping[str, float]],
     trial: Trial,
     density: float,
     comparisons: Sequence[Comparison],
@@ -169,39 +168,16 @@ def page_of(
             "figures/sanders.png": _sander_figure(comparisons),
         },
         data={
-            "trains.json": _stops_as_data((*stops, *series), protected_stops),
+            "trains.json": {"trains": [row_of(stop) for stop in (*stops, *series)], "protected_stop": protected_stops},
             "sanders.json": _sanders_as_data(trial, density, comparisons),
         },
         screen=(distances, protected, sanders),
     )
 
 
-def _stops_as_data(stops: Sequence[DryStop], protected_stops: Sequence[ProtectedStop]) -> dict[str, Any]:
-    real_time = [
-        {
-            "estimator_period_s": stop.estimator_period,
-            "simulated_s": stop.simulated,
-            "processor_s": stop.processor,
-            "times_real_time": stop.times_real_time,
-        }
-        for stop in protected_stops
-    ]
-    return {"trains": [row_of(stop) for stop in stops], "protected_stop": real_time}
-
-
 def _sanders_as_data(trial: Trial, density: float, comparisons: Sequence[Comparison]) -> dict[str, Any]:
-    rows = [
-        {
-            "sanders": comparison.sanders,
-            "distance_m": comparison.distance,
-            "measured_m": comparison.measured,
-            "fitted": comparison.fitted,
-        }
-        | ({"at_least": True} if comparison.at_least else {})
-        for comparison in comparisons
-    ]
     law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
-    return {"rows": rows, "law": law}
+    return {"rows": comparisons, "law": law}
 
 
 def _answer(stops: Sequence[DryStop]) -> str:
@@ -229,14 +205,14 @@ def table_of(stops: Sequence[DryStop]) -> Table:
     return Table(rows, forms, ("train",))
 
 
-def table_of_protected(stops: Sequence[ProtectedStop]) -> Table:
+def table_of_protected(stops: Sequence[Mapping[str, float]]) -> Table:
     """Return how much faster than real time the stop with estimator and valves runs."""
     rows = [
         {
-            "estimator every": f"{1e3 * stop.estimator_period:g} ms",
-            "simulated": stop.simulated,
-            "processor": stop.processor,
-            "times real time": stop.times_real_time,
+            "estimator every": f"{1e3 * stop['estimator_period_s']:g} ms",
+            "simulated": stop["simulated_s"],
+            "processor": stop["processor_s"],
+            "times real time": stop["times_real_time"],
             "target": ">= 20",
         }
         for stop in stops
@@ -249,15 +225,20 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
     """Return the distances of the trial beside ours."""
     rows = [
         {
-            "sanders": comparison.sanders,
-            "measured": f"{'> ' if comparison.at_least else ''}{comparison.measured:.0f} m",
-            "simulated": "no stop" if comparison.distance is None else f"{comparison.distance:.0f} m",
-            "difference": percent(comparison.off),
-            "": "fitted" if comparison.fitted else "",
+            "sanders": row["sanders"],
+            "measured": f"{'> ' if 'at_least' in row else ''}{row['measured_m']:.0f} m",
+            "simulated": "no stop" if row["distance_m"] is None else f"{row['distance_m']:.0f} m",
+            "difference": percent(_difference(row)),
+            "": "fitted" if row["fitted"] else "",
         }
-        for comparison in comparisons
+        for row in comparisons
     ]
     return Table(rows, {}, ("sanders", ""))
+
+
+def _difference(row: Comparison) -> float | None:
+    """Return the relative difference of a distance; None where the trial gives only a bound, or without a stop."""
+    return None if "at_least" in row or row["distance_m"] is None else row["distance_m"] / row["measured_m"] - 1
 
 
 def _published(stops: Sequence[DryStop]) -> Table:
@@ -353,29 +334,15 @@ def _cost_figure(series: Sequence[DryStop]) -> Figure:
 def _sander_figure(comparisons: Sequence[Comparison]) -> Figure:
     figure, axes = style.panels(6.4, 3.4)
     places = np.arange(len(comparisons))
-    axes.bar(
-        places - 0.2, [comparison.measured for comparison in comparisons], 0.4, color=palette.GREY, label="measured"
-    )
-    colours = [palette.ORANGE if comparison.fitted else palette.BLUE for comparison in comparisons]
-    axes.bar(
-        places + 0.2, [comparison.distance or 0.0 for comparison in comparisons], 0.4, color=colours, label="simulated"
-    )
-    for place, comparison in zip(places, comparisons, strict=True):
-        words = (
-            "at least"
-            if comparison.at_least
-            else "fitted"
-            if comparison.fitted
-            else f"{100 * (comparison.off or 0.0):+.0f} %"
-        )
-        axes.annotate(
-            words,
-            (float(place), max(comparison.measured, comparison.distance or 0.0)),
-            ha="center",
-            va="bottom",
-            fontsize=8,
-        )
-    axes.set_xticks(places, [comparison.sanders for comparison in comparisons], fontsize=8)
+    measured, simulated = [row["measured_m"] for row in comparisons], [row["distance_m"] or 0.0 for row in comparisons]
+    colours = [palette.ORANGE if row["fitted"] else palette.BLUE for row in comparisons]
+    axes.bar(places - 0.2, measured, 0.4, color=palette.GREY, label="measured")
+    axes.bar(places + 0.2, simulated, 0.4, color=colours, label="simulated")
+    for place, row, height in zip(places, comparisons, map(max, measured, simulated), strict=True):
+        words = "fitted" if row["fitted"] else f"{100 * (_difference(row) or 0.0):+.0f} %"
+        words = "at least" if "at_least" in row else words
+        axes.annotate(words, (float(place), height), ha="center", va="bottom", fontsize=8)
+    axes.set_xticks(places, [row["sanders"] for row in comparisons], fontsize=8)
     axes.legend(frameon=False)
     style.dress(axes, y="distance [m]")
     return figure
