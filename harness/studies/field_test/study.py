@@ -101,7 +101,9 @@ class FieldTest(Study):
             "tracks": _tracks(of_case),
             "case": _case(scores, worst),
             "pads": _pads(tasks, filter_, noises),
-            "track_spread": _track_spread(track_spread),
+            "track_spread": Table.of(
+                tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
+            ),
             "score_spread": _score_spread(score_spread),
         }
         figures = {
@@ -182,21 +184,12 @@ def _conditions(test: Task) -> dict[str, Any]:
 
 
 def _tracks(of_case: Mapping[str, Run]) -> Table:
-    columns = ("case", "distance", *list(_TRACK_SPREAD)[1:])
-    scores = {case: track_score(run) for case, run in of_case.items()}
-    return Table.of(
-        columns,
-        [
-            (
-                case,
-                *(
-                    f"{factor * one[name]:{form}}{' %' if name == 'distance' else ''}"
-                    for name, form, factor in _TRACK_SPREAD.values()
-                ),
-            )
-            for case, one in scores.items()
-        ],
-    )
+    rows: list[tuple[str, ...]] = []
+    for case, run in of_case.items():
+        of_run = track_score(run)
+        distance, *others = (f"{factor * of_run[name]:{form}}" for name, form, factor in _TRACK_SPREAD.values())
+        rows.append((case, f"{distance} %", *others))
+    return Table.of(("case", "distance", *list(_TRACK_SPREAD)[1:]), rows)
 
 
 def _groups(scores: Mapping[str, Figures]) -> Table:
@@ -225,21 +218,19 @@ def _noises(noises: Mapping[str, Noise]) -> Table:
 
 
 def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:
+    errors = {
+        "adhesion RMSE": "adhesion", "pad friction RMSE": "pad_friction", "mean pad friction RMSE": "mean_pad_friction",
+    }  # fmt: skip
     rows = [
         {
             "noises": title, "(14), cases 1–5 [m/s]": worst[title], "O_6 [m/s]": s["deviation"], "NIS": s["nis"],
             "NEES": s["nees"], "speed RMSE [m/s]": s["speed"], "distance": 100 * s["distance"],
-            "adhesion RMSE": s["adhesion"], "pad friction RMSE": s["pad_friction"],
-            "mean pad friction RMSE": s["mean_pad_friction"],
         }
+        | {column: s[name] for column, name in errors.items()}
         for title, s in scores.items()
     ]  # fmt: skip
     constant = next(iter(scores.values()))
-    best = {
-        "noises": "the best constant", "adhesion RMSE": constant["adhesion_constant"],
-        "pad friction RMSE": constant["pad_friction_constant"],
-        "mean pad friction RMSE": constant["mean_pad_friction_constant"],
-    }  # fmt: skip
+    best = {"noises": "the best constant"} | {column: constant[f"{name}_constant"] for column, name in errors.items()}
     forms = {
         **dict.fromkeys(rows[0], "{:.2e}"), **dict.fromkeys(("NIS", "NEES"), "{:.3g}"), "distance": "{:+.3f} %",
         **dict.fromkeys(best, "{:.4f}"),
@@ -257,10 +248,6 @@ _SCORE_SPREAD: Mapping[str, tuple[str, str, float]] = {
     "pad friction RMSE": ("pad_friction", ".4f", 1.0), "mean pad friction RMSE": ("mean_pad_friction", ".4f", 1.0),
     "NEES": ("nees", ".2g", 1.0),
 }  # fmt: skip
-
-
-def _track_spread(spread: Sequence[Figures]) -> Table:
-    return Table.of(tuple(_TRACK_SPREAD), [[_spread(spread, *of) for of in _TRACK_SPREAD.values()]], left=0)
 
 
 def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:

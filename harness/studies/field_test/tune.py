@@ -8,6 +8,7 @@ ends with the result of an uninterrupted one.
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from threading import local as thread_local
 from typing import Literal
 
@@ -16,7 +17,7 @@ from scipy.optimize import differential_evolution
 from scipy.stats import qmc
 
 from railgrip.base.errors import EstimationError, FilterDiverged
-from railgrip.campaign.work import Work
+from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.studies.field_test.filtering import NAMES, PHYSICAL, Noise, Task, equations, filter_of, follow
@@ -58,26 +59,6 @@ class Search:
     seed: int
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Stage:
-    """A part of a search.
-
-    Attributes:
-        kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
-        tasks: Brakings, all of one period.
-        population: At the beginning.
-        draws: Seed of the search, and generations before this stage.
-        threads: Number of threads that evaluate candidates.
-    """
-
-    kind: Kind
-    tasks: Sequence[Task]
-    population: Array
-    generations: int
-    draws: tuple[int, int]
-    threads: int
-
-
 def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple[Noise, float, list[float]]:
     """Return the noises that minimise an objective over brakings, its value, and the best after each generation.
 
@@ -89,15 +70,9 @@ def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple
         raise EstimationError(f"tuning needs brakings of one period, got {sorted(periods)} s; resample them.")
     population, history, lowest = _first(search), list[float](), np.inf
     while len(history) < search.generations:
-        stage = Stage(
-            kind=kind,
-            tasks=tasks,
-            population=population,
-            generations=min(search.stage, search.generations - len(history)),
-            draws=(search.seed, len(history)),
-            threads=work.count,
-        )
-        ((population, lowest, best_of_each),) = work.map(evolved, [stage])
+        generations, draws = min(search.stage, search.generations - len(history)), (search.seed, len(history))
+        stage = partial(_evolved, kind, tasks, population, generations, draws, work.count)
+        ((population, lowest, best_of_each),) = work.map(call, [stage])
         history += best_of_each
         work.notify(f"generation {len(history)}, best {lowest:.6f} m/s")
         if not best_of_each:
@@ -105,28 +80,39 @@ def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple
     return Noise.of(population[0]), lowest, history
 
 
-def evolved(stage: Stage) -> tuple[Array, float, list[float]]:
-    """Return the population after a stage, the best first, its value, and the best after each generation."""
-    period, model, mine = stage.tasks[0].data.period, equations(), thread_local()
+def _evolved(
+    kind: Kind, tasks: Sequence[Task], population: Array, generations: int, draws: tuple[int, int], threads: int
+) -> tuple[Array, float, list[float]]:
+    """Return the population after a stage, the best first, its value, and the best after each generation.
+
+    Args:
+        kind: `paper` for equation (14), `consistent` to weigh NIS and NEES too.
+        tasks: Brakings, all of one period.
+        population: At the beginning.
+        generations: In the stage.
+        draws: Seed of the search, and generations before this stage.
+        threads: Number of threads that evaluate candidates.
+    """
+    period, model, mine = tasks[0].data.period, equations(), thread_local()
     history: list[float] = []
 
     def objective(logarithms: Array) -> float:
         # Each thread has a filter of its own; C runs without Python's lock, so threads are sufficient.
         if not hasattr(mine, "filter"):
             mine.filter = filter_of(model, period)
-        return evaluate(stage.kind, stage.tasks, mine.filter, Noise.of(logarithms))
+        return evaluate(kind, tasks, mine.filter, Noise.of(logarithms))
 
     def note(intermediate_result: object) -> None:
         history.append(float(intermediate_result.fun))  # pyright: ignore[reportAttributeAccessIssue]
 
     filter_of(model, period)  # compiled here once, so that the threads do not all compile it
-    with ThreadPoolExecutor(stage.threads) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         optimum = differential_evolution(
             objective,
             _limits(),
-            init=stage.population,  # pyright: ignore[reportArgumentType] - the stubs know names only
-            maxiter=stage.generations,
-            rng=np.random.default_rng(stage.draws),
+            init=population,  # pyright: ignore[reportArgumentType] - the stubs know names only
+            maxiter=generations,
+            rng=np.random.default_rng(draws),
             strategy="best1bin",
             mutation=(0.4, 0.9),
             recombination=0.8,
