@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -15,6 +16,7 @@ from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.estimation.run import equations_of, model_of, units_of
 from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
+from railgrip.estimators.discretisation import advance
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.simulate.vehicle import catalogue_counts
@@ -65,11 +67,12 @@ def _stepper(friction_radius: float, period: float) -> tuple[float, ca.Function]
     start = next(v.start for v in model.parameters if v.name == "pad.mu_start")
     x, u = ca.SX.sym("x", len(names)), ca.SX.sym("u", len(model.inputs))
     slope = ca.Function("slope", [x, u], [model.derivative(0.0, x, u, ca.DM(values))])
-    k1 = slope(x, u)
-    k2 = slope(x + 0.5 * period * k1, u)
-    k3 = slope(x + 0.5 * period * k2, u)
-    k4 = slope(x + period * k3, u)
-    return float(start), ca.Function("step", [x, u], [x + period / 6.0 * (k1 + 2 * k2 + 2 * k3 + k4)])
+    symbols: Any = x  # the formula of arrays is also one of symbols
+
+    def derivative(state: Any) -> Any:
+        return slope(state, u)
+
+    return float(start), ca.Function("step", [x, u], [advance(derivative, symbols, period)])
 
 
 MODEL = "TrainPredictionReduced"
@@ -156,13 +159,20 @@ def evidence_of(
     acceleration -= _bias(acceleration[:count], readings[:count, at("speed")], period)
     values = {v.name: float(p) for v, p in zip(model_of(MODEL).parameters, prediction.parameters, strict=True)}
     piston = {"piston_area": values["A_piston"], "spring_force": values["F_spring"]}
-    force = pad_force(pressure, **piston, rigging=_rigging(values))
+    rigging = values["i_rigging"] * values["eta_rigging"]  # force of both pads over force of the piston
+    force = pad_force(pressure, **piston, rigging=rigging)
     braking = np.flatnonzero(pressure.max(axis=1) > _RELEASED)
     if not braking.size or count - braking[0] < 5.0 / period:
         raise EstimationError(f"recording '{recording.attrs.get('name', '')}': has no five seconds of braking.")
     onset = int(braking[0])
     drag = _drag(acceleration[:onset], speed[:onset], values) if onset * period >= _COASTING else float("nan")
-    reduced = _equivalent_pressure(pressure, force, wheels, speed, temperature, period, values)
+    # The pressures that brake with constant nominal friction as healthy pads do: the filter estimates the rest, health.
+    reduced = pressure.copy()
+    for g in range(groups):
+        radius = values[f"r_friction[{g + 1}]"]
+        mu = nominal_friction(force[:, g], wheels[:, g], speed, period, radius, float(temperature[g]))
+        equivalent = pressure_of(mu / NOMINAL * force[:, g], **piston, rigging=rigging)
+        reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
     inputs = np.column_stack([reduced, np.full(speed.size, 0.0 if np.isnan(drag) else -_mass(values) * drag)])
     locked = locked_samples(wheels, speed, values["r_wheel"], round(_AROUND / period))
     for g in range(groups):
@@ -177,40 +187,7 @@ def evidence_of(
         offset=PRESSURE_OFFSET,
         **piston,
     )
-    return Evidence(
-        health=health / NOMINAL,
-        covariance=spread / NOMINAL**2,
-        offset=offset,
-        drag=drag,
-    )
-
-
-def _equivalent_pressure(
-    pressure: Matrix,
-    force: Matrix,
-    wheels: Matrix,
-    speed: Vector,
-    temperature: Vector,
-    period: float,
-    values: dict[str, float],
-) -> Matrix:
-    """Return the pressures that brake with constant nominal friction as healthy pads do, shape (k, groups).
-
-    The filter estimates the rest, health. Force of the pads and speed of the wheelsets have the same shape.
-    """
-    piston = {"piston_area": values["A_piston"], "spring_force": values["F_spring"]}
-    reduced = pressure.copy()
-    for g in range(pressure.shape[1]):
-        radius, start = values[f"r_friction[{g + 1}]"], float(temperature[g])
-        mu = nominal_friction(force[:, g], wheels[:, g], speed, period, radius, start)
-        equivalent = pressure_of(mu / NOMINAL * force[:, g], **piston, rigging=_rigging(values))
-        reduced[:, g] = np.where(force[:, g] > 0.0, equivalent, pressure[:, g])
-    return reduced
-
-
-def _rigging(values: dict[str, float]) -> float:
-    """Return force of both pads over force of the piston."""
-    return values["i_rigging"] * values["eta_rigging"]
+    return Evidence(health=health / NOMINAL, covariance=spread / NOMINAL**2, offset=offset, drag=drag)
 
 
 def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:

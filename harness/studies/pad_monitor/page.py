@@ -62,7 +62,7 @@ def draw(history: History, design: Design) -> Figure:
     number = np.arange(len(history.index)) + 1
     for g, name in enumerate(called):
         left, right = axes[g]
-        distinct = history.deviation[:, g] < design.told_apart
+        distinct = history.deviation[:, g] < design.largest_deviation
         left.plot(
             number[distinct], history.evidence[distinct, g], ".", color=palette.GREY, markersize=3, label="one stop"
         )

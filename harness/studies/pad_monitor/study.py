@@ -115,17 +115,13 @@ class Assessment:
     false_alarms: int
 
     @property
-    def rate(self) -> float:
-        """False alarms a stop and group."""
-        return self.false_alarms / self.healthy
-
-    @property
     def rate_bound(self) -> float:
         """95 % upper confidence bound of the rate, exact for a Poisson count: 3/n when none came."""
         return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
 
     def table(self) -> Table:
         """Return the figures as a table."""
+        rate = f"{self.false_alarms / self.healthy:.1e}, below {self.rate_bound:.1e} at 95 % confidence"
         figures = {
             "lives, stops": f"{self.lives}, {self.stops}",
             "20 % of friction lost: stops until the alarm": _delays(self.worn_delays),
@@ -133,7 +129,7 @@ class Assessment:
             "alarms of the right kind": f"{self.kinds_right:.1%}",
             "healthy group-stops": str(self.healthy),
             "false alarms": str(self.false_alarms),
-            "false alarms a stop and group": f"{self.rate:.1e}, below {self.rate_bound:.1e} at 95 % confidence",
+            "false alarms a stop and group": rate,
         }
         return Table.of(("figure", "value"), list(figures.items()), left=2)
 

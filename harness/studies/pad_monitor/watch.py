@@ -35,7 +35,7 @@ class Design:
         failed: Share at which it must be found.
         false_alarms: Rate that is designed for, a stop and group, at a loss of `tolerated`.
         least_scatter: Scatter from stop to stop that is taken at least, share of friction.
-        told_apart: Evidence with a larger standard deviation does not tell groups apart and is not charted.
+        largest_deviation: Evidence with a larger standard deviation does not distinguish groups and is not charted.
         largest_step: Of the chart, in deviations; one odd stop must not alarm alone.
         drift: Random walk of health that the index follows, share a stop.
         drag: Rise of the coasting deceleration that says "does not release" [m/s²].
@@ -47,7 +47,7 @@ class Design:
     failed: float = 0.20
     false_alarms: float = 1e-4
     least_scatter: float = 0.025
-    told_apart: float = 0.08
+    largest_deviation: float = 0.08
     largest_step: float = 2.5
     drift: float = 0.004
     drag: float = 0.02
@@ -110,7 +110,7 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
     count, groups = len(stops), len(stops[0].health) if stops else 0
     health = np.array([stop.health for stop in stops]).reshape(count, groups)
     deviation = np.array([stop.deviation for stop in stops]).reshape(count, groups)
-    apart = np.asarray((deviation < design.told_apart).all(axis=1), dtype=np.bool_)
+    apart = np.asarray((deviation < design.largest_deviation).all(axis=1), dtype=np.bool_)
     reference = np.flatnonzero(apart)[: design.reference]
     # Load, wet pads and wind: what all groups share from stop to stop, seen in the mean over groups.
     together = float(np.var(health[reference].mean(axis=1))) if reference.size > 2 else _TOGETHER**2
@@ -223,7 +223,9 @@ def _follow(
     Args:
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
-        own: Deviation of each group from stop to stop beside that, shape (groups,).
+        residual: Deviation of each group from stop to stop beside that, shape (groups,).
+        alarms: Of the chart.
+        design: Of the monitor.
     """
     groups = len(residual)
     mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
