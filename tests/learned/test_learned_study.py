@@ -88,7 +88,7 @@ def test_figures_are_drawn_and_estimators_come_out(study, tmp_path):
     figures = draw(study)
     assert list(figures) == ["errors.png", "processed.png", "network.svg", "campaign.png", "within_runs.png"]
     assert all(save(figure, tmp_path / name).stat().st_size > 10_000 for name, figure in figures.items())
-    trained = estimators_of(study)
+    trained = estimators_of(study.ensemble, study.networks, study.recipe)
     assert set(trained) == {"friction", "friction_60mph"}
     answer = trained["friction_60mph"].offline(np.full((500, 12), 268.0), np.full(500, 26.8), backwards=False)
     assert len(answer.friction) == 500 // 50

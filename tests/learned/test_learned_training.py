@@ -101,7 +101,7 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
     recipe = Recipe(starts=2, steps=60)
-    own, other = within_runs(runs, recipe), within_runs(runs, recipe, exchanged)
+    own, other = within_runs(runs, recipe), within_runs(exchanged(runs), recipe)
     assert own.best < 0.005
     assert other.best < 0.005
     assert without_each(runs, recipe).mae > 0.5 * own.mae_of_mean
@@ -110,9 +110,9 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
 def test_exchanged_labels_are_those_of_other_runs():
     draw = np.random.default_rng(4)
     runs = [run(f"run {k}", mu, np.ones(4), draw) for k, mu in enumerate([0.1, 0.2, 0.3])]
-    labels = exchanged(runs)
-    assert sorted(labels.values()) == [0.1, 0.2, 0.3]
-    assert all(labels[one.name] != one.friction for one in runs)
+    labels = [one.friction for one in exchanged(runs)]
+    assert sorted(labels) == [0.1, 0.2, 0.3]
+    assert all(label != one.friction for label, one in zip(labels, runs, strict=True))
 
 
 def test_intervals_of_an_ensemble_cover_nine_in_ten_of_like_runs():

@@ -12,7 +12,15 @@ from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.report.page import rendered
 from railgrip.studies.axle_box.evaluate import Recipe
-from railgrip.studies.axle_box.own import PERIOD, UNITS, judge_own, plain_table, read_folder, read_labels, read_own
+from railgrip.studies.axle_box.recordings import (
+    PERIOD,
+    UNITS,
+    judge_recordings,
+    plain_table,
+    read_folder,
+    read_labels,
+    read_recordings_file,
+)
 from railgrip.trace.table import DataTable
 
 RATE = 5120
@@ -62,8 +70,8 @@ def test_runs_become_a_report_and_estimators(dataset):
     assert dataset[0][0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
     recipe = Recipe(inputs="left, right", starts=1, steps=10)
     with one_process(), work("axle_box") as own:
-        tables, trained = judge_own(dataset[0], recipe, own, members=12)
-    text = rendered("studies/axle_box/own.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])
+        tables, trained = judge_recordings(dataset[0], recipe, own, members=12)
+    text = rendered("studies/axle_box/recordings.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])
     assert "a run left out" in text
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text
@@ -203,10 +211,10 @@ def test_an_impossible_label_is_refused(tmp_path, rows, sentence):
 def test_a_file_has_the_inputs_of_the_training(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "lateral, yaw"\n')
-    table = read_own(path)
+    table = read_recordings_file(path)
     assert table.network.recipe().inputs == "lateral, yaw"
     assert table.data is None
     assert set(plain_table().columns) == set(UNITS)
     path.write_text('name = "mine"\n[runs]\nfolder = "runs"\nlabels = "l.csv"\n[network]\ninputs = "vertical"\n')
     with pytest.raises(ScenarioError, match=r"\[network\] inputs is 'vertical'; there is longitudinal, lateral, yaw; "):
-        read_own(path)
+        read_recordings_file(path)

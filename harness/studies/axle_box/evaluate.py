@@ -91,6 +91,10 @@ class Recipe:
         blocks = run.settled if self.settled else run.blocks
         return np.hstack([blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
 
+    def data(self, runs: Sequence[Run]) -> list[Labelled]:
+        """Return the inputs of the network and their labels for each run."""
+        return [(blocks, np.full(len(blocks), run.friction)) for run in runs for blocks in (self.blocks(run),)]
+
     def fit(self, data: Sequence[Labelled], purpose: str) -> list[ScaledNetwork]:
         """Return one network for each random start, trained on several runs together."""
         x, y = _joined(data)
@@ -107,25 +111,15 @@ class Recipe:
         ]
 
 
-def labels_of(runs: Sequence[Run]) -> dict[str, float]:
-    """Return the label of each run, by name."""
-    return {run.name: run.friction for run in runs}
-
-
-def exchanged(runs: Sequence[Run]) -> dict[str, float]:
-    """Return labels moved by half of the runs, so that friction does not belong to the run."""
-    frictions = [run.friction for run in runs]
+def exchanged(runs: Sequence[Run]) -> list[Run]:
+    """Return runs with labels moved by half of the runs, so that friction does not belong to the run."""
     shift = max(1, len(runs) // 2)
-    return {run.name: frictions[(k + shift) % len(runs)] for k, run in enumerate(runs)}
+    return [replace(run, friction=runs[(k + shift) % len(runs)].friction) for k, run in enumerate(runs)]
 
 
-Labels = Callable[[Sequence[Run]], Mapping[str, float]]
-"""`labels_of`, or `exchanged`."""
-
-
-def within_runs(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> Score:
+def within_runs(runs: Sequence[Run], recipe: Recipe) -> Score:
     """Train on the first 80 % of every run of one speed, judge on the last 20 %: the paper's split."""
-    early, late = parts_of(runs, recipe, labels)
+    early, late = parts_of(runs, recipe)
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
@@ -135,15 +129,14 @@ def inside_training(runs: Sequence[Run], recipe: Recipe) -> Score:
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
-def parts_of(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> tuple[list[Labelled], list[Labelled]]:
+def parts_of(runs: Sequence[Run], recipe: Recipe) -> tuple[list[Labelled], list[Labelled]]:
     """Return the first 80 % and the last 20 % of every run."""
-    label_of = labels(runs)
-    return _split([_labelled(recipe.blocks(run), label_of[run.name]) for run in runs])
+    return _split(recipe.data(runs))
 
 
-def best_of(runs: Sequence[Run], recipe: Recipe, labels: Labels = labels_of) -> ScaledNetwork:
+def best_of(runs: Sequence[Run], recipe: Recipe) -> ScaledNetwork:
     """Return the network with the best fit of those trained on the first 80 % of every run."""
-    early, _ = parts_of(runs, recipe, labels)
+    early, _ = parts_of(runs, recipe)
     x, y = _joined(early)
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda network: float(np.abs(network(x) - y).mean()))
 
@@ -152,20 +145,17 @@ def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
     """Leave one run out at a time and judge on it."""
     scores: list[Score] = []
     for test_run in runs:
-        training = [_labelled(recipe.blocks(run), run.friction) for run in runs if run is not test_run]
-        new = [_labelled(recipe.blocks(test_run), test_run.friction)]
-        scores.append(score(recipe.fit(training, f"without.{test_run.name}"), training, new))
+        training = recipe.data([run for run in runs if run is not test_run])
+        networks = recipe.fit(training, f"without.{test_run.name}")
+        scores.append(score(networks, training, recipe.data([test_run])))
     return average(scores)
 
 
 def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Recipe) -> dict[str, Score]:
     """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
-    training = [_labelled(recipe.blocks(run), run.friction) for run in home]
+    training = recipe.data(home)
     networks = recipe.fit(training, f"home.{home[0].group}")
-    return {
-        name: score(networks, training, [_labelled(recipe.blocks(run), run.friction) for run in runs])
-        for name, runs in away.items()
-    }
+    return {name: score(networks, training, recipe.data(runs)) for name, runs in away.items()}
 
 
 def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequence[float] | None = None) -> Score:
@@ -175,19 +165,17 @@ def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequ
         mean_label: Of its training.
         rule: For each run, the mean label of training on dry, or on other rails, whichever the run has.
     """
-    estimates, truth, recipes = [], [], []
-    for k, run in enumerate(runs):
-        estimator = ensemble(spectral_features(run))
-        estimates.append(np.column_stack([estimator.friction, estimator.lower, estimator.upper]))
-        truth.append(np.full(len(estimator.friction), run.friction))
-        if rule is not None:
-            recipes.append(np.full(len(estimator.friction), rule[k]))
-    estimated, y = np.vstack(estimates), np.concatenate(truth)
+    estimates = [ensemble(spectral_features(run)) for run in runs]
+    friction, lower, upper = (
+        np.concatenate([getattr(estimate, name) for estimate in estimates]) for name in ("friction", "lower", "upper")
+    )
+    counts = [len(estimate.friction) for estimate in estimates]
+    y = np.repeat([run.friction for run in runs], counts)
     return replace(
-        _figures([estimated[:, 0] - y], y - mean_label),
-        coverage=float(((estimated[:, 1] <= y) & (y <= estimated[:, 2])).mean()),
-        width=float((estimated[:, 2] - estimated[:, 1]).mean()),
-        mae_of_rule=float(np.abs(np.concatenate(recipes) - y).mean()) if recipes else None,
+        _figures([friction - y], y - mean_label),
+        coverage=float(((lower <= y) & (y <= upper)).mean()),
+        width=float((upper - lower).mean()),
+        mae_of_rule=None if rule is None else float(np.abs(np.repeat(rule, counts) - y).mean()),
     )
 
 
@@ -220,10 +208,6 @@ def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
         spread=float(np.std(absolute)),
         mae_of_mean=float(np.abs(of_mean).mean()),
     )
-
-
-def _labelled(blocks: Array, label: float) -> Labelled:
-    return blocks, np.full(len(blocks), label)
 
 
 def _joined(parts: Sequence[Labelled]) -> Labelled:

@@ -37,29 +37,16 @@ OUTPUTS: Final = 21
 offset and creep of the wheelsets, leading one first, and the speed; in axes that point forwards."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Surface:
-    """Slope of the creep curve under a rail-head treatment.
-
-    Attributes:
-        k_A, k_S, A, B: Polach's parameters.
-    """
-
-    k_A: float  # noqa: N815 - Polach's names
-    k_S: float  # noqa: N815
-    A: float
-    B: float
-
-
-SURFACES: Final[Mapping[str, Surface]] = {
+SURFACES: Final[Mapping[str, tuple[float, float, float, float]]] = {
     # Dry and wet are Polach's (2005) published sets. Of the others only the friction is known; their slopes are
     # estimates: third-body layers are taken as soft as water, the solid film of a friction modifier as stiffer.
-    "dry": Surface(k_A=1.0, k_S=0.4, A=0.4, B=0.6),
-    "friction modifier": Surface(k_A=0.5, k_S=0.2, A=0.4, B=0.2),
-    "wet": Surface(k_A=0.3, k_S=0.1, A=0.4, B=0.2),
-    "detergent": Surface(k_A=0.3, k_S=0.1, A=0.4, B=0.2),
-    "paper tape": Surface(k_A=0.25, k_S=0.1, A=0.4, B=0.2),
+    "dry": (1.0, 0.4, 0.4, 0.6),
+    "friction modifier": (0.5, 0.2, 0.4, 0.2),
+    "wet": (0.3, 0.1, 0.4, 0.2),
+    "detergent": (0.3, 0.1, 0.4, 0.2),
+    "paper tape": (0.25, 0.1, 0.4, 0.2),
 }
+"""Polach's k_A, k_S, A and B under each rail-head treatment."""
 
 SLOPE_SPREAD: Final = 0.15
 """Standard deviation of the logarithm of k_A and k_S from run to run, because applied films vary (estimate)."""
@@ -137,11 +124,11 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
         PlantFailed: The FMU failed.
         railgrip.base.errors.FmuError: It cannot be built.
     """
-    speed, surface = held_speed(run), _surface(run)
+    speed, (k_A, k_S, A, B) = held_speed(run), _surface(run)
     inputs, lead_in = _inputs(run, speed, rate)
     parameters = {
         "speed_set": speed,
-        "k_A": surface.k_A, "k_S": surface.k_S, "A_falling": surface.A, "B_falling": surface.B,
+        "k_A": k_A, "k_S": k_S, "A_falling": A, "B_falling": B,
         "wheelbase": WHEELBASE, "pivots": PIVOTS,
     } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
     # Backwards, the driven wheelsets are again the inner ones: the car is symmetric except for its wheels.
@@ -192,8 +179,8 @@ def in_axes_of_car(forward: Ride) -> Ride:
 
 def slope(run: Pass) -> float:
     """Return the slope of the creep curve of a run relative to that of a clean contact, (k_A + k_S)/2."""
-    surface = _surface(run)
-    return (surface.k_A + surface.k_S) / 2
+    k_A, k_S, *_ = _surface(run)
+    return (k_A + k_S) / 2
 
 
 def held_speed(run: Pass) -> float:
@@ -201,10 +188,10 @@ def held_speed(run: Pass) -> float:
     return run.speed * (1 + SPEED_SPREAD * generator(run.seed, f"{run.name}.speed").standard_normal())
 
 
-def _surface(run: Pass) -> Surface:
-    surface = SURFACES[run.condition]
+def _surface(run: Pass) -> tuple[float, float, float, float]:
+    k_A, k_S, A, B = SURFACES[run.condition]
     scale = float(np.exp(SLOPE_SPREAD * generator(run.seed, f"{run.name}.surface").standard_normal()))
-    return Surface(k_A=min(surface.k_A * scale, 1.0), k_S=min(surface.k_S * scale, 1.0), A=surface.A, B=surface.B)
+    return min(k_A * scale, 1.0), min(k_S * scale, 1.0), A, B
 
 
 def _inputs(run: Pass, speed: float, rate: int) -> tuple[Array, int]:

@@ -30,19 +30,17 @@ CHANNELS: Final[Mapping[Motion, slice]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Readings:
-    """Recording of the loggers in one run.
+    """Recording of the loggers in one run, at `RATE`.
 
     Attributes:
         boxes: Accelerations in the order of `BOXES`, m/s², shape (n, 12), in axes of the car.
         speed: m/s, shape (n,).
         backwards: Whether the fourth wheelset leads.
-        rate: Samples a second.
     """
 
     boxes: Array
     speed: Array
     backwards: bool
-    rate: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,7 +77,7 @@ def reduce(name: str, friction: float, readings: Readings) -> Run:
     raw = np.stack(
         [channel for combination in combinations for channel in motions(readings.boxes.T, combination)], axis=-1
     )
-    chain = Chain(rate=readings.rate, block=BLOCKS[group])
+    chain = Chain(rate=RATE, block=BLOCKS[group])
     lateral, yaw = lateral_and_yaw(SLOW, readings.boxes, backwards=readings.backwards)
     return Run(
         name=name,
@@ -101,12 +99,6 @@ VEHICLE: Final = 7
 """Seed of the properties of the sensors: the car has the same accelerometers in every run."""
 
 
-def readings(run: Pass) -> Readings:
-    """Simulate a run and measure it."""
-    motion = ride(run)
-    return measured(run, motion, CAR_RATE, float(motion.speed.mean()))
-
-
 def measured(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
     """Measure the motion of a run, sampled at `rate` a second; rolling wheels vibrate the boxes as at `speed`, m/s."""
     true = np.hstack([motion.longitudinal[:, :, 0], motion.longitudinal[:, :, 1], motion.lateral])
@@ -114,7 +106,7 @@ def measured(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
     boxes = measure(true, rate, speed, AXLE_BOX, vehicle=sensors, run=noise)
     samples = np.arange(len(boxes)) * (rate / RATE)
     travelled = np.interp(samples, np.arange(len(motion.speed)), motion.speed)
-    return Readings(boxes=boxes, speed=travelled, backwards=run.backwards, rate=RATE)
+    return Readings(boxes=boxes, speed=travelled, backwards=run.backwards)
 
 
 EVERY: Final = 20.0
@@ -142,4 +134,5 @@ def gather(passes: Sequence[Pass], work: Work) -> list[Run]:
 
 def run_of(run: Pass) -> Run:
     """Simulate, measure and reduce a pass."""
-    return reduce(run.name, run.friction, readings(run))
+    motion = ride(run)
+    return reduce(run.name, run.friction, measured(run, motion, CAR_RATE, float(motion.speed.mean())))

@@ -13,7 +13,7 @@ from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.evaluate import Recipe, Score, average, exchanged, labels_of, parts_of
+from railgrip.studies.axle_box.evaluate import Recipe, Score, average, exchanged, parts_of
 from railgrip.studies.axle_box.reduction import CHANNELS, Run, spectral_features
 from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, Results, Rows
 from railgrip.studies.papers.pages import Compared, comparison
@@ -63,7 +63,7 @@ def compared(results: Results, command: str) -> Table:
     return comparison(rows, command)
 
 
-def own_tables(
+def tables_of_recordings(
     recipe: Recipe, split: Mapping[int, Score], left_out: Mapping[int, Score], general: Score
 ) -> dict[str, Any]:
     """Return the values of the page on a user's runs; rows by speed class in mph.
@@ -234,21 +234,18 @@ def over_time(results: Results) -> Figure:
     sheet = style.figure(8.0, 1.9 * len(results.runs))
     grid = np.atleast_2d(sheet.subplots(len(results.runs), 2, sharex="row", sharey=True))
     for pair, (speed, runs) in zip(grid, results.runs.items(), strict=True):
-        for axes, fitted, labels, title in (
-            (pair[0], results.networks[speed], labels_of, f"Fig. {_ESTIMATES[speed]}: {speed} mph"),
-            (pair[1], results.exchanged[speed], exchanged, f"{speed} mph, labels of other runs"),
+        for axes, fitted, labelled, title in (
+            (pair[0], results.networks[speed], runs, f"Fig. {_ESTIMATES[speed]}: {speed} mph"),
+            (pair[1], results.exchanged[speed], exchanged(runs), f"{speed} mph, labels of other runs"),
         ):
-            _, late = parts_of(runs, results.recipe, labels)
-            seconds = np.arange(sum(len(y) for _, y in late)) * (BLOCKS[speed] / RATE)
-            axes.plot(
-                seconds, np.concatenate([y for _, y in late]), color="black", linewidth=2.5, label="label, Table 2"
-            )
-            axes.plot(
-                seconds, fitted(np.vstack([x for x, _ in late])), color=palette.ORANGE, linewidth=0.9, label="estimate"
-            )
+            _, late = parts_of(labelled, results.recipe)
+            x, y = np.vstack([x for x, _ in late]), np.concatenate([y for _, y in late])
+            seconds = np.arange(len(y)) * (BLOCKS[speed] / RATE)
+            axes.plot(seconds, y, color="black", linewidth=2.5, label="label, Table 2")
+            axes.plot(seconds, fitted(x), color=palette.ORANGE, linewidth=0.9, label="estimate")
             last = speed == list(results.runs)[-1]
             style.dress(
-                axes, x="time of the linked parts [s]" if last else "", y="friction" if labels is labels_of else "",
+                axes, x="time of the linked parts [s]" if last else "", y="friction" if labelled is runs else "",
                 title=title,
             )  # fmt: skip
     grid[0, 0].legend(fontsize=8, ncols=2, loc="upper right")

@@ -19,7 +19,7 @@ from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
 from railgrip.studies.axle_box.evaluate import Recipe, average, exchanged, within_runs, without_each
 from railgrip.studies.axle_box.instrumented_car import MPH
-from railgrip.studies.axle_box.own import judge_own, read_folder, read_own
+from railgrip.studies.axle_box.recordings import judge_recordings, read_folder, read_recordings_file
 from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
 from railgrip.studies.axle_box.results import compared, draw, processed, tables_of
 from railgrip.studies.axle_box.training import (
@@ -51,7 +51,7 @@ class AxleBox(Study):
     """Learn friction from axle-box accelerations: train, judge, report, and export as FMUs."""
 
     file: Annotated[
-        Path | None, Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/own.py.")
+        Path | None, Argument(metavar="[FILE.toml]", help="Your own runs, see studies/axle_box/recordings.py.")
     ] = None
     inputs: Annotated[
         str | None, Option(help="Motions for the paper's networks, such as 'left, right'; longitudinal unless given.")
@@ -71,12 +71,12 @@ class AxleBox(Study):
     @property
     def place(self) -> str:
         """Folder of a user's runs, after their name."""
-        return "" if self.file is None else read_own(self.file).name
+        return "" if self.file is None else read_recordings_file(self.file).name
 
     def page(self, work: Work) -> Page:
         """Return the report on the simulated campaign or on a user's runs, with the estimators trained on them."""
         if self.file is not None:
-            return self._own(self.file, work)
+            return self._page_of_recordings(self.file, work)
         size = QUICK if self.quick else FULL
         results = conducted(size, Recipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
         tables, figures = tables_of(results), draw(results)
@@ -96,23 +96,23 @@ class AxleBox(Study):
             template="studies/axle_box/report.md.jinja",
             values=tables,
             figures=figures,
-            files=_files(estimators_of(results)),
+            files=_files(estimators_of(results.ensemble, results.networks, results.recipe)),
         )
 
-    def _own(self, file: Path, work: Work) -> Page:
-        specification = read_own(file)
+    def _page_of_recordings(self, file: Path, work: Work) -> Page:
+        specification = read_recordings_file(file)
         network = specification.network
         if self.inputs is not None:
             network = network.model_copy(update={"inputs": self.inputs})
         folder, labels = file.parent / specification.runs.folder, file.parent / specification.runs.labels
         runs, remarks = read_folder(folder, labels, specification.data, work.notify)
-        tables, trained = judge_own(runs, network.recipe(), work)
+        tables, trained = judge_recordings(runs, network.recipe(), work)
         return Page(
             title=f"Friction from axle-box accelerations: {len(runs)} runs",
             question="Can friction be estimated from these accelerations of an axle box, on runs that no training saw?",
             answer="The tables have the mean absolute error with each run left out once, in brackets that of always "
             "saying the mean label. A network that was trained on a part of the same run only recognises it.",
-            template="studies/axle_box/own.md.jinja",
+            template="studies/axle_box/recordings.md.jinja",
             values={**tables, "count": len(runs), "remarks": remarks},
             files=_files(trained),
         )
@@ -124,7 +124,7 @@ class AxleBox(Study):
         training = {
             "bias inside": partial(within_runs, runs, recipe),
             "bias outside": partial(within_runs, runs, replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_runs, runs, recipe, exchanged),
+            "labels exchanged": partial(within_runs, exchanged(runs), recipe),
             "a run left out": partial(without_each, runs, replace(recipe, starts=1)),
         }
         scores = dict(zip(training, work.map(call, training.values()), strict=True))

@@ -199,11 +199,11 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
         ("all speeds", "", 0): partial(general, runs_of_part["design"], size.members)
     }
     for s, runs in by_speed.items():
-        for table, rows in _pieces(recipe, few).items():
-            tasks |= {(table, name, s): partial(row, runs) for name, row in rows.items()}
+        for table, rows in _judgements(runs, recipe, few).items():
+            tasks |= {(table, name, s): task for name, task in rows.items()}
         tasks["elsewhere", "", s] = partial(elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
         tasks["network", "", s] = partial(best_of, runs, few)
-        tasks["exchanged", "", s] = partial(best_of, runs, few, exchanged)
+        tasks["exchanged", "", s] = partial(best_of, exchanged(runs), few)
     work.notify("training and judging")
     results: dict[tuple[str, str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
     tables: dict[str, dict[str, dict[int, Any]]] = {}
@@ -235,46 +235,48 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
     )
 
 
-def _pieces(recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[Sequence[Run]], Score]]]:
-    """Return the judgements at each speed: table → row → function of the campaign's runs at that speed.
+def _judgements(runs: Sequence[Run], recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[], Score]]]:
+    """Return the judgements of the campaign's runs at one speed by table and row.
 
     Args:
+        runs: Of the campaign.
         recipe: With all random starts.
         few: With fewer starts, for means over speeds or runs.
     """
     free = replace(recipe, decay=0.0)
     return {
         "split": {
-            "bias inside": partial(within_runs, recipe=free),
-            "bias outside": partial(within_runs, recipe=replace(free, bias="outside")),
-            "bias inside, weights kept small": partial(within_runs, recipe=recipe),
-            "bias outside, weights kept small": partial(within_runs, recipe=replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_runs, recipe=recipe, labels=exchanged),
-            "first second is zero": partial(within_runs, recipe=replace(recipe, settled=True)),
+            "bias inside": partial(within_runs, runs, free),
+            "bias outside": partial(within_runs, runs, replace(free, bias="outside")),
+            "bias inside, weights kept small": partial(within_runs, runs, recipe),
+            "bias outside, weights kept small": partial(within_runs, runs, replace(recipe, bias="outside")),
+            "labels exchanged": partial(within_runs, exchanged(runs), recipe),
+            "first second is zero": partial(within_runs, runs, replace(recipe, settled=True)),
         },
-        "decays": {f"{decay:g}": partial(inside_training, recipe=replace(few, decay=decay)) for decay in DECAYS},
-        "inputs": {name: partial(within_runs, recipe=replace(few, inputs=name)) for name in COMBINATIONS},
-        "honest": {"a run left out": partial(without_each, recipe=few)},
+        "decays": {f"{decay:g}": partial(inside_training, runs, replace(few, decay=decay)) for decay in DECAYS},
+        "inputs": {name: partial(within_runs, runs, replace(few, inputs=name)) for name in COMBINATIONS},
+        "honest": {"a run left out": partial(without_each, runs, few)},
     }
 
 
-def estimators_of(results: Results) -> dict[str, Trained]:
-    """Return the trained estimators by the name of their file."""
-    general = GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=results.ensemble)
+def estimators_of(ensemble: Ensemble, networks: Mapping[int, ScaledNetwork], recipe: Recipe) -> dict[str, Trained]:
+    """Return the trained estimators by the name of their file.
+
+    Args:
+        ensemble: The general estimator.
+        networks: Of the paper's kind, by speed class in mph, each with its filters and scaling.
+        recipe: Of these networks.
+    """
     papers = {
-        f"friction_{s}mph": paper_estimator(network, s, results.recipe) for s, network in results.networks.items()
+        f"friction_{speed}mph": PaperEstimator(
+            chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
+            scale=fitted.scale,
+            networks=(fitted.network,),
+            inputs=recipe.inputs,
+        )
+        for speed, fitted in networks.items()
     }
-    return {"friction": general, **papers}
-
-
-def paper_estimator(fitted: ScaledNetwork, speed: int, recipe: Recipe) -> PaperEstimator:
-    """Return a network with its filters and scaling, for a speed class, mph."""
-    return PaperEstimator(
-        chain=Chain(rate=SLOW.rate, block=BLOCKS[speed]),
-        scale=fitted.scale,
-        networks=(fitted.network,),
-        inputs=recipe.inputs,
-    )
+    return {"friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble), **papers}
 
 
 def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:

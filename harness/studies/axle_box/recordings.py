@@ -20,15 +20,14 @@ from pydantic import Field, StrictInt
 from railgrip.base.errors import EstimationError
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
-from railgrip.estimators.learned.trained import GeneralEstimator, Trained
+from railgrip.estimators.learned.trained import Trained
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Recipe, Score, average, best_of, judge, within_runs, without_each
 from railgrip.studies.axle_box.reduction import SETTLED, SLOW, SPECTRAL, Readings, Run, reduce
-from railgrip.studies.axle_box.results import own_tables
-from railgrip.studies.axle_box.training import general, paper_estimator
+from railgrip.studies.axle_box.results import tables_of_recordings
+from railgrip.studies.axle_box.training import estimators_of, general
 from railgrip.trace.flag import Flag, summary
 from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.samples import reading_of
@@ -54,7 +53,7 @@ class NetworkTable(Table):
         return Recipe(inputs=self.inputs, bias=self.bias, starts=self.starts)
 
 
-class OwnFile(Table):
+class RecordingsFile(Table):
     """Inputs of the training on a user's runs."""
 
     name: Name
@@ -63,13 +62,13 @@ class OwnFile(Table):
     data: DataTable | None = None
 
 
-def read_own(file: Path) -> OwnFile:
+def read_recordings_file(file: Path) -> RecordingsFile:
     """Return the inputs in a TOML file.
 
     Raises:
         ScenarioError: The file is missing or invalid; it lists all problems.
     """
-    return validated(OwnFile, read_toml(file), directory=file.parent, origin=file.name)
+    return validated(RecordingsFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
 MEMBERS = 20
@@ -78,7 +77,7 @@ FEWEST = 4
 """Least number of runs for an interval, because some must be outside of every draw."""
 
 
-def judge_own(
+def judge_recordings(
     runs: Sequence[Run], recipe: Recipe, work: Work, *, members: int = MEMBERS
 ) -> tuple[dict[str, Any], dict[str, Trained]]:
     """Return the tables on a user's runs and the estimators trained on them, by the name of their files.
@@ -100,16 +99,14 @@ def judge_own(
     tasks |= {("each", k): partial(_without, runs, k, members) for k in range(len(runs))}
     work.notify("training and judging")
     results: dict[tuple[str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
-    ensemble: Ensemble = results["whole", 0][0]
-    tables = own_tables(
+    tables = tables_of_recordings(
         recipe,
         {group: results["within", group] for group in several},
         {group: results["without one", group] for group in several},
         average(results["each", k] for k in range(len(runs))),
     )
-    trained: dict[str, Trained] = {"friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble)}
-    trained |= {f"friction_{group}mph": paper_estimator(results["network", group], group, recipe) for group in several}
-    return tables, trained
+    networks = {group: results["network", group] for group in several}
+    return tables, estimators_of(results["whole", 0][0], networks, recipe)
 
 
 def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
@@ -220,7 +217,7 @@ def _readings(name: str, record: FileRecording, table: DataTable, backwards: boo
             f"{name}: the {seconds:.1f} s and {metres:.0f} m that all sensors cover are too little; filters settle for "
             f"{2 * SPECTRAL.settling:g} s and {SETTLED:g} m, record a longer run."
         )
-    return Readings(boxes=boxes, speed=speed, backwards=backwards, rate=SLOW.rate)
+    return Readings(boxes=boxes, speed=speed, backwards=backwards)
 
 
 def _whole(name: str, box: str, record: FileRecording, longest_gap: float, flags: list[Flag]) -> Array:
