@@ -11,7 +11,16 @@ from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral import run
 from railgrip.studies.lateral.judge import beliefs_about, measure
-from railgrip.studies.lateral.run import LITERAL_NOISE, NAMES, Case, literal_density, observer, prediction, simulate
+from railgrip.studies.lateral.run import (
+    INTEGRALS,
+    LITERAL_NOISE,
+    NAMES,
+    Case,
+    literal_density,
+    observer,
+    prediction,
+    simulate,
+)
 from railgrip.studies.lateral.wheelset import (
     DRY,
     INPUTS,
@@ -146,23 +155,23 @@ def test_one_call_and_single_steps_agree_to_the_last_bit(monkeypatch):
     """Two inputs of the literal filter are integrals of its own states, before each step."""
     monkeypatch.setattr(run, "EVERY", 1)
     trace, drawn = simulate(CASE), course(CASE.test, 5)
-    with wheelset(SPEED, PLANTS[CASE.plant].parameters) as plant:
+    with wheelset(SPEED, PLANTS[CASE.plant]) as plant:
         plant.start(drawn.inputs[0])
         outputs = np.array([plant.step(row) for row in drawn.inputs])
     table = dict(zip(INPUTS, drawn.inputs.T, strict=True)) | {"track_rate": drawn.track_rate}
     for name in NAMES:
-        one = observer(name, DRY)
+        filter_, _ = observer(name, DRY)
         for k in range(STEPS):
-            for j, column in enumerate(one.columns):
-                if column:
-                    one.filter.inputs[j] = SPEED if column == "speed" else table[column][k]
+            for j, column in enumerate(filter_.design.inputs):
+                if column in INTEGRALS[name]:
+                    state = filter_.design.states.index(INTEGRALS[name][column])
+                    filter_.inputs[j] += PERIOD * filter_.mean[state]
                 else:
-                    state = one.filter.design.states.index(one.integrals[one.filter.design.inputs[j]])
-                    one.filter.inputs[j] += PERIOD * one.filter.mean[state]
-            one.filter.readings[:] = outputs[k, :2] + drawn.noise[k]
-            one.filter.advance()
-            assert np.array_equal(one.filter.mean, trace.beliefs[name].mean[k]), (name, k)
-            assert np.array_equal(one.filter.covariance, trace.beliefs[name].covariance[k]), (name, k)
+                    filter_.inputs[j] = SPEED if column == "speed" else table[column][k]
+            filter_.readings[:] = outputs[k, :2] + drawn.noise[k]
+            filter_.advance()
+            assert np.array_equal(filter_.mean, trace.beliefs[name].mean[k]), (name, k)
+            assert np.array_equal(filter_.covariance, trace.beliefs[name].covariance[k]), (name, k)
 
 
 def test_a_filter_that_diverges_is_a_result(monkeypatch):
@@ -184,9 +193,9 @@ def test_tables_and_names_that_do_not_match_are_refused():
             plant.follow(rows[:, :-1])
         with pytest.raises(FmuError, match="a value that is none"):
             plant.follow(np.where(rows == 0.0, np.nan, rows))
-    one = observer("known_track", DRY)
-    inputs, readings = np.zeros((3, one.filter.inputs.size)), np.zeros((3, 2))
+    filter_, first = observer("known_track", DRY)
+    inputs, readings = np.zeros((3, filter_.inputs.size)), np.zeros((3, 2))
     with pytest.raises(EstimatorError, match="no input or state trakc"):
-        one.filter.follow(one.first, inputs, readings, integrals={"trakc": "dy"})
+        filter_.follow(first, inputs, readings, integrals={"trakc": "dy"})
     with pytest.raises(EstimatorError, match="every"):
-        one.filter.follow(one.first, inputs, readings, every=0)
+        filter_.follow(first, inputs, readings, every=0)

@@ -7,7 +7,7 @@ unknown_track  as before, but knows only the spectrum of the track
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache, partial
 from math import log
 from typing import Final, Literal, get_args
@@ -28,6 +28,7 @@ from railgrip.studies.lateral.wheelset import (
     PERIOD,
     PLANTS,
     READINGS,
+    SENSORS,
     Condition,
     Course,
     Trial,
@@ -73,23 +74,10 @@ CLASSES: Final[Mapping[Name, str]] = {
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Observer:
-    """A filter at its start.
-
-    Attributes:
-        name: Of the filter.
-        filter: Compiled, with the readings as outputs.
-        first: Belief at the start.
-        columns: Column of the run's table for each input of the filter; "" for an integral.
-        integrals: Input of the filter → state of which it is the integral.
-    """
-
-    name: Name
-    filter: CompiledFilter
-    first: Estimate
-    columns: tuple[str, ...]
-    integrals: Mapping[str, str] = field(default_factory=dict)
+INTEGRALS: Final[Mapping[Name, Mapping[str, str]]] = {
+    "literal": {"lateral_position": "dy", "yaw_angle": "dpsi"}, "known_track": {}, "unknown_track": {},
+}  # fmt: skip
+"""Inputs of a filter that are integrals of its states; the others are columns of the run's table."""
 
 
 @cache
@@ -105,10 +93,11 @@ def literal_density(condition: Condition) -> Vector:
 
 def observer(
     name: Name, first: Condition, sensors: tuple[float, float] = PAPER_SENSORS, kind: Kind = "fmu"
-) -> Observer:
-    """Return a filter at its start.
+) -> tuple[CompiledFilter, Estimate]:
+    """Return a filter, compiled, with the readings as outputs, and its belief at the start.
 
     Args:
+        name: Of the filter.
         first: Condition at the start; only the literal filter knows it.
         sensors: Standard deviations of the readings.
         kind: Form of the prediction.
@@ -117,12 +106,9 @@ def observer(
     noise = np.square(sensors)
     if name == "literal":
         filter_ = CompiledFilter(model, literal_density(first), noise, PERIOD, order=1)
-        # The paper specifies no covariance for the start; one step of process noise, because the state is known.
-        start = filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
         filter_.inputs[:] = 0.0
-        integrals = {"lateral_position": "dy", "yaw_angle": "dpsi"}
-        columns = tuple("" if input_ in integrals else input_ for input_ in filter_.design.inputs)
-        return Observer(name=name, filter=filter_, first=start, columns=columns, integrals=integrals)
+        # The paper specifies no covariance for the start; one step of process noise, because the state is known.
+        return filter_, filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
     density = [*MOTION_NOISE, FRICTION_NOISE]
     mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
     if name == "unknown_track":
@@ -130,7 +116,7 @@ def observer(
         mean += [0.0, 0.0]
         variance += [1e-5**2, 1e-5**2]
     filter_ = CompiledFilter(model, density, noise, PERIOD)
-    return Observer(name=name, filter=filter_, first=filter_.start(mean, variance), columns=filter_.design.inputs)
+    return filter_, filter_.start(mean, variance)
 
 
 EVERY: Final = 20
@@ -206,18 +192,21 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     Raises:
         railgrip.fmi.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
-    vehicle = PLANTS[case.plant]
-    realisation = course(case.test, case.seed, vehicle.sensors)
+    sensors = SENSORS[case.plant]
+    realisation = course(case.test, case.seed, sensors)
     table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
     table |= {"track_rate": realisation.track_rate, "speed": np.full(len(realisation.inputs), case.speed)}
-    observers = [observer(name, realisation.conditions[0], vehicle.sensors, case.prediction) for name in names]
+    observers: dict[Name, tuple[CompiledFilter, Estimate]] = {
+        name: observer(name, realisation.conditions[0], sensors, case.prediction) for name in names
+    }
     begin = time.perf_counter()
-    with wheelset(case.speed, vehicle.parameters) as plant:
+    with wheelset(case.speed, PLANTS[case.plant]) as plant:
         plant.start(realisation.inputs[0])
         outputs = plant.follow(realisation.inputs)
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {
-        observer.name: _followed(observer, table, readings, realisation) for observer in observers
+        name: _followed(name, *filter_and_first, table, readings, realisation)
+        for name, filter_and_first in observers.items()
     }
     wall = time.perf_counter() - begin
     sample = np.concatenate(
@@ -245,11 +234,15 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
     )
 
 
-def _followed(observer: Observer, table: Mapping[str, Array], readings: Array, realisation: Course) -> Beliefs:
+def _followed(
+    name: Name, filter_: CompiledFilter, first_belief: Estimate, table: Mapping[str, Array], readings: Array,
+    realisation: Course,
+) -> Beliefs:  # fmt: skip
     """Return the beliefs of a filter given the readings, segment by segment of one condition."""
-    filter_, n = observer.filter, observer.filter.mean.size
-    inputs = np.column_stack([table[column] if column else np.zeros(len(readings)) for column in observer.columns])
-    prior, failure_sample = observer.first, None
+    n, integrals = filter_.mean.size, INTEGRALS[name]
+    unused = np.zeros(len(readings))
+    inputs = np.column_stack([unused if input_ in integrals else table[input_] for input_ in filter_.design.inputs])
+    prior, failure_sample = first_belief, None
     parts: list[tuple[Array, Array, Array]] = []
     for (first, last), condition in zip(realisation.segments, realisation.conditions, strict=True):
         rows = (last - first) // EVERY
@@ -257,10 +250,10 @@ def _followed(observer: Observer, table: Mapping[str, Array], readings: Array, r
         parts.append((mean, covariance, nis))
         if failure_sample is not None:
             continue
-        if observer.name == "literal":  # the only filter that knows the condition
+        if name == "literal":  # the only filter that knows the condition
             filter_.retune(literal_density(condition))
         last_good, start = last, filter_.inputs.copy()
-        follow = partial(filter_.follow, prior, every=EVERY, integrals=observer.integrals, with_covariance=True)
+        follow = partial(filter_.follow, prior, every=EVERY, integrals=integrals, with_covariance=True)
         try:
             followed = follow(inputs[first:last], readings[first:last])
         except FilterDiverged as diverged:

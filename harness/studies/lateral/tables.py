@@ -189,15 +189,11 @@ def skill(results: Sequence[Result], speed: float) -> Table:
         for quantity in PUBLISHED:
             row: dict[str, Any] = {"test": test, "quantity": quantity.replace("_", " ")}
             for name in NAMES:
-                shares = [_share(run.measures["errors"][name][quantity]["rmse"], run.measures["constant"][quantity])
-                          for run in runs]  # fmt: skip
+                errors = ((run.measures["errors"][name][quantity]["rmse"], run.measures["constant"]) for run in runs)
+                shares = [None if error is None else error / constant[quantity] for error, constant in errors]
                 row[TITLES[name]] = _digits(spread(shares).median)
             rows.append(row)
     return Table(rows, left=("test", "quantity"))
-
-
-def _share(error: float | None, constant: float) -> float | None:
-    return None if error is None else error / constant
 
 
 def friction_errors(results: Sequence[Result], speed: float) -> Table:

@@ -99,29 +99,20 @@ SERVICE_SENSORS: Final = (0.05, 1e-3)
 """Standard deviations of readings every 50 µs of usual sensors of vehicles: 0.05 m/s2 and 1 mrad/s; an estimate."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Vehicle:
-    """A plant and its sensors.
-
-    Attributes:
-        parameters: Of the plant beside Table 1.
-        sensors: Standard deviations of the readings, which the filters know.
-    """
-
-    parameters: Mapping[str, float]
-    sensors: tuple[float, float] = PAPER_SENSORS
-
-
-PLANTS: Final[Mapping[str, Vehicle]] = {
-    "paper": Vehicle(parameters={"rolling_creep": 0.0}),
-    "twisting": Vehicle(parameters={"rolling_creep": 1.0}),
-    "softer": Vehicle(parameters={"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95}),
-    "slightly_softer": Vehicle(parameters={"rolling_creep": 0.0, "k_A": 0.99, "k_S": 0.99}),
-    "service": Vehicle(parameters={"rolling_creep": 0.0}, sensors=SERVICE_SENSORS),
+PLANTS: Final[Mapping[str, Mapping[str, float]]] = {
+    "paper": {"rolling_creep": 0.0},
+    "twisting": {"rolling_creep": 1.0},
+    "softer": {"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95},
+    "slightly_softer": {"rolling_creep": 0.0, "k_A": 0.99, "k_S": 0.99},
+    "service": {"rolling_creep": 0.0},
 }
-"""Paper: the creepages of Mal et al., eq. (3) and (4), as in the filters; twisting: eq. (1) and (2), with the rotation
-of the axle; softer: a contact with 5 % less creep stiffness than in the filters, well within the uncertainty of real
-contacts; slightly softer: 1 %; service: the paper's plant with usual sensors of vehicles."""
+"""Parameters of each plant beside Table 1. Paper: the creepages of Mal et al., eq. (3) and (4), as in the filters;
+twisting: eq. (1) and (2), with the rotation of the axle; softer: a contact with 5 % less creep stiffness than in the
+filters, well within the uncertainty of real contacts; slightly softer: 1 %; service: the paper's plant with usual
+sensors of vehicles."""
+
+SENSORS: Final = dict.fromkeys(PLANTS, PAPER_SENSORS) | {"service": SERVICE_SENSORS}
+"""Standard deviations of the readings of each plant, which the filters know."""
 
 TESTS: Final = (
     *(Trial(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
