@@ -47,7 +47,7 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
     with (
         scratch("workers") as folder,
         # A process starts with `python -c`, which without PYTHONSAFEPATH looks for modules in the current folder.
-        _environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
+        environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
         nullcontext() if main else _without_main(),
     ):
         context = _LastingLocks()
@@ -218,7 +218,8 @@ def _without_main() -> Generator[None]:
 
 
 @contextmanager
-def _environment(values: dict[str, str]) -> Generator[None]:
+def environment(values: Mapping[str, str]) -> Generator[None]:
+    """Set variables of the environment inside the block."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

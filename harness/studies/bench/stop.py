@@ -2,8 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.cache import VARIABLE
 from railgrip.campaign.run import CampaignRun, run_campaigns
+from railgrip.campaign.workers import environment
 from railgrip.controllers.observation import Observation
 from railgrip.fmi.description import describe
 from railgrip.fmus.build import build, build_class
@@ -141,25 +141,12 @@ def of_consists() -> Iterator[Row]:
 def of_recipes() -> Iterator[Row]:
     """Yield the cold build of every recipe: into an empty folder, with nothing in the user's cache."""
     names = list(read_recipes().recipes)
-    with tempfile.TemporaryDirectory() as folder, _empty_cache(Path(folder) / "cache"):
+    with tempfile.TemporaryDirectory() as folder, environment({VARIABLE: f"{folder}/cache"}):
         before, start = _processor(), perf_counter()
         for _ in build(names, "native", Path(folder)):
             pass
         wall, processor = perf_counter() - start, _processor() - before
     yield f"cold build of {len(names)} FMUs", f"{wall:.1f} s ({processor:.1f} s of processor)", "10 s"
-
-
-@contextmanager
-def _empty_cache(folder: Path) -> Generator[None]:
-    """Let FMUs and C libraries be looked for and kept in a folder that has none."""
-    before = os.environ.get(VARIABLE)
-    os.environ[VARIABLE] = str(folder)
-    try:
-        yield
-    finally:
-        os.environ.pop(VARIABLE)
-        if before is not None:
-            os.environ[VARIABLE] = before
 
 
 def _processor() -> float:
