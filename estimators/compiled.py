@@ -83,11 +83,11 @@ class StepInC:
         step = ctypes.cast(self._step, ctypes.c_void_p).value or 0
         return step, self._block.ctypes.data, self._nis.ctypes.data
 
-    def go_on(self) -> None:
-        """Take one step.
+    def advance(self) -> None:
+        """Move the belief on by one period, from the arrays `inputs` and `readings`.
 
         Raises:
-            FilterDiverged: It failed; the block stays as it was.
+            FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
         """
         outcome = self._step(self._address)
         if outcome:
@@ -147,7 +147,7 @@ class CompiledFilter(StepInC):
             return part(name).reshape(n, code.width)[:, :n]
 
         self.mean, self.covariance = part("MEAN"), by_states("COVARIANCE")
-        self.inputs, self.readings, self.selection = part("HELD"), part("SEEN"), part("USED")
+        self.inputs, self.readings, self.selection = part("INPUT"), part("READING"), part("USED")
         self.parameters = part("PARAMETERS")
         self._nis = part("SQUARED")
         self.parameters[:] = prediction.parameters
@@ -182,13 +182,9 @@ class CompiledFilter(StepInC):
         self._last = None
 
     def advance(self) -> None:
-        """Move the belief in `mean` and `covariance` on by one period, from the arrays `inputs` and `readings`.
-
-        Raises:
-            FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
-        """
+        """Move the belief in `mean` and `covariance` on by one period; see `StepInC.advance`."""
         self._last = None
-        self.go_on()
+        super().advance()
 
     def retune(self, process_noise: ArrayLike, reading_noise: ArrayLike | None = None) -> None:
         """Take other noises from the next step on, without compiling again.

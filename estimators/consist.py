@@ -73,23 +73,11 @@ class Consist:
         return np.concatenate([self.body_parameters, *(part.parameters for part in self.parts)])
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class PartEquations:
-    """Equations of one kind of part for the decentralised filter, as CasADi functions of (x, u, p).
+def part_equations(model: Model, kind: int) -> dict[str, ca.Function]:
+    """Return the equations of a part for the decentralised filter, as functions of (x, u, p) whose names end in `kind`.
 
-    Attributes:
-        slope: ẋ without acceleration, and the braking force.
-        linear: The same, and the derivatives: of ẋ and of the force by the acceleration and x.
-        force: The braking force and its derivative by x.
-    """
-
-    slope: ca.Function
-    linear: ca.Function
-    force: ca.Function
-
-
-def part_equations(model: Model, kind: int) -> PartEquations:
-    """Return the equations of a part, with names that end in `kind`.
+    `slope`: ẋ without acceleration, and the braking force; `linear`: the same, and the derivatives: of ẋ and of the
+    force by the acceleration and x; `force`: the braking force and its derivative by x.
 
     Raises:
         EstimatorError: They are not linear in the acceleration, or the force depends on it.
@@ -107,9 +95,7 @@ def part_equations(model: Model, kind: int) -> PartEquations:
         "force": [force, pull],
     }
     # Dense, for the tables of C; transposed, because CasADi counts down columns.
-    return PartEquations(
-        **{
-            name: ca.Function(f"{name}_{kind}", [x, u, p], [ca.densify(value) for value in values])
-            for name, values in each.items()
-        }
-    )
+    return {
+        name: ca.Function(f"{name}_{kind}", [x, u, p], [ca.densify(value) for value in values])
+        for name, values in each.items()
+    }

@@ -15,15 +15,10 @@ from scipy.special import gammaincinv
 from railgrip.base.errors import EstimatorError
 
 
-def _chi_square(probability: ArrayLike, degrees: ArrayLike) -> NDArray[np.float64]:
-    """Return quantiles of the chi-square, as scipy.stats does, which takes a second to load."""
-    return 2.0 * gammaincinv(np.asarray(degrees) / 2.0, probability)
-
-
-def _chi_square_each(probability: float, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a quantile for each of many steps, which use the same few numbers of readings, shape (k,)."""
-    different, place = np.unique(degrees, return_inverse=True)
-    return _chi_square(probability, different)[place]
+def _chi_square(probability: float, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return quantiles of the chi-square, shape (k,), as scipy.stats does, which takes a second to load."""
+    different, place = np.unique(degrees, return_inverse=True)  # many steps use the same few numbers of readings
+    return (2.0 * gammaincinv(different / 2.0, probability))[place]
 
 
 WINDOW = 100
@@ -45,7 +40,7 @@ def nis_ratio(nis: ArrayLike, degrees: ArrayLike) -> float | None:
     """
     values, counts = np.asarray(nis, dtype=np.float64), np.asarray(degrees, dtype=np.float64)
     read = counts > 0
-    return float(np.median(values[read] / _chi_square_each(0.5, counts[read]))) if read.any() else None
+    return float(np.median(values[read] / _chi_square(0.5, counts[read]))) if read.any() else None
 
 
 def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = None) -> int | None:
@@ -65,7 +60,7 @@ def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = N
     steps = np.flatnonzero(there > 0)
     if steps.size == 0:
         return None
-    bound = FAR**2 * _chi_square_each(0.999, np.maximum(counts[steps], 1.0))
+    bound = FAR**2 * _chi_square(0.999, np.maximum(counts[steps], 1.0))
     against = ~(values[steps] <= bound) | (2.0 * counts[steps] < there[steps])
     window = min(WINDOW, steps.size)
     total = np.concatenate([[0], np.cumsum(against)])

@@ -74,14 +74,14 @@ class DecentralisedFilter(StepInC):
         tables = _tables(consist, design)
         first, width, n, m = tables["PART_STATE"], _width(consist), len(design.states), len(design.outputs)
         sizes = {
-            "MEAN": n, "COVARIANCE": n * n, "HELD": len(design.inputs), "SEEN": m, "USED": m, "SQUARED": 1,
+            "MEAN": n, "COVARIANCE": n * n, "INPUT": len(design.inputs), "READING": m, "USED": m, "SQUARED": 1,
             "PARAMETERS": consist.parameters.size, "SPREAD": (len(first) - 1) * width * width, "SHARED": n * RANK,
             "COMMON": RANK, "PUSH": n, "NOISE": n, "READING_NOISE": m, "PERIOD": 1, "THRESHOLD": 1,
         }  # fmt: skip
         at = places(sizes)
         self._block = block = np.zeros(sum(sizes.values()))
         self.mean, self.covariance = block[at["MEAN"]], block[at["COVARIANCE"]].reshape(n, n)
-        self.inputs, self.readings, self.selection = (block[at[name]] for name in ("HELD", "SEEN", "USED"))
+        self.inputs, self.readings, self.selection = (block[at[name]] for name in ("INPUT", "READING", "USED"))
         self._nis, self._common = block[at["SQUARED"]], block[at["COMMON"]]
         self._spread = block[at["SPREAD"]].reshape(-1, width, width)
         self._directions = block[at["SHARED"]].reshape(n, RANK)
@@ -124,14 +124,6 @@ class DecentralisedFilter(StepInC):
             covariance[members, members] += self._spread[part, :size, :size]
         return covariance
 
-    def advance(self) -> None:
-        """Move the belief on by one period, from the arrays `inputs` and `readings`.
-
-        Raises:
-            FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
-        """
-        self.go_on()
-
 
 def _width(consist: Consist) -> int:
     return -(-max(len(part.states) for part in consist.parts) // LANES) * LANES
@@ -150,7 +142,7 @@ def _tables(consist: Consist, design: Design) -> dict[str, list[int]]:
             [0, consist.body_parameters.size, *(part.parameters.size for part in consist.parts)]
         ).tolist(),
         "PART_INPUT": np.cumsum([0, 0, *(len(part.inputs) for part in consist.parts)]).tolist(),
-        "INPUT": inputs,
+        "INPUT_PLACE": inputs,
         "READING_STATE": state_of,
         "READING_PART": [-1 if s < 0 else int(np.searchsorted(starts, s, side="right")) - 1 for s in state_of],
         "GATE_STATE": list(design.gated_states),
@@ -172,12 +164,12 @@ def _sources(
     acceleration = body.output(0.0, v, u, p)
     slopes = [ca.densify(ca.jacobian(acceleration, symbol)) for symbol in (v, u[0])]
     moving = ca.Function("body", [v, u, p], [acceleration, *slopes])
-    functions = [moving, *(getattr(kind, name) for kind in kinds for name in ("slope", "linear", "force"))]
+    functions = [moving, *(function for kind in kinds for function in kind.values())]
     workspace, text = in_c(functions)
     pointers = [
         f"static int (*const {name.upper()}[])(const double **, double **, casadi_int *, double *, int) = "
         f"{{{', '.join(f'{name}_{kind}' for kind in range(len(kinds)))}}};"
-        for name in ("slope", "linear", "force")
+        for name in kinds[0]
     ]
     shape = (
         "#define CASADI_SYMBOL_EXPORT static",

@@ -163,12 +163,14 @@ class Running:
         squared_innovation: Normalised innovation squared of the last step, 0 at first.
     """
 
-    def __init__(self, filter_: ExtendedKalmanFilter, first: Estimate, *, inputs: int, outputs: int) -> None:
-        """Begin with the belief `first` of a filter with so many inputs and outputs."""
+    def __init__(self, filter_: ExtendedKalmanFilter, first: Estimate) -> None:
+        """Begin with the belief `first`."""
         self._filter = filter_
         self._belief = first
         self.mean, self.covariance = first.mean.copy(), first.covariance.copy()
-        self.inputs, self.readings, self.selection = np.zeros(inputs), np.full(outputs, np.nan), np.zeros(outputs)
+        outputs = len(filter_.design.outputs)
+        self.inputs = np.zeros(len(filter_.design.inputs))
+        self.readings, self.selection = np.full(outputs, np.nan), np.zeros(outputs)
         self.squared_innovation = 0.0
 
     def advance(self) -> None:

@@ -28,7 +28,7 @@ class Code:
 
     Attributes:
         sources: File name to text; every `.c` is to be compiled.
-        layout: Part of the block to where it lies: MEAN, COVARIANCE, HELD, SEEN, PARAMETERS, SPREAD,
+        layout: Part of the block to where it lies: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, SPREAD,
             READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED, EXPECTED written.
         width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
     """
@@ -50,7 +50,7 @@ def generate(model: ModelInC, gated_states: tuple[int, ...], gating_inputs: tupl
     width = -(-n // LANES) * LANES
     layout = places(
         {
-            "MEAN": n, "COVARIANCE": n * width, "HELD": model.inputs, "SEEN": m, "PARAMETERS": model.parameters,
+            "MEAN": n, "COVARIANCE": n * width, "INPUT": model.inputs, "READING": m, "PARAMETERS": model.parameters,
             "SPREAD": n * width, "READING_NOISE": m * m, "PERIOD": 1, "THRESHOLD": 1, "LIMIT_SQUARED": m, "SQUARED": 1,
             "USED": m, "EXPECTED": m,
         }

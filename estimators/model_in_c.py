@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from itertools import pairwise
 
 import casadi as ca
@@ -16,7 +15,7 @@ class ModelInC:
     """A prediction of n states and m outputs as C, for a filter of one shape.
 
     The text defines three functions of the states `x` and of the filter's memory, where the inputs stand at
-    `block + HELD` and the prediction's parameters at `block + PARAMETERS`:
+    `block + INPUT` and the prediction's parameters at `block + PARAMETERS`:
 
         static int slope(const double *block, const double *x, double *f);
         static int slope_and_jacobian(const double *block, const double *x, double *f, double *A);
@@ -67,7 +66,7 @@ _CALLS = """
 static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double *block,
                 const double *x, double *value, double *jacobian)
 {
-    const double *arguments[ARGUMENTS] = {x, block + HELD, block + PARAMETERS};
+    const double *arguments[ARGUMENTS] = {x, block + INPUT, block + PARAMETERS};
     double *results[RESULTS] = {value, jacobian};
     casadi_int whole[WHOLE];
     double work[WORK];
@@ -109,16 +108,4 @@ def model_in_c(
         parameters=p.numel(),
         sizes=tuple(sizes.items()),
         text=text + _CALLS,
-    )
-
-
-def addressed_model(*, derivative_pattern: Pattern, output_pattern: Pattern, inputs: int, parameters: int) -> ModelInC:
-    """Return the C that calls two functions of a loaded library, whose addresses are the prediction's parameters."""
-    return ModelInC(
-        derivative_pattern=derivative_pattern,
-        output_pattern=output_pattern,
-        inputs=inputs,
-        parameters=parameters,
-        sizes=(),
-        text=(files("railgrip.estimators") / "kernel" / "addressed.h").read_text(encoding="utf-8"),
     )

@@ -10,9 +10,7 @@ class Python(FilterKind):
     @classmethod
     def start(cls, task: Task) -> Running:
         """Return the filter with its first belief."""
-        prediction = task.prediction
-        plain = ExtendedKalmanFilter(
-            prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
+        filter_ = ExtendedKalmanFilter(
+            task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
         )
-        first = plain.start(task.mean, task.covariance)
-        return Running(plain, first, inputs=len(prediction.inputs), outputs=len(prediction.outputs))
+        return Running(filter_, filter_.start(task.mean, task.covariance))

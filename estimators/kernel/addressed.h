@@ -24,7 +24,7 @@ static int slope(const double *block, const double *x, double *f)
 static int slope_and_jacobian(const double *block, const double *x, double *f, double *A)
 {
     const Model model = model_of(block);
-    return model.f(model.argument, x, block + HELD, f, A);
+    return model.f(model.argument, x, block + INPUT, f, A);
 }
 
 static int expected(const double *block, const double *x, double *h, double *H)

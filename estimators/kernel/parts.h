@@ -70,14 +70,14 @@ static void inputs_of(int part, const double *block, double *inputs)
 {
     const int count = PART_INPUT[part + 1] - PART_INPUT[part];
     for (int i = 0; i < count; i++)
-        inputs[i] = block[HELD + INPUT[PART_INPUT[part] + i]];
+        inputs[i] = block[INPUT + INPUT_PLACE[PART_INPUT[part] + i]];
     inputs[count] = 0.0;
 }
 
 /* Acceleration of the train, and its derivatives by speed and by force. */
 static void body_at(const double *block, double v, double force, double *acceleration, double *by_speed, double *by_force)
 {
-    const double inputs[2] = {force, block[HELD + TRACK_FORCE]};
+    const double inputs[2] = {force, block[INPUT + TRACK_FORCE]};
     const double *arguments[ARGUMENTS] = {&v, inputs, block + PARAMETERS};
     double *results[RESULTS] = {acceleration, by_speed, by_force};
     call(body, arguments, results);
@@ -274,7 +274,7 @@ static int condition(double *block, Belief *b, double *shift)
     for (int i = 0; i < M; i++) {
         const int p = READING_PART[i], state = READING_STATE[i];
         block[USED + i] = 0.0;
-        if (p < 0 || isnan(block[SEEN + i]))
+        if (p < 0 || isnan(block[READING + i]))
             continue;
         const int first = PART_STATE[p], n = PART_STATE[p + 1] - first;
         row k, gain;
@@ -284,7 +284,7 @@ static int condition(double *block, Belief *b, double *shift)
         const double all = alone + through((const mode *)b->common, z, product);
         if (!(alone > 0.0 && all > 0.0))
             return NOT_DEFINITE;
-        const double residual = block[SEEN + i] - b->mean[state] - shift[state];
+        const double residual = block[READING + i] - b->mean[state] - shift[state];
         const double innovation = residual - dot(COLUMNS, z, eta);
         divided(WIDTH, gain, k, -alone);
         for (int r = 0; r < n; r++) {
@@ -299,7 +299,7 @@ static int condition(double *block, Belief *b, double *shift)
         block[USED + i] = 1.0;
     }
     for (int i = 0; i < M; i++) {
-        if (READING_PART[i] >= 0 || isnan(block[SEEN + i]))
+        if (READING_PART[i] >= 0 || isnan(block[READING + i]))
             continue;
         double force = 0.0, acceleration, by_speed, by_force;
         for (int p = 1; p < PARTS; p++) {
@@ -318,7 +318,7 @@ static int condition(double *block, Belief *b, double *shift)
         const double all = alone + through((const mode *)b->common, z, product);
         if (!(all > 0.0))
             return NOT_DEFINITE;
-        const double innovation = block[SEEN + i] - acceleration - dot(N, pull, shift) - dot(COLUMNS, z, eta);
+        const double innovation = block[READING + i] - acceleration - dot(N, pull, shift) - dot(COLUMNS, z, eta);
         for (int j = 0; j < N; j++)
             b->shared[j][WEIGHED] = own[j];
         product[WEIGHED] = 1.0;
@@ -526,7 +526,7 @@ int STEP(double *block)
     for (int i = 0; i < N; i++)
         free[i] = 1.0;
     for (int g = 0; g < GATES; g++)
-        if (block[HELD + GATE_INPUT[g]] < block[THRESHOLD])
+        if (block[INPUT + GATE_INPUT[g]] < block[THRESHOLD])
             free[GATE_STATE[g]] = 0.0;
     advance(block, &b);
     for (int i = 0; i < N; i++)

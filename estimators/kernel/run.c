@@ -9,22 +9,22 @@
 
 int dispatch(double *block);
 
-/* Advance `block` by `count` periods with row k of `held` and `seen`. An input with a state in `integral_of`, else -1, is the
+/* Advance `block` by `count` periods with row k of `inputs` and `readings`. An input with a state in `integral_of`, else -1, is the
    integral of that state instead, moved on before the step, so that what is expected at its end belongs to its end. Every
    `every`-th step leaves a row in the results; covariances only where there is room for them. Returns the number of steps
    that succeeded; what stopped it, if anything did, is in `outcome`. */
-EXPORT int run(double *block, int count, int every, const int *integral_of, const double *held, const double *seen, double *mean,
+EXPORT int run(double *block, int count, int every, const int *integral_of, const double *inputs, const double *readings, double *mean,
                double *variance, double *covariance, double *expected, double *squared, double *used, int *outcome)
 {
     *outcome = 0;
     for (int k = 0; k < count; k++) {
         for (int i = 0; i < INPUTS; i++)
             if (integral_of[i] < 0)
-                block[HELD + i] = held[k * INPUTS + i];
+                block[INPUT + i] = inputs[k * INPUTS + i];
             else
-                block[HELD + i] += block[PERIOD] * block[MEAN + integral_of[i]];
+                block[INPUT + i] += block[PERIOD] * block[MEAN + integral_of[i]];
         for (int i = 0; i < M; i++)
-            block[SEEN + i] = seen[k * M + i];
+            block[READING + i] = readings[k * M + i];
         *outcome = dispatch(block);
         if (*outcome)
             return k;

@@ -219,7 +219,7 @@ static int factorise(int r, double S[M][M])
 static int condition(double *block, const double *free, const double *mean, const row *P)
 {
     static const row zero;
-    const double *seen = block + SEEN, *noise = block + READING_NOISE;
+    const double *readings = block + READING, *noise = block + READING_NOISE;
     double expectation[M], H[H_COUNT], residual[M], S[M][M], R[M][M], minus[M];
     row PH[M], gain[M], excess[M], turned[N]; /* P H' and K, by columns: row a is column a of the r used readings */
     int used[M], all[M], related[M], relative[M][M], r = 0;
@@ -230,10 +230,10 @@ static int condition(double *block, const double *free, const double *mean, cons
         const int first = H_ROW[i], count = H_ROW[i + 1] - first;
         block[USED + i] = 0.0;
         block[EXPECTED + i] = expectation[i];
-        if (isnan(seen[i]))
+        if (isnan(readings[i]))
             continue;
         combine(PH[r], zero, count, H + first, H_COLUMN + first, P);
-        residual[r] = seen[i] - expectation[i];
+        residual[r] = readings[i] - expectation[i];
         const double variance = dot(count, H + first, H_COLUMN + first, PH[r]) + noise[i * M + i];
         if (residual[r] * residual[r] > block[LIMIT_SQUARED + i] * variance)
             continue;
@@ -323,7 +323,7 @@ int STEP(double *block)
     for (int i = 0; i < N; i++)
         free[i] = 1.0;
     for (int g = 0; g < GATES; g++)
-        if (block[HELD + GATE_INPUT[g]] < block[THRESHOLD])
+        if (block[INPUT + GATE_INPUT[g]] < block[THRESHOLD])
             free[GATE_STATE[g]] = 0.0;
     if (advance(block, free, mean, jacobian))
         return MODEL_FAILED;

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, PlantFailed
-from railgrip.estimators.model_in_c import ModelInC, Pattern, addressed_model
+from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmi.description import Description, Variable
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.parameters import Values, assignments
@@ -88,7 +88,7 @@ class FmuPrediction:
     States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose.
 
     Attributes:
-        parameters: For a filter in C: the addresses of what evaluates the FMU, see `addressed_model`.
+        parameters: For a filter in C: the addresses of what evaluates the FMU; see estimators/kernel/addressed.h.
     """
 
     def __init__(
@@ -269,11 +269,13 @@ class FmuPrediction:
 
     def in_c(self) -> ModelInC:
         """Return the C by which a filter evaluates this FMU, valid inside `with`."""
-        return addressed_model(
+        return ModelInC(
             derivative_pattern=self._derivative_pattern,
             output_pattern=self._output_pattern,
             inputs=len(self.inputs),
             parameters=self.parameters.size,
+            sizes=(),
+            text=(files("railgrip.estimators") / "kernel" / "addressed.h").read_text(encoding="utf-8"),
         )
 
     def failure(self) -> str:

@@ -91,7 +91,7 @@ def test_compiled_and_numpy_filters_agree(undragged):
     plain = ExtendedKalmanFilter(undragged, process, readings, PERIOD, gate)
     y = np.stack([recording[f"reading_{name}"].values for name in undragged.outputs], axis=1)
     belief = plain.start(estimates["mean"].values[0], estimates["sd"].values[0] ** 2)
-    running = Running(plain, belief, inputs=1, outputs=2)
+    running = Running(plain, belief)
     for k in range(1, len(y)):
         running.inputs[:], running.readings[:] = recording["reading_pad_force"].values[k - 1], y[k]
         running.advance()

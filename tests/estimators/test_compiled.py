@@ -157,7 +157,7 @@ def test_a_machine_without_wide_vectors_gets_the_same_bits(rolling):
     for k in range(300):
         fast.inputs[:] = [2e4 * (k % 40 > 10), 500.0]
         fast.readings[:] = [22.0, 57.0, -0.7] + np.sqrt(READING) * random.standard_normal(3)
-        block[code.layout["HELD"]], block[code.layout["SEEN"]] = fast.inputs, fast.readings
+        block[code.layout["INPUT"]], block[code.layout["READING"]] = fast.inputs, fast.readings
         fast.advance()
         assert step_plain(block.ctypes.data) == 0
     assert np.array_equal(block, fast._block)

@@ -255,7 +255,7 @@ def test_the_filter_in_numpy_errs_as_the_compiled_one(model):
     arguments = (tuning.prediction, tuning.process, tuning.reading, PERIOD, GATE)
     plain, fast = ExtendedKalmanFilter(*arguments), CompiledFilter(*arguments)
     first = plain.start(tuning.mean, tuning.start)
-    running = Running(plain, first, inputs=true.held.shape[1], outputs=true.seen.shape[2])
+    running = Running(plain, first)
     fast.hold(first)
     for held, seen in zip(true.held, true.seen[:, 0], strict=True):
         for one in (running, fast):
