@@ -47,7 +47,8 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     """
     who = f"recording '{run.attrs.get('name')}'"
     motion = _motion(run, course, who)
-    slope, curvature = motion.course.slope_at(motion.distance), motion.course.curvature_at(motion.distance)
+    track = motion.course
+    slope, curvature = (np.interp(motion.distance, track.distance, of) for of in (track.slope, track.curvature))
     force = force_along(slope, curvature, course.mass, course.curve_law)
     brakes, period = braked(run), period_of(run)
     if not brakes.any():

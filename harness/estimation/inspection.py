@@ -60,6 +60,9 @@ _GAP = 2.5
 """Periods without a sample that are a gap."""
 
 
+_Wanted = tuple[str, bool]
+"""Unit of a signal of the model, and whether the model cannot do without."""
+
 _UNKNOWN = "?"
 """What the reader of a proposal has to fill in."""
 
@@ -141,7 +144,7 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
         "[data]",
         _clock_line(clock, path),
         f'period = "{1e3 * period:.6g} ms"',
-        *_gap_lines([finding for name, finding in recognised.items() if wanted[name].needed], period),
+        *_gap_lines([finding for name, finding in recognised.items() if wanted[name][1]], period),
         'frozen = "2 s"  # readings that repeat exactly for longer are left out',
         "spike = 8.0  # so are samples as many deviations off their neighbours",
         "",
@@ -250,31 +253,23 @@ def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
         yield f'end = "{end:.6g} s"'
 
 
-def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapping[str, "_Wanted"]) -> Finding:
+def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapping[str, _Wanted]) -> Finding:
     """Return a column with the unit that it has as the signal it was recognised as."""
-    target = next((wanted[signal].unit for signal, other in recognised.items() if other is finding), "")
+    target = next((wanted[signal][0] for signal, other in recognised.items() if other is finding), "")
     return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
 
 
 # ---- signals of the model -----------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class _Wanted:
-    """A signal of the model: its unit, and whether the model cannot do without."""
-
-    unit: str
-    needed: bool
-
-
 def _wanted(specification: Specification) -> dict[str, _Wanted]:
     """Return the signals that an estimation may read, by name; of accelerometers along the track one for each."""
     units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
-    wanted = {name: _Wanted(units[name], name in inputs) for name in (*inputs, *outputs)}
+    wanted: dict[str, _Wanted] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
-        wanted |= {name: _Wanted(text, name != "braking") for name, text in UNITS_OF_RUN.items()}
-        wanted |= {f"{ACCELERATION}[{i}]": _Wanted("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
-        wanted["speed"] = _Wanted("m/s", needed=True)
+        wanted |= {name: (text, name != "braking") for name, text in UNITS_OF_RUN.items()}
+        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
+        wanted["speed"] = "m/s", True
         wanted.pop("acceleration", None)  # the filter takes the mean of those along the track
     return wanted
 
@@ -286,7 +281,7 @@ def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> d
     places = [(stem, number if number is None else number + (stem in from_zero)) for stem, number in stems]
     scores = np.array(
         [
-            [_score(name, wanted[name].unit, *place, finding) for place, finding in zip(places, findings, strict=True)]
+            [_score(name, wanted[name][0], *place, finding) for place, finding in zip(places, findings, strict=True)]
             for name in signals
         ]
     )
@@ -340,23 +335,23 @@ def _columns(wanted: Mapping[str, _Wanted], recognised: Mapping[str, Finding]) -
     """Return the lines of [data.columns], and the signals that are left to their reader."""
     lines: list[str] = []
     unrecognised: list[str] = []
-    for signal, want in wanted.items():
+    for signal, (unit_of_signal, is_needed) in wanted.items():
         key = _toml(signal) if "[" in signal else signal
         finding = recognised.get(signal)
         if finding is None:
-            if want.needed:
+            if is_needed:
                 unrecognised.append(signal)
                 lines.append(
-                    f'{key} = {{ column = "{_UNKNOWN}", unit = "{want.unit}" }}  # needed, and not recognised; '
-                    f'{{ value = "{_zero(want.unit)}" }} where it is constant'
+                    f'{key} = {{ column = "{_UNKNOWN}", unit = "{unit_of_signal}" }}  # needed, and not recognised; '
+                    f'{{ value = "{_zero(unit_of_signal)}" }} where it is constant'
                 )
             continue
-        text, remark = _unit_of(finding, want.unit), ""
+        text, remark = _unit_of(finding, unit_of_signal), ""
         if not text and signal in _DEGREES:
             text, remark = "deg", "  # the file gives no unit: degrees are assumed"
         elif not text:
             unrecognised.append(signal)
-            remark = f"  # the file gives no unit of the dimension of {want.unit}"
+            remark = f"  # the file gives no unit of the dimension of {unit_of_signal}"
         elif text.startswith("rev/") and finding.unit is not None and "rev" not in finding.unit:
             remark = f"  # the file says {finding.unit}: revolutions are assumed"
         rest = ", may_rest = true" if signal.partition("[")[0] in _MAY_REST else ""

@@ -55,14 +55,6 @@ class Course:
     curvature: Array
     slope: Array
 
-    def curvature_at(self, distance: ArrayLike) -> Array:
-        """Return κ [1/m] at distances [m]."""
-        return np.interp(np.asarray(distance), self.distance, self.curvature)
-
-    def slope_at(self, distance: ArrayLike) -> Array:
-        """Return tan β at distances [m]."""
-        return np.interp(np.asarray(distance), self.distance, self.slope)
-
     def length_to(self, distance: ArrayLike) -> Array:
         """Return the length of the recovered path up to measured distances [m]."""
         steps = np.linalg.norm(np.diff(self.horizontal, axis=0), axis=1)
@@ -132,14 +124,12 @@ class Motion:
     Attributes:
         distance: Since the first sample [m], never falling, shape (k,).
         speed: [m/s].
-        acceleration: [m/s2].
         scale: Scale error of the speed sensor.
         course: Of the track, over `distance`.
     """
 
     distance: Array
     speed: Array
-    acceleration: Array
     scale: float
     course: Course
 
@@ -181,7 +171,6 @@ def motion_of(
     return Motion(
         distance=distance,
         speed=second[:, 1],
-        acceleration=second[:, 2],
         scale=float(second[-1, 4]),
         course=course_of(distance[fixes], horizontal[fixes], height[fixes], low_pass),
     )

@@ -5,10 +5,9 @@ import xarray
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.run import by_name, units_of
-from railgrip.estimation.spec import ObservabilityTable, Specification, equations_for, estimate_of, settings_for
-from railgrip.estimators.belief import Matrix
+from railgrip.estimation.spec import Specification, equations_for, estimate_of, settings_for
+from railgrip.estimators.belief import Matrix, Vector
 from railgrip.estimators.observability import Observability, along, observability
-from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
 
 Point = tuple[str, float, Observability]
@@ -37,7 +36,13 @@ def observe(specification: Specification, recording: xarray.Dataset) -> tuple[li
     prediction = equations_for(specification)
     period = period_of(recording)
     settings = settings_for(specification, period)
-    states = _states(recording, prediction)
+    unknown = [state for state in prediction.states if not knows(recording, state)]
+    if unknown:
+        raise EstimationError(
+            f"observability: the recording has no true {', '.join(unknown)}; it needs a trajectory of all states, "
+            "from a stop or as true_<state> from an estimate."
+        )
+    states = np.stack([truth_of(recording, state) for state in prediction.states], axis=1)
     inputs = samples(recording, prediction.inputs)
     gates: list[int] = []
     if settings.gate is not None:
@@ -45,8 +50,39 @@ def observe(specification: Specification, recording: xarray.Dataset) -> tuple[li
         inputs[:, gates] = np.where(inputs[:, gates] < settings.gate.threshold, 0.0, inputs[:, gates])
     scale = by_name("[observability] scale", table.scale, prediction.states)
     noise = by_name("[noise] readings", settings.readings, prediction.outputs)
-    windows = _windows(recording, prediction, states, inputs, period, noise, scale, table)
-    return _points(recording, prediction, states, inputs, gates, scale), windows
+    window, stride = max(round(table.window / period), 1), max(round(table.stride / period), 1)
+    if window > len(states):
+        raise EstimationError(
+            f"[observability] window is {table.window:g} s, the recording has {len(states) * period:g} s; shorten it."
+        )
+    start, smallest, deviation = along(prediction, states, inputs, period, noise, scale, window, stride)
+    time = recording["time"].values
+    windows = xarray.Dataset(
+        {
+            "smallest": (("time",), smallest, {"units": "1"}),
+            "deviation": (("time", "state"), deviation),
+            "singular": (("time", "state"), (scale / deviation) ** 2, {"units": "1"}),
+        },
+        coords={"time": time[start], "state": list(prediction.states)},
+        attrs={"window": table.window, "name": recording.attrs.get("name", "")},
+    )
+    points = [
+        (what, float(time[k]), observability(prediction, states[k], values, scale))
+        for what, k, values in _instants(prediction.inputs, inputs, gates)
+    ]
+    return points, windows
+
+
+def _instants(names: tuple[str, ...], inputs: Matrix, gates: list[int]) -> list[tuple[str, int, Vector]]:
+    """Return reason, sample and inputs of each point of `observe`."""
+    deciding = gates or list(range(len(names)))
+    most = int(np.argmax(np.min(inputs[:, deciding], axis=1))) if deciding else 0
+    instants = [("inputs at their largest together", most, inputs[most])]
+    for place in deciding:
+        without = inputs[most].copy()
+        without[place] = 0.0
+        instants.append((f"the same, but no {names[place]}", most, without))
+    return instants
 
 
 def with_estimates_as_truth(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
@@ -61,59 +97,3 @@ def with_estimates_as_truth(specification: Specification, recording: xarray.Data
     units = units_of(specification.model.class_)
     states = [str(state) for state in estimates["state"].values]
     return with_signals(recording, truth={s: (estimates["mean"].sel(state=s).values, units[s]) for s in states})
-
-
-def _states(recording: xarray.Dataset, prediction: CasadiPrediction) -> Matrix:
-    unknown = [state for state in prediction.states if not knows(recording, state)]
-    if unknown:
-        raise EstimationError(
-            f"observability: the recording has no true {', '.join(unknown)}; it needs a trajectory of all states, "
-            "from a stop or as true_<state> from an estimate."
-        )
-    return np.stack([truth_of(recording, state) for state in prediction.states], axis=1)
-
-
-def _points(
-    recording: xarray.Dataset,
-    prediction: CasadiPrediction,
-    states: Matrix,
-    inputs: Matrix,
-    gates: list[int],
-    scale: Matrix,
-) -> list[Point]:
-    time = recording["time"].values
-    deciding = gates or list(range(inputs.shape[1]))
-    most = int(np.argmax(np.min(inputs[:, deciding], axis=1))) if deciding else 0
-    instants = [("inputs at their largest together", most, inputs[most])]
-    for place in deciding:
-        without = inputs[most].copy()
-        without[place] = 0.0
-        instants.append((f"the same, but no {prediction.inputs[place]}", most, without))
-    return [(what, float(time[k]), observability(prediction, states[k], u, scale)) for what, k, u in instants]
-
-
-def _windows(
-    recording: xarray.Dataset,
-    prediction: CasadiPrediction,
-    states: Matrix,
-    inputs: Matrix,
-    period: float,
-    noise: Matrix,
-    scale: Matrix,
-    table: ObservabilityTable,
-) -> xarray.Dataset:
-    window, stride = max(round(table.window / period), 1), max(round(table.stride / period), 1)
-    if window > len(states):
-        raise EstimationError(
-            f"[observability] window is {table.window:g} s, the recording has {len(states) * period:g} s; shorten it."
-        )
-    start, smallest, deviation = along(prediction, states, inputs, period, noise, scale, window, stride)
-    return xarray.Dataset(
-        {
-            "smallest": (("time",), smallest, {"units": "1"}),
-            "deviation": (("time", "state"), deviation),
-            "singular": (("time", "state"), (scale / deviation) ** 2, {"units": "1"}),
-        },
-        coords={"time": recording["time"].values[start], "state": list(prediction.states)},
-        attrs={"window": table.window, "name": recording.attrs.get("name", "")},
-    )

@@ -38,8 +38,7 @@ class Settings:
     A name without index stands for all elements of an array; a name with index (`w[2]`) takes precedence over it.
 
     Attributes:
-        process: Density of the noise of each state, (unit of the state)²/s; see `per_step` for tables that
-            give the covariance added in one step.
+        process: Density of the noise of each state, (unit of the state)²/s.
         readings: Variance of each reading.
         start: Mean of each state at the first sample; those in `READ_STATES` may be left out.
         start_deviation: Standard deviation of each state at the first sample.
@@ -56,14 +55,6 @@ class Settings:
     gate: Gate | None = None
     outlier_limit: float | None = None
     between: Literal["held", "mean"] = "held"
-
-
-def per_step(variances: Mapping[str, float], period: float) -> dict[str, float]:
-    """Return densities from the covariance added in one step of a discrete filter, as tables of papers give it.
-
-    Such a table depends on its period: half the period is twice the noise a second.
-    """
-    return {name: variance / period for name, variance in variances.items()}
 
 
 def prediction_of(

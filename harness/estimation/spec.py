@@ -43,7 +43,7 @@ import xarray
 from pydantic import Field, model_validator
 
 from railgrip.base.errors import EstimationError
-from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, per_step, prediction_of, units_of
+from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.file import located
@@ -287,9 +287,10 @@ def settings_for(specification: Specification, period: float) -> Settings:
         ScenarioError: The threshold of the gate is in another unit than its inputs.
     """
     noise, gate = specification.noise, specification.gate
-    process = per_step(noise.process, period) if noise.kind == "per_step" else dict(noise.process)
+    # A table of papers of what one step adds depends on its period: half the period is twice the noise a second.
+    step = period if noise.kind == "per_step" else 1.0
     return Settings(
-        process=process,
+        process={name: variance / step for name, variance in noise.process.items()},
         readings=dict(noise.readings),
         start=dict(specification.start.mean),
         start_deviation=dict(specification.start.deviation),

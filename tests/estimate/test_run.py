@@ -8,7 +8,7 @@ from scipy.linalg import expm
 
 from railgrip.base.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
-from railgrip.estimation.run import Settings, by_name, estimate, per_step, prediction_of, units_of
+from railgrip.estimation.run import Settings, by_name, estimate, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
 from railgrip.trace.samples import recording_of
@@ -17,7 +17,7 @@ PERIOD = 0.01
 EQUATION_20 = {"w": 10.0, "v": 1e-5, "mu_b": 1e-3, "alpha": 1e-1}
 READINGS_20 = {"wheelset_speed": 1e-9, "speed": 1e-7}
 SETTINGS = Settings(
-    process=per_step(EQUATION_20, PERIOD),
+    process={name: variance / PERIOD for name, variance in EQUATION_20.items()},
     readings=READINGS_20,
     start={"mu_b": 0.35, "alpha": 0.0},
     start_deviation={"w": 0.3, "v": 0.1, "mu_b": 0.04, "alpha": 0.02},
