@@ -4,7 +4,6 @@ A distance that this moves by a centimetre is a property of the controller; one 
 draw. Where OpenModelica is on the PATH and so compiles the plants, those of the built-in compiler stop once, too.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,7 +29,7 @@ def repeats_of(stop: PlannedStop, *, count: int, relative: float) -> Repeats:
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
     nudged = [_changed(stop, f"{stop.name}-{nudge.seed}", nudge=nudge) for nudge in nudges]
-    return nudged, dict(_other_compiler(stop))
+    return nudged, _other_compiler(stop)
 
 
 def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
@@ -70,13 +69,13 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
     return Conditioning(relative=relative, stops=stops)
 
 
-def _other_compiler(stop: PlannedStop) -> Iterator[tuple[str, PlannedStop]]:
+def _other_compiler(stop: PlannedStop) -> dict[str, PlannedStop]:
     source = stop.scenario.vehicle.source
     if choose("auto") == _OTHER or not isinstance(source, Recipe):
-        return
+        return {}
     path = fmu(source.name, _OTHER)
-    update = {"plant": NamedFile(entry=str(path), path=path), "trust": True}
-    yield _OTHER, _changed(stop, f"{stop.name}-{_OTHER}", **update)
+    plant = NamedFile(entry=str(path), path=path)
+    return {_OTHER: _changed(stop, f"{stop.name}-{_OTHER}", plant=plant, trust=True)}
 
 
 def _changed(stop: PlannedStop, name: str, **vehicle: object) -> PlannedStop:

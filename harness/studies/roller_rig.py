@@ -233,11 +233,6 @@ def _filters() -> dict[str, Specification]:
     }
 
 
-def _other_encoders() -> list[Scenario]:
-    """Return the sliding test at other sampling periods and with other encoders of the roller."""
-    return [_resampled("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
-
-
 def _resampled(name: str, period: float, noise: float) -> Scenario:
     """Return a test at another sampling period [s], with another encoder of the roller [m/s]."""
     periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
@@ -257,7 +252,8 @@ class RollerRig(Study):
         """Return both tests with both filters, and the sliding test with other periods and encoders."""
         scenarios = [load(Path(name)) for name in SCENARIOS]
         tests = dict(zip(SCENARIOS, work.map(tested, scenarios), strict=True))
-        sensitivity = [row for rows in work.map(with_encoder, _other_encoders()) for row in rows]
+        others = [_resampled("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
+        sensitivity = [row for rows in work.map(with_encoder, others) for row in rows]
         rows = _rows(scenarios, list(tests.values()))
         fits = fit_table(work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS]))
         slide = published.points_of_slide(tests["rig_sand"][0], VehicleData(scenarios[-1]).contact)

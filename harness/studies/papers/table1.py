@@ -21,11 +21,12 @@ from scipy.stats import qmc
 
 from railgrip.api import Scenario
 from railgrip.base.files import replacing
+from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.work import Work, call
 from railgrip.simulate.run import braking_distance
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
-SBC = {"trapezoid": 382.9, "sine_sweep": 316.2, "random": 339.6}
+SBC = TARGETS
 """Table 1, braking distances of slip-based control [m]."""
 ABC = {"trapezoid": 333.4, "sine_sweep": 286.6, "random": 309.6}
 """Table 1, braking distances of adhesion-based control [m]."""
