@@ -44,7 +44,7 @@ class PaperEstimator:
     """Abduraxman et al. (2024): filters, block means, scaling and a network 4-6-1, or the mean of several.
 
     Attributes:
-        inputs: Key of `channels.COMBINATIONS`.
+        inputs: Key of `preprocessing.COMBINATIONS`.
     """
 
     chain: Chain
