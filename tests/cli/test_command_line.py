@@ -135,16 +135,16 @@ def test_a_wrong_question_exits_2_with_a_sentence(railgrip, arguments, sentence)
     assert result.out == ""
 
 
-@pytest.mark.parametrize("command", [("run", "wet.toml"), ("campaign", "pair.toml")], ids=" ".join)
-def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, project, command):
+@pytest.mark.parametrize("arguments", [("run", "wet.toml"), ("campaign", "pair.toml")], ids=" ".join)
+def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, project, arguments):
     (project / "taken").write_text("a file", encoding="utf-8")
-    result = railgrip(*command, "--set", "description=break", "--out", "taken/out")
+    result = railgrip(*arguments, "--set", "description=break", "--out", "taken/out")
     assert result.code == 2
     assert "taken/out: results cannot be written there: Not a directory; name another folder by --out" in result.err
 
 
 @pytest.mark.parametrize(
-    ("command", "place"),
+    ("arguments", "place"),
     [
         (("run", "wet.toml"), "stop.json"),
         (("run", "wet.toml"), "trace.nc"),
@@ -154,9 +154,9 @@ def test_results_that_cannot_be_written_are_told_before_anything_runs(railgrip, 
     ],
     ids=lambda value: value if isinstance(value, str) else " ".join(value),
 )
-def test_a_folder_where_a_file_goes_is_found_before_anything_runs(railgrip, project, command, place):
+def test_a_folder_where_a_file_goes_is_found_before_anything_runs(railgrip, project, arguments, place):
     (project / "out" / place).mkdir(parents=True)
-    result = railgrip(*command, "--set", "description=break", "--out", "out")
+    result = railgrip(*arguments, "--set", "description=break", "--out", "out")
     assert result.code == 2
     assert f"{Path('out') / place}: a file is to be written there, and it is a folder" in result.err
 
