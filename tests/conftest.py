@@ -46,6 +46,15 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+    """Return a function that runs a command in this process and the current folder: `command_line.Done`."""
+    from command_line import done
+
+    monkeypatch.setenv("COLUMNS", "200")
+    return lambda *arguments: done(capfd, *arguments)
+
+
+@pytest.fixture
 def in_process() -> Iterator[None]:
     """Run stops in this process, where a test is not about workers."""
     from one_process import one_process

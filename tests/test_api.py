@@ -134,60 +134,59 @@ def test_a_law_is_refused_that_needs_what_nobody_estimates(scenario):
         rg.run(scenario.changed({"estimator.kind": "none", "controller.kind": "full_brake"}), controller=Needs)
 
 
-def law(decide):
-    return type("Law", (BangBang,), {"decide": decide})
+def rolling():
+    """The plant of the page."""
+    page = PAGE.read_text()
+    source = page[page.index("class Rolling") : page.index("rg.testing.check_plant")]
+    names = {"np": np, "__name__": __name__}
+    exec(compile(source, str(PAGE), "exec"), names)
+    return names["Rolling"]
+
+
+PARTS = {"controller": BangBang, "estimator": Drag, "sensors": Gps, "plant": rolling()}
+OUTCOMES = {name: f"{name}_failed" for name in PARTS} | {"estimator": "diverged"}
 
 
 @pytest.mark.parametrize(
-    ("decide", "words"),
+    ("part", "method", "function", "words"),
     [
-        (lambda self, observation: 1 / 0, r"Law\.decide failed in .*test_api\.py, line \d+: ZeroDivisionError"),
+        ("controller", "decide", lambda self, seen: 1 / 0, r"failed in .*test_api\.py, line \d+: ZeroDivisionError"),
         (
-            lambda self, observation: [1.0, 2.0],
-            r"Law\.decide \(.*\) returned numbers of shape \(2,\), not the demanded",
+            "controller",
+            "decide",
+            lambda self, seen: [1.0, 2.0],
+            r"\(.*\) returned numbers of shape \(2,\), not the",
         ),
-        (lambda self, observation: np.full(4, np.nan), r"returned \[nan, nan, nan, nan\], not"),
-        (lambda self, observation: "full", "returned str 'full', not"),
-        (lambda self: None, r"Law\.decide \(.*test_api\.py, line \d+\) failed: TypeError"),
-        (lambda self, observation: observation.slip.fill(0.0), "ValueError: assignment destination is read-only"),
+        ("controller", "decide", lambda self, seen: np.full(4, np.nan), r"returned \[nan, nan, nan, nan\], not"),
+        ("controller", "decide", lambda self, seen: "full", "returned str 'full', not"),
+        ("controller", "decide", lambda self: None, r"\(.*test_api\.py, line \d+\) failed: TypeError"),
+        (
+            "controller",
+            "decide",
+            lambda self, seen: seen.slip.fill(0.0),
+            "ValueError: assignment destination is",
+        ),
+        ("estimator", "step", lambda self, seen: {}["a"], "KeyError"),
+        ("estimator", "step", lambda self, seen: 3, "returned int 3, not an Estimate"),
+        ("estimator", "step", lambda self, seen: rg.Estimate(adhesion=0.1), r"gave adhesion as numbers of shape \(\)"),
+        ("estimator", "step", lambda self, seen: rg.Estimate(slip=np.zeros(4)), "gave slip; it provides adhesion"),
+        ("estimator", "step", lambda self, seen: rg.Estimate(adhesion=np.full(4, np.inf)), r"gave adhesion as \[inf"),
+        ("sensors", "read", lambda self, time, truth: truth["sped"], "KeyError"),
+        ("sensors", "read", lambda self, time, truth: {"sped": 1.0}, "not readings of speed, wheelset_speed"),
+        ("sensors", "read", lambda self, time, truth: {"speed": [1.0, 2.0]}, r"gave speed as numbers of shape \(2,\)"),
+        ("sensors", "read", lambda self, time, truth: truth["slip"].fill(0.0), "read-only"),
+        ("plant", "step", lambda self, inputs: 1 / 0, r"failed in .*ZeroDivisionError.* At 0\.001 s"),
+        ("plant", "start", lambda self, formation, speed, period: {"speed": speed}, "a plant shows accel"),
+        ("plant", "step", lambda self, inputs: {"speed": 1.0}, "not what it showed at the start"),
+        ("plant", "step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
     ],
 )
-def test_a_mistake_in_a_controller_is_an_outcome_and_a_sentence(scenario, decide, words):
-    stop = rg.run(scenario, controller=law(decide))
-    assert stop.outcome is rg.Outcome.CONTROLLER_FAILED
-    assert re.search(words, stop.reason)
-    assert stop.reason.endswith("At 0.000 s.")
-
-
-@pytest.mark.parametrize(
-    ("step", "words"),
-    [
-        (lambda self, observation: {}["a"], "KeyError"),
-        (lambda self, observation: 3, "returned int 3, not an Estimate"),
-        (lambda self, observation: rg.Estimate(adhesion=0.1), r"gave adhesion as numbers of shape \(\)"),
-        (lambda self, observation: rg.Estimate(slip=np.zeros(4)), "gave slip; it provides adhesion"),
-        (lambda self, observation: rg.Estimate(adhesion=np.full(4, np.inf)), r"gave adhesion as \[inf"),
-    ],
-)
-def test_a_mistake_in_an_estimator_is_an_outcome_and_a_sentence(scenario, step, words):
-    stop = rg.run(scenario, controller=BangBang, estimator=type("Mine", (Drag,), {"step": step}))
-    assert stop.outcome is rg.Outcome.DIVERGED
-    assert re.search(rf"Mine\.step.*{words}", stop.reason)
-
-
-@pytest.mark.parametrize(
-    ("read", "words"),
-    [
-        (lambda self, time, truth: truth["sped"], "KeyError"),
-        (lambda self, time, truth: {"sped": 1.0}, "not readings of speed, wheelset_speed"),
-        (lambda self, time, truth: {"speed": [1.0, 2.0]}, r"gave speed as numbers of shape \(2,\)"),
-        (lambda self, time, truth: truth["slip"].fill(0.0), "read-only"),
-    ],
-)
-def test_a_mistake_in_sensors_is_an_outcome_and_a_sentence(scenario, read, words):
-    stop = rg.run(scenario, controller=BangBang, sensors=type("Mine", (Gps,), {"read": read}))
-    assert stop.outcome.value == "sensors_failed"
-    assert re.search(rf"Mine\.read.*{words}", stop.reason)
+def test_a_mistake_in_a_part_is_an_outcome_and_a_sentence(scenario, part, method, function, words):
+    mine = type("Mine", (PARTS[part],), {method: function})
+    stop = rg.run(scenario, **({"controller": BangBang} | {part: mine}))
+    assert stop.outcome.value == OUTCOMES[part]
+    assert re.search(rf"Mine\.{method}.*{words}", stop.reason)
+    assert part != "controller" or stop.reason.endswith("At 0.000 s.")
 
 
 def test_a_class_that_is_none_of_them_is_refused(scenario):
@@ -313,15 +312,6 @@ def test_changes_of_an_estimation_keep_their_type():
         rg.estimate(xarray.Dataset(), "wagon", {"source": {"scenario": "wagon", "seed": np.int64(3)}})
 
 
-def rolling():
-    """The plant of the page."""
-    page = PAGE.read_text()
-    source = page[page.index("class Rolling") : page.index("rg.testing.check_plant")]
-    names = {"np": np, "__name__": __name__}
-    exec(compile(source, str(PAGE), "exec"), names)
-    return names["Rolling"]
-
-
 def test_a_plant_in_python_brakes_as_its_one_equation_says(scenario, tmp_path):
     """Full brake on a rail that takes all: s = v0 T + v0²/(2 a), with T the lag of the cylinders."""
     whole = scenario.changed(
@@ -393,21 +383,6 @@ def test_a_plant_may_be_named_and_have_a_formation_of_its_own(scenario, tmp_path
     stop = rg.run(rg.Scenario.load(table), import_from=[tmp_path])
     assert stop.trace.sizes["group"] == 2
     assert stop.trace["cylinder_pressure"].values[-1] == pytest.approx([3e5] * 2, rel=0.2)
-
-
-@pytest.mark.parametrize(
-    ("method", "function", "words"),
-    [
-        ("step", lambda self, inputs: 1 / 0, r"Mine\.step failed in .*ZeroDivisionError.* At 0\.001 s"),
-        ("start", lambda self, formation, speed, period: {"speed": speed}, "a plant shows accel"),
-        ("step", lambda self, inputs: {"speed": 1.0}, "not what it showed at the start"),
-        ("step", lambda self, inputs: inputs["mu0"].fill(0.0), "read-only"),
-    ],
-)  # fmt: skip
-def test_a_mistake_in_a_plant_is_an_outcome_and_a_sentence(scenario, method, function, words):
-    stop = rg.run(scenario, controller=BangBang, plant=type("Mine", (rolling(),), {method: function}))
-    assert stop.outcome.value == "plant_failed"
-    assert re.search(words, stop.reason)
 
 
 def test_a_plant_that_is_no_train_is_refused_before_its_stop(scenario):

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import railgrip as rg
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.cli.main import app, main
+from railgrip.cli.main import app
 from railgrip.estimation.spec import LIBRARY
 
 
@@ -95,13 +95,8 @@ class Rolling:
 
     def shown(self, a, p):
         wheels = self.v / self.formation.wheel_radius
-        return {
-            "distance": self.s,
-            "speed": self.v,
-            "acceleration": a,
-            "wheelset_speed": wheels,
-            "cylinder_pressure": p,
-        }
+        moving = {"distance": self.s, "speed": self.v, "acceleration": a}
+        return moving | {"wheelset_speed": wheels, "cylinder_pressure": p}
 
 
 # Parameters of what is handed over
@@ -202,10 +197,7 @@ def test_an_entry_point_of_an_installed_package_needs_no_folder(scenario, tmp_pa
     (package / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
     (package / "entry_points.txt").write_text(f"[railgrip.controllers]\nmine = {laws}:Hold\n")
     monkeypatch.syspath_prepend(tmp_path)
-    for here, good in (
-        (tmp_path, False),
-        (Path(__file__).parent, True),
-    ):  # what lies in the current folder is not installed
+    for here, good in ((tmp_path, False), (Path(__file__).parent, True)):  # the current folder is not installed
         monkeypatch.chdir(here)
         registry.installed_names.cache_clear()
         try:
@@ -244,54 +236,34 @@ def commands(folder, laws):
     (folder / "wagon.toml").write_text(wagon.replace('kind = "slip_two_state"', f'kind = "{laws}:Hold"'))
     (folder / "conditioning.toml").write_text(CAMPAIGN)
     (folder / "campaign.toml").write_text(CAMPAIGN.replace("conditioning =", "# conditioning ="))
-    short = ["--set", "limits.horizon=0.2 s"]
+    short, repeats = ["--set", "limits.horizon=0.2 s"], ["--repeats", "2"]
     return {
         "run": ["run", str(folder / "wagon.toml"), *short],
         "campaign": ["campaign", str(folder / "campaign.toml"), "--workers", "1", *short],
-        "conditioning": [
-            "maintain",
-            "conditioning",
-            str(folder / "conditioning.toml"),
-            "--workers",
-            "1",
-            "--repeats",
-            "2",
-        ],
+        "conditioning": ["maintain", "conditioning", str(folder / "conditioning.toml"), "--workers", "1", *repeats],
         "estimate": ["estimate", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
         "observability": ["observability", str(LIBRARY / "wagon.toml"), "--scenario", str(folder / "wagon.toml")],
     }
 
 
-@pytest.mark.parametrize("command", ["run", "campaign", "conditioning", "estimate", "observability"])
-def test_commands_import_from_the_folders_that_they_name(command, laws, tmp_path, monkeypatch, capfd):
+@pytest.mark.parametrize("name", ["run", "campaign", "conditioning", "estimate", "observability"])
+def test_commands_import_from_the_folders_that_they_name(name, laws, tmp_path, monkeypatch, command):
     """Workers of a campaign stand by the same rule as the process that starts them."""
     monkeypatch.chdir(tmp_path)
-    arguments = [*commands(tmp_path, laws)[command], "--out", str(tmp_path / "out")]
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    assert end.value.code == 2
-    assert "a class that a file names comes from a folder" in capfd.readouterr().err
+    arguments = [*commands(tmp_path, laws)[name], "--out", str(tmp_path / "out")]
+    refused = command(*arguments)
+    assert refused.code == 2
+    assert "a class that a file names comes from a folder" in refused.err
     assert not (tmp_path / "imported").exists()
-    with pytest.raises(SystemExit):
-        main([*arguments, "--import-from", "."])
+    command(*arguments, "--import-from", ".")
     assert (tmp_path / "imported").exists()
 
 
 def test_every_command_that_runs_scenarios_takes_folders():
-    runner = CliRunner()
-    for command in (
-        "run",
-        "campaign",
-        "maintain conditioning",
-        "maintain regress",
-        "study type_test",
-        "estimate",
-        "observability",
-        "study k_factors",
-        "study field_test",
-        "maintain tune",
-    ):
-        assert "--import-from" in runner.invoke(app, [*command.split(), "--help"]).output, command
+    studies = ("study type_test", "study k_factors", "study field_test")
+    maintenance = ("maintain conditioning", "maintain regress", "maintain tune")
+    for command in ("run", "campaign", "estimate", "observability", *studies, *maintenance):
+        assert "--import-from" in CliRunner().invoke(app, [*command.split(), "--help"]).output, command
 
 
 # Values in the wrong unit, and beyond what there is

@@ -27,9 +27,13 @@ from railgrip.fmus.recipe import MODELICA
         ("J/(kg.K)", "m2.s-2.K-1", 1.0),
         ("kg.m2", "kg.m2", 1.0),
         ("mm", "m", 1e-3),
+        ("ms", "s", 1e-3),
+        ("µs", "s", 1e-6),
+        ("ft", "m", 0.3048),
         ("l", "m3", 1e-3),
         ("deg", "rad", math.pi / 180),
         ("%", "1", 0.01),
+        ("‰", "1", 1e-3),
         ("t", "kg", 1e3),
         ("m3", "m3", 1.0),
         ("s-1", "s-1", 1.0),
@@ -39,6 +43,7 @@ from railgrip.fmus.recipe import MODELICA
         ("m/s^2", "m.s-2", 1.0),
         ("1/min", "s-1", 1 / 60),
         ("kmph", "m.s-1", 1 / 3.6),
+        ("kmh", "m.s-1", 1 / 3.6),
         ("mph", "m.s-1", 0.44704),
         ("N m", "kg.m2.s-2", 1.0),
         ("°", "rad", math.pi / 180),
@@ -67,9 +72,11 @@ def test_celsius_has_an_offset_unless_it_is_a_difference():
     assert conversion(unit("degC"), unit("K"), difference=True) == (1.0, 0.0)
 
 
-def test_a_frequency_is_no_angular_velocity():
+def test_a_frequency_is_no_angular_velocity_and_an_angle_no_ratio():
     with pytest.raises(UnitError, match=r"'Hz' \(s-1\) cannot become 'rad/s'"):
         conversion(unit("Hz"), unit("rad/s"))
+    with pytest.raises(UnitError, match="'deg' cannot be converted to '1'"):
+        to_si("3 deg", "1")
 
 
 @pytest.mark.parametrize(("written", "time"), [("90 1/min", "min"), ("9 Hz", "s"), ("9 1/s", "s"), ("9 min-1", "min")])
@@ -85,11 +92,6 @@ def test_a_frequency_is_written_in_hertz_or_per_second():
     assert to_si("0.05 Hz", "1/s") == to_si("0.05 1/s", "Hz") == to_si("3 1/min", "Hz") == 0.05
     with pytest.raises(UnitError, match="'rpm' cannot be converted to 'Hz'"):
         to_si("3 rpm", "Hz")
-
-
-def test_an_angle_is_no_ratio():
-    with pytest.raises(UnitError, match="'deg' cannot be converted to '1'"):
-        to_si("3 deg", "1")
 
 
 @given(st.text(max_size=40))

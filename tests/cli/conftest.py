@@ -4,14 +4,12 @@ import os
 import signal
 import subprocess
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 import synthetic_runner
 
 import railgrip.scenario
-from railgrip.cli.main import main
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 ROOT = Path(__file__).parents[2]
@@ -49,29 +47,11 @@ def project(tmp_path):
 
 
 @pytest.fixture
-def railgrip(project, monkeypatch, capfd):
+def railgrip(project, monkeypatch, command):
     """Run a command in the project, in this process; campaigns start theirs all the same."""
     monkeypatch.chdir(project)
     monkeypatch.setattr("railgrip.simulate.run.run_stop", synthetic_runner.run_stop)
-    monkeypatch.setenv("COLUMNS", "200")
-
-    def run(*arguments):
-        capfd.readouterr()
-        with pytest.raises(SystemExit) as end:
-            main([str(argument) for argument in arguments])
-        out, err = capfd.readouterr()
-        return Done(code=int(end.value.code or 0), out=out, err=err)
-
-    return run
-
-
-@dataclass(frozen=True)
-class Done:
-    """What a command left: its exit code and what it said."""
-
-    code: int
-    out: str
-    err: str
+    return command
 
 
 @pytest.fixture

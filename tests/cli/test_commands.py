@@ -13,7 +13,6 @@ from typer.main import get_command
 
 import railgrip as rg
 from railgrip.cli.app import Command, Commands, app
-from railgrip.cli.main import main
 from railgrip.cli.maintain import maintain
 from railgrip.report import console
 
@@ -35,19 +34,13 @@ def _as_before():
 
 
 @pytest.mark.parametrize("path", ALL, ids=" ".join)
-def test_every_command_is_loaded_and_its_help_begins_with_its_summary(path):
+def test_the_help_of_a_command_begins_with_its_summary_and_cites_no_file_of_the_repository(path, command):
     loaded = ALL[path].load(path[-1])
     assert " ".join(loaded.help.split()).startswith(ALL[path].summary)
-
-
-@pytest.mark.parametrize("path", ALL, ids=" ".join)
-def test_help_cites_no_file_of_the_repository(path, capsys):
-    with pytest.raises(SystemExit) as end:
-        main([*path, "--help"])
-    assert not end.value.code
-    text = capsys.readouterr().out
-    assert "Usage:" in text
-    assert "harness/" not in text
+    shown = command(*path, "--help")
+    assert shown.code == 0
+    assert "Usage:" in shown.out
+    assert "harness/" not in shown.out
 
 
 @pytest.mark.parametrize(
@@ -63,11 +56,10 @@ def test_help_cites_no_file_of_the_repository(path, capsys):
         ("tune-control", "maintain tune-control"),
     ],
 )
-def test_a_former_spelling_is_refused_with_the_new_one(old, new, capsys):
-    with pytest.raises(SystemExit) as end:
-        main([*old.split(), "--out", "here"])
-    assert end.value.code == 2
-    assert f"`railgrip {old}` is now `railgrip {new}`." in capsys.readouterr().err
+def test_a_former_spelling_is_refused_with_the_new_one(old, new, command):
+    refused = command(*old.split(), "--out", "here")
+    assert refused.code == 2
+    assert f"`railgrip {old}` is now `railgrip {new}`." in refused.err
 
 
 def test_commands_of_users_come_before_those_of_maintainers():
@@ -97,14 +89,9 @@ finally: print(*sys.modules, file=sys.stderr)
 )
 def test_the_shell_completes_commands_and_names_of_the_library(words, expected):
     """As bash asks for them."""
-    done = subprocess.run(
-        [sys.executable, "-c", COMPLETE],
-        env=os.environ
-        | {"_RAILGRIP_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    asked = {"_RAILGRIP_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)}
+    command = [sys.executable, "-c", COMPLETE]
+    done = subprocess.run(command, env=os.environ | asked, capture_output=True, text=True, check=False)
     assert done.stdout.split() == [expected], done.stderr
     if words == ["railgrip", "camp"]:  # of the program itself: no command is imported
         assert HEAVY.isdisjoint(done.stderr.split())

@@ -53,7 +53,9 @@ def test_a_new_campaign_runs(folder):
 
 def test_a_new_train_runs(folder):
     answer("-m", "railgrip", "new", "train", "mine.toml")
-    assert "mine: 88.0 t" in answer("-m", "railgrip", "train", "check", "mine.toml")
+    checked = answer("-m", "railgrip", "train", "check", "mine.toml")
+    assert "mine: 88.0 t" in checked
+    assert "by hand (EN 14531-1)" in checked
     (folder / "stop.toml").write_text('extends = "plain"\nvehicle.train = "mine.toml"\nestimator.kind = "none"\n')
     assert "stop: standstill" in answer(
         "-m", "railgrip", "run", "stop.toml", "--set", "start.speed=30 km/h", "--set", "controller.kind=full_brake"

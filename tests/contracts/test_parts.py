@@ -122,18 +122,15 @@ class Reckoned:
         return rg.Estimate(adhesion=adhesion, adhesion_sd=0.1 * adhesion)
 
 
+def reckoned(name, step):
+    return type(name, (Reckoned,), {"step": step})
+
+
 @pytest.mark.parametrize(
     ("broken", "words"),
     [
-        (type("Less", (Reckoned,), {"step": lambda self, seen: rg.Estimate(adhesion=np.zeros(self.n))}), "it provides"),
-        (
-            type(
-                "Sign",
-                (Reckoned,),
-                {"step": lambda self, seen: rg.Estimate(adhesion=seen.slip, adhesion_sd=-seen.slip)},
-            ),
-            "negative adhesion_sd",
-        ),
+        (reckoned("Less", lambda self, seen: rg.Estimate(adhesion=np.zeros(self.n))), "it provides"),
+        (reckoned("Sign", lambda self, seen: rg.Estimate(adhesion=seen.slip, adhesion_sd=-seen.slip)), "negative adh"),
         (type("Silent", (Reckoned,), {"provides": ()}), "`provides` is"),
     ],
 )

@@ -45,29 +45,6 @@ def stops():
     return [next(live(life, range(7, 8))) for life in (healthy, worn, sticking)]
 
 
-# Of what a loop of its own gave before every stop was a scenario of the one loop, bit by bit. Five digits are what two
-# compilers of the plant share.
-@pytest.mark.parametrize(
-    ("life", "samples", "values"),
-    [
-        (Life(stops=60, seed=3), 752, [38.03488938, 270924.517561849, 0.382117031, 357.031730596]),
-        (Life(stops=60, seed=5, worn=0), 728, [35.245097614, 250501.59044293, 0.404640192, 339.760274997]),
-        (
-            Life(stops=60, seed=9, stuck=0, stuck_group=3),
-            962,
-            [57.255457112, 258487.231186487, 0.450496134, 374.601225528],
-        ),
-    ],
-    ids=["healthy", "worn", "stuck"],
-)
-def test_a_life_is_that_of_the_former_loop(life, samples, values):
-    recording, temperature = next(live(life, range(7, 8)))
-    read = reading_of(recording, "wheelset_speed[1]")[400], reading_of(recording, "cylinder_pressure[4]")[250]
-    samples_read = [*read, truth_of(recording, "mu_b[4]")[-1]]
-    assert recording.sizes["time"] == samples
-    assert [*samples_read, temperature[0]] == pytest.approx(values, rel=1e-5)
-
-
 def test_a_stop_tells_which_group_has_lost_friction(stops):
     healthy, worn, _ = (evidence_of(*stop) for stop in stops)
     ratio = worn.health / healthy.health

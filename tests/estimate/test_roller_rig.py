@@ -115,18 +115,6 @@ def test_a_fifth_of_the_period_hardly_changes_the_speed():
     assert truth_of(fine, "v")[-1] == pytest.approx(truth_of(coarse, "v")[-1], abs=5e-3)
 
 
-# Seconds to the stop, mean and standard deviation over ten seeds, by a former loop of the rig alone.
-DURATIONS = {"slide": (133.50, 0.70), "sand": (97.68, 1.36)}
-
-
-@pytest.mark.parametrize("name", DURATIONS)
-def test_a_run_lasts_as_long_as_in_the_former_loop(name):
-    """Within four deviations; another demand, law, surface or mass differs by ten and more."""
-    mean, deviation = DURATIONS[name]
-    durations = [float(recording_of_rig(shortened(name, 170.0, seed=seed))["time"][-1]) for seed in (1, 2)]
-    assert np.mean(durations) == pytest.approx(mean, abs=4 * deviation / np.sqrt(2))
-
-
 PERIOD = 0.01
 
 

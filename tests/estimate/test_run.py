@@ -9,8 +9,6 @@ from scipy.linalg import expm
 from railgrip.base.errors import EstimationError, EstimatorError
 from railgrip.estimation.judge import judge
 from railgrip.estimation.run import Settings, by_name, estimate, prediction_of, units_of
-from railgrip.estimators.design import Gate
-from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
 from railgrip.trace.samples import recording_of
 
 PERIOD = 0.01
@@ -78,38 +76,6 @@ def test_without_drag_the_filter_is_the_kalman_filter_with_q_and_r_as_printed(un
         # R is ten orders below Q, so the update cancels nine of sixteen digits.
         assert estimates["mean"].values[k] == pytest.approx(mean, rel=1e-6, abs=1e-7)
         assert estimates["sd"].values[k] == pytest.approx(np.sqrt(np.diag(P)), rel=5e-6, abs=1e-12)
-
-
-def test_compiled_and_numpy_filters_agree(undragged):
-    """With a gate: the pads are applied in the second half only."""
-    recording = braked()
-    recording["reading_pad_force"].values[:30] = 0.0
-    gate = Gate(states=("mu_b",), inputs=("pad_force",), threshold=1500.0)
-    estimates = estimate(recording, undragged, replace(SETTINGS, gate=gate))
-    process = by_name("process", SETTINGS.process, undragged.states)
-    readings = by_name("readings", SETTINGS.readings, undragged.outputs)
-    plain = ExtendedKalmanFilter(undragged, process, readings, PERIOD, gate)
-    y = np.stack([recording[f"reading_{name}"].values for name in undragged.outputs], axis=1)
-    belief = plain.start(estimates["mean"].values[0], estimates["sd"].values[0] ** 2)
-    running = Running(plain, belief)
-    for k in range(1, len(y)):
-        running.inputs[:], running.readings[:] = recording["reading_pad_force"].values[k - 1], y[k]
-        running.advance()
-        np.testing.assert_allclose(estimates["mean"].values[k], running.mean, rtol=1e-7, atol=1e-9)
-        np.testing.assert_allclose(estimates["sd"].values[k], np.sqrt(np.diag(running.covariance)), rtol=1e-6)
-        assert estimates["nis"].values[k] == pytest.approx(running.squared_innovation, rel=1e-5)
-        assert estimates["readings"].values[k] == running.selection.sum()
-
-
-@pytest.mark.parametrize("parameters", [{}, {"mu_b_relaxes": 1.0}])
-def test_the_prediction_fmu_gives_the_estimates_of_its_equations(parameters):
-    """R is ten orders below Q, so an update cancels nine of sixteen digits."""
-    recording = braked()
-    by_fmu, by_equations = (
-        estimate(recording, prediction_of(MODEL, parameters, kind=kind), SETTINGS) for kind in ("fmu", "compiled")
-    )
-    np.testing.assert_allclose(by_fmu["mean"].values, by_equations["mean"].values, rtol=1e-6, atol=1e-7)
-    np.testing.assert_allclose(by_fmu["sd"].values, by_equations["sd"].values, rtol=5e-6)
 
 
 def test_a_filter_with_true_noises_is_consistent(undragged):

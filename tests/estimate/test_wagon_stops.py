@@ -46,21 +46,6 @@ def test_load_moves_to_the_front_by_inertia():
     assert load[-1, 0] - load[-1, 1] == pytest.approx(-2 * 1.5 / 9 * 40e3 * acceleration, rel=0.01)
 
 
-# By a former loop of the wagon alone. Two compilers of the plant agree to five digits.
-@pytest.mark.parametrize(
-    ("name", "count", "speeds"),
-    [
-        ("wagon_stop", 5038, [27.115335972926864, 24.305659210157366, 23.334934816655505, 0.995993036271784]),
-        ("wagon_unequal", 6001, [27.170618067437633, 25.04403284552866, 24.186272741310376, 2.212028070502573]),
-    ],
-)
-@pytest.mark.parametrize("seed", [7, 8, 9])
-def test_the_truth_is_that_of_the_former_loop(name, count, speeds, seed):
-    recording = run(name, seed)
-    assert recording.sizes["time"] == count
-    assert truth_of(recording, "v")[[450, 1100, 1600, -1]] == pytest.approx(speeds, rel=1e-5)
-
-
 def test_readings_are_the_truth_with_independent_white_noise(stop):
     """Standard deviations of 5000 samples are accurate to 1 %, times four; correlations of instruments to 1.4 %."""
     noise = {key: reading_of(stop, key) - truth_of(stop, state) for key, state in READ.items()}

@@ -4,14 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from railgrip.base.errors import EstimationError, ScenarioError
+from railgrip.base.errors import EstimationError, EstimatorError, ScenarioError
 from railgrip.campaign.work import work
 from railgrip.estimation.braking import braked, braking_of, driven
 from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.run import prediction_of
 from railgrip.estimation.sources import recording_for
-from railgrip.estimation.spec import estimate_of, settings_for
-from railgrip.estimators.ekf import ExtendedKalmanFilter
+from railgrip.estimation.spec import estimate_of
 from railgrip.studies.field_test import filtering
 from railgrip.studies.field_test.filtering import NOISES, PHYSICAL, Noise, follow, load_noise, lost, save_noise, task_of
 from railgrip.studies.field_test.runs import cases
@@ -114,22 +112,6 @@ def test_five_rates_do_not_determine_eight_frictions(model):
     assert np.linalg.matrix_rank(jacobian[:5, 5:]) == 5
 
 
-def test_the_compiled_filter_equals_the_filter_in_python(task, filter_, model):
-    """Two hundred steps around the application of the brake, where the gate opens."""
-    place, data = task.braking.brake - 50, task.data
-    gate = settings_for(filtering.specification(), data.period).gate
-    assert data.inputs[place, 0] < gate.threshold < data.inputs[place + 100, 0]
-    plain = ExtendedKalmanFilter(model, PHYSICAL.process, PHYSICAL.readings, data.period, gate)
-    rows = slice(place, place + 200)
-    belief = plain.start(data.mean, data.variance)
-    estimates = filter_.follow(belief, data.inputs[rows], data.readings[rows])
-    for k, (inputs, readings) in enumerate(zip(data.inputs[rows], data.readings[rows], strict=True)):
-        belief = plain.step(belief, inputs, readings)
-        # Equal but for rounding, accumulated over two hundred steps.
-        np.testing.assert_allclose(estimates.mean[k], belief.mean, rtol=1e-9, atol=1e-12)
-        np.testing.assert_allclose(estimates.variance[k], np.diag(belief.covariance), rtol=1e-7)
-
-
 def test_the_estimation_file_has_the_filter_of_the_study(run, case, task, filter_):
     """`railgrip estimate` with [course], and the arrays of the study."""
     specification = filtering.specification()
@@ -172,6 +154,8 @@ def test_a_retuned_filter_equals_a_new_one(task, model):
     start = new.start(data.mean, data.variance)
     means = [one.follow(start, data.inputs[:100], data.readings[:100]).mean for one in (new, other)]
     np.testing.assert_array_equal(*means)
+    with pytest.raises(EstimatorError, match="negative eigenvalue"):
+        other.retune(-noise.process, noise.readings)
 
 
 def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
@@ -224,8 +208,3 @@ def test_a_run_without_braking_or_position_is_refused(run):
     incomplete = run.assign(reading_height=run["reading_height"] * np.nan).isel(time=slice(0, 100))
     with pytest.raises(EstimationError, match="GNSS gave no position"):
         braking_of(incomplete, course)
-
-
-def test_a_prediction_without_a_requested_output_is_refused():
-    with pytest.raises(EstimationError, match="TrainPredictionReduced has no output yaw; it has speed"):
-        prediction_of("TrainPredictionReduced", outputs=("speed", "yaw"))

@@ -105,27 +105,6 @@ def test_a_description_that_is_there_twice_is_refused(foundry: Path, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        (("<fmiModel", '<!DOCTYPE f [<!ENTITY a "b">]>\n<fmiModel'), "has a document type, which FMI does not"),
-        (("<ModelVariables>", "<VendorAnnotations>" + "<a>" * 100_000), "more than 64 elements inside each other"),
-        (
-            ('<Derivatives><Unknown index="2"/>', '<Derivatives><Unknown index="99"/>'),
-            r"ModelStructure \(line 27 of modelDescription\.xml\) names variable number '99', but there are 11, from 1",
-        ),
-        (('<Unknown index="2"/>', '<Unknown index="0"/>'), "names variable number '0', but there are 11, from 1"),
-        (
-            ('<Unknown index="2"/>', '<Unknown index="2" dependencies="1 x"/>'),
-            "names variable number 'x', but there are 11",
-        ),
-    ],
-)
-def test_a_description_nobody_can_follow_is_refused(foundry: Path, change: tuple[str, str], sentence: str):
-    with pytest.raises(FmuError, match=sentence):
-        describe(tiny(foundry, description=xml().replace(*change)))
-
-
-@pytest.mark.parametrize(
     "change",
     [
         ('modelName="Tiny"', 'modelName="Tiny" colour="blue"'),

@@ -63,11 +63,6 @@ def test_the_digest_is_that_of_the_file(foundry: Path):
     assert describe(file).digest == hashlib.sha256(file.read_bytes()).hexdigest()
 
 
-def test_a_difference_is_known_as_one(foundry: Path):
-    assert describe(tiny(foundry, description=xml(relative=True))).variables["x"].relative
-    assert not describe(tiny(foundry)).variables["x"].relative
-
-
 def test_a_description_is_a_value(foundry: Path):
     description = describe(tiny(foundry))
     with pytest.raises(AttributeError):

@@ -46,10 +46,7 @@ def test_the_numbers_are_those_of_the_same_process(foundry: Path):
         ("NEVER_STOPS", "at 0.003 s the FMU did not return (within 0.5 s of real time, it was stopped)."),
         ("CRASH", "at 0.003 s the FMU crashed (its process was ended by SIGSEGV)."),
         ("EXITS", "at 0.003 s the FMU crashed (it ended its process with code 7)."),
-        (
-            "ERROR_STATUS",
-            "at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003.",
-        ),
+        ("ERROR_STATUS", "at 0.003 s fmi2DoStep returned fmi2Error; it says: error: the wheel came off at 0.003."),
         ("NAN_OUTPUT", "at 0.004 s output 'y' is not a finite number (nan)."),
     ],
 )
@@ -93,14 +90,8 @@ def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
     description = describe(tiny(foundry))
     messages: list[str] = []
     for trust, kind, count in ((True, CoSimulation, 0), (False, IsolatedCoSimulation, 1)):
-        plant = open_plant(
-            description,
-            tied(description),
-            period=PERIOD,
-            parameters={},
-            trusted=trust,
-            notify=messages.append,
-        )
+        binding = tied(description)
+        plant = open_plant(description, binding, period=PERIOD, parameters={}, trusted=trust, notify=messages.append)
         assert isinstance(plant, kind)
         assert len(messages) == count
     assert "well.fmu comes from outside" in messages[0]

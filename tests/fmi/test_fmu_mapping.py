@@ -197,17 +197,14 @@ def test_a_wrong_entry_is_refused(foreign: Description, entry: object, sentence:
 
 
 ARRAY = [signal("speed", "m/s", 4)]
+MAYBE = [signal("speed", "m/s", needed=False)]
 
 
 @pytest.mark.parametrize(
     ("table", "signals", "sentence"),
     [
         ({"sped": "x"}, {}, rf"{WHERE[:9]}.* has no signal 'sped'; did you mean 'speed'\?"),
-        (
-            {"speed": "rats"},
-            {"outputs": [signal("speed", "m/s", needed=False)]},
-            r"speed: .* has no variable 'rats'; did you mean 'rate'\?",
-        ),
+        ({"speed": "rats"}, {"outputs": MAYBE}, r"speed: .* has no variable 'rats'; did you mean 'rate'\?"),
         ({"speed": "x"}, {"outputs": ARRAY}, r"4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"),
         ({"speed": ["x"]}, {"outputs": ARRAY}, r"the list names 1 variables, the signal has 4 elements"),
         ({}, {"inputs": [signal("command", "N.m")]}, r"'u' is in 'bar', the harness sends 'command' in 'N\.m'"),
@@ -224,24 +221,14 @@ def test_a_table_that_does_not_fit_is_refused(
 
 def test_two_signals_cannot_drive_one_input(foundry: Path):
     with pytest.raises(FmuError, match=r"two signals drive the same input of .*: u"):
-        bind(
-            describe(tiny(foundry)),
-            inputs=[signal("a"), signal("b")],
-            outputs=[],
-            table={"a": "u", "b": "u"},
-        )
+        bind(describe(tiny(foundry)), inputs=[signal("a"), signal("b")], outputs=[], table={"a": "u", "b": "u"})
 
 
 def test_our_parameters_reach_theirs_in_their_unit(foundry: Path):
     text = xml().replace('start="2" min="0.1" max="10"', 'unit="km/h" start="2"')
     description = describe(tiny(foundry, description=text))
-    binding = bind(
-        description,
-        inputs=[],
-        outputs=[],
-        parameters=[signal("start_speed", "m/s")],
-        table={"start_speed": "rate"},
-    )
+    start = [signal("start_speed", "m/s")]
+    binding = bind(description, inputs=[], outputs=[], parameters=start, table={"start_speed": "rate"})
     assert binding.translate({"start_speed": 10.0}) == {"rate": pytest.approx(36.0, rel=1e-15)}
 
 

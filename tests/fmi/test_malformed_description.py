@@ -113,6 +113,11 @@ def test_a_mutated_description_is_used_or_refused_in_a_sentence(
         ('fmiVersion="2.0"', 'fmiVersion="9.9"', "this is FMI 9.9"),
         ('numberOfEventIndicators="1"', 'numberOfEventIndicators="99999999999999"', "numberOfEventIndicators is 99999"),
         ('encoding="UTF-8"', 'encoding="nonsense"', "is not XML: unknown encoding"),
+        ("<fmiModel", '<!DOCTYPE f [<!ENTITY a "b">]>\n<fmiModel', "has a document type, which FMI does not"),
+        ("<ModelVariables>", "<VendorAnnotations>" + "<a>" * 100_000, "more than 64 elements inside each other"),
+        ('<Derivatives><Unknown index="2"/>', '<Derivatives><Unknown index="99"/>', r"ModelStructure \(line 27 .*'99'"),
+        ('<Unknown index="2"/>', '<Unknown index="0"/>', "names variable number '0', but there are 11, from 1"),
+        ('<Unknown index="2"/>', '<Unknown index="2" dependencies="1 x"/>', "variable number 'x', but there are 11"),
     ],
 )  # fmt: skip
 def test_the_sentence_names_what_is_wrong(members: dict[str, bytes], place: Path, old: str, new: str, sentence: str):

@@ -7,9 +7,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 from faulty_fmu import faulty_fmu
-from tiny_fmu import tiny, xml
 
-from railgrip.base.errors import FmuError
 from railgrip.base.units import conversion, unit
 from railgrip.fmi import Description, Signal, bind, describe
 from railgrip.fmi.description import Variable
@@ -215,9 +213,3 @@ def test_what_is_not_found_is_told_with_its_unit(foundry: Path):
     description = describe(faulty_fmu(foundry, names={"speed": "quantity_12"}))
     lines = list(mapped(description, wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
     assert "# speed = ?  # needed, in m/s: nothing like it was found" in lines
-
-
-@pytest.mark.parametrize("version", ["1.0", "3.1"])
-def test_another_version_of_fmi_is_refused_as_one(foundry: Path, version: str):
-    with pytest.raises(FmuError, match=f"this is FMI {version}"):
-        describe(tiny(foundry, description=xml(version=version)))

@@ -1,12 +1,13 @@
 """FMUs of a folder are stepped, and those that do not step say why."""
 
 import csv
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from command_line import Done
 from tiny_fmu import tiny, xml
 
-from railgrip.cli.main import main
 from railgrip.fmi.survey import survey
 
 
@@ -42,14 +43,13 @@ def test_what_steps_and_what_does_not_is_known_of_each(folder: Path):
     assert found["text"] == ("", "no archive of an FMU")
 
 
-def test_the_table_counts_by_tool_and_the_file_has_a_line_of_each(folder: Path, capsys: pytest.CaptureFixture[str]):
+def test_the_table_counts_by_tool_and_the_file_has_a_line_of_each(folder: Path, command: Callable[..., Done]):
     out = folder.parent / "out" / "fmus.csv"
-    with pytest.raises(SystemExit) as end:
-        main(["maintain", "fmus", str(folder), "--out", str(out)])
-    assert not end.value.code
+    result = command("maintain", "fmus", folder, "--out", out)
+    assert result.code == 0
     rows = list(csv.DictReader(out.open()))
     assert len({row["file"] for row in rows}) == 7
     assert {row["tool"] for row in rows if row["file"].endswith("me.fmu")} == {"Tool"}
     assert all(bool(row["reason"]) == bool(row["sentence"]) for row in rows)
-    (total,) = (line.split() for line in capsys.readouterr().out.splitlines() if line.split()[:1] == ["all,"])
+    (total,) = (line.split() for line in result.out.splitlines() if line.split()[:1] == ["all,"])
     assert total[-2:] == ["7", "4"], "crash.fmu steps as Model Exchange"

@@ -161,13 +161,6 @@ def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
     assert not (tmp_path / "ran").exists()
 
 
-@pytest.mark.parametrize(
-    "file", ["README.md", "Makefile", *(str(p.relative_to(ROOT)) for p in sorted((ROOT / "docs").rglob("*.md")))]
-)
-def test_nobody_is_told_to_run_this_program_by_python_m(file):
-    assert "-m railgrip" not in (ROOT / file).read_text(encoding="utf-8")
-
-
 def test_the_command_line_ends_wrong_questions_with_a_sentence_and_2():
     done = ended(sys.executable, "-m", "railgrip", "build", "Nothing")
     assert done.returncode == 2

@@ -87,13 +87,6 @@ def test_a_missing_file_and_a_missing_class_are_told(tmp_path):
         lower("Other", file)
 
 
-def test_a_modelica_error_keeps_the_front_ends_words(tmp_path):
-    file = tmp_path / "Model.mo"
-    file.write_text("model M\n Real x(start=1,fixed=true);\nequation\n der(x) = -k*x;\nend M;")
-    with pytest.raises(InputError, match="k"):
-        lower("M", file)
-
-
 BROKEN = {
     "syntax": ("h = 1;", "h = 1", "Broken/Inner.mo:5: unexpected `equation`"),
     "component": ("der(x) = -h*x;", "der(x) = -hh*x;", "Broken/Inner.mo:6: der(x) = -hh*x;"),

@@ -82,13 +82,17 @@ def extending(line: str, base: str = "A") -> str:
     return f"  model X\n    extends {base}{line};\n  end X;\n"
 
 
+def using(line: str, modifiers: str = "") -> str:
+    """Return a model Y with a line, and a model X with a component of it that has modifiers."""
+    return f"  model Y\n    {line}\n  end Y;\n" + model(f"Y y{modifiers};")
+
+
 LENIENT = {
     "a modifier outside the constraining clause": (
         model("Lost n(redeclare B a);"), r"'r' is modified on the declaration"
     ),
     "a modifier that the clause has otherwise": (
-        "  model Y\n    replaceable A a[2](each r=7) constrainedby Law(r=8);\n  end Y;\n"
-        + model("Y y(redeclare B a);"),
+        using("replaceable A a[2](each r=7) constrainedby Law(r=8);", "(redeclare B a)"),
         r"'r' is modified on the declaration",
     ),
     "a constraining clause that is not redeclared": (model("Kept n;"), r"modifiers of its constraining clause, r \("),
@@ -101,12 +105,8 @@ LENIENT = {
     "a redeclaration by an element": (
         "  model X\n    extends Kept;\n    redeclare B a;\n  end X;\n", r"redeclare it in the extends clause"
     ),
-    "a redeclaration inside modifiers": (
-        "  model Y\n    N n;\n  end Y;\n" + model("Y y(n(redeclare B plain));"), r"'plain' inside the modifiers"
-    ),
-    "a redeclared class inside modifiers": (
-        "  model Y\n    N n;\n  end Y;\n" + model("Y y(n(redeclare model M = B));"), r"'M' inside the modifiers"
-    ),
+    "a redeclaration inside modifiers": (using("N n;", "(n(redeclare B plain))"), r"'plain' inside the modifiers"),
+    "a redeclared class inside modifiers": (using("N n;", "(n(redeclare model M = B))"), r"'M' inside the modifiers"),
     "a redeclaration inside modifiers of a base": (
         "  model Y\n    N n;\n  end Y;\n" + extending("(n(redeclare B plain))", "Y"), r"'plain' inside the modifiers"
     ),
@@ -118,7 +118,7 @@ LENIENT = {
     "an unknown attribute": (model("A a(q(zz=1));"), r"'zz' is no attribute of q"),
     "an unknown element of the new type": (model("N n(redeclare B plain(v={1, 2}));"), r"'v' is modified, which P\.B"),
     "an unknown element of the constraint": (
-        "  model Y\n    replaceable A a constrainedby Law(q=1);\n  end Y;\n" + model("Y y(redeclare A a);"),
+        using("replaceable A a constrainedby Law(q=1);", "(redeclare A a)"),
         r"clause of a modifies 'q', which P\.Law does not have",
     ),
     "a protected element": (model("A a(hidden=1);"), r"'hidden' is modified, which is protected in P\.A"),
@@ -145,13 +145,11 @@ LENIENT = {
         r"plain is of P\.Other, which lacks r of P\.Law"
     ),
     "a second redeclaration": (
-        "  model Y\n    extends N(redeclare A plain);\n  end Y;\n" + model("Y y(redeclare B plain);"),
+        using("extends N(redeclare A plain);", "(redeclare B plain)"),
         r"'plain' is redeclared, but is not replaceable",
     ),
     "a replaceable base": (extending("", "N.M"), r"P\.N\.M is replaceable and can be no base class"),
-    "a type outside its constraint": (
-        "  model Y\n    replaceable Other a constrainedby Law;\n  end Y;\n" + model("Y y;"), r"which lacks r of P\.Law"
-    ),
+    "a type outside its constraint": (using("replaceable Other a constrainedby Law;"), r"which lacks r of P\.Law"),
     "a parameter without a value": (
         "  model Y\n    parameter Real p(start=2);\n    Real z = p;\n  end Y;\n" + model("Y y;"),
         r"parameter y\.p has no value",
@@ -167,10 +165,8 @@ STRICT = {
     "a final parameter": (model("A a(f=1);"), "declared final"),
     "a final component": (model("N n(fa(q=1));"), "declared final"),
     "a final element of a base": (extending("(f=9)"), "declared final"),
-    "a modifier made final": ("  model Y\n    A a(final q=1);\n  end Y;\n" + model("Y y(a(q=2));"), "declared final"),
-    "a base's modifier made final": (
-        "  model Y\n    extends A(final q=1);\n  end Y;\n" + model("Y y(q=2);"), "declared final"
-    ),
+    "a modifier made final": (using("A a(final q=1);", "(a(q=2))"), "declared final"),
+    "a base's modifier made final": (using("extends A(final q=1);", "(q=2)"), "declared final"),
     "an unknown element": (model("A a(zz=1);"), "unknown modifier `zz`"),
     "an unknown attribute of a variable": (model("Real x(zz=1) = 2;"), "unknown modifier `zz`"),
     "an unknown element redeclared": (model("N n(redeclare B zz);"), "unknown modifier `zz`"),
@@ -206,10 +202,7 @@ RIGHT = {
     "modifiers without a clause": (model("N n(redeclare E a);"), {"n.a.r": 7}),
     "a redeclared class": (model("N n(redeclare model M = B);"), {"n.m.q": 5}),
     "a parameter of the class itself without a value": (model("parameter Real p(start=2);\n    Real z = p;"), {"p": 2}),
-    "two redeclarations": (
-        "  model Y\n    extends N(redeclare replaceable A plain);\n  end Y;\n" + model("Y y(redeclare B plain);"),
-        {"y.plain.q": 5},
-    ),
+    "two redeclarations": (using("extends N(redeclare replaceable A plain);", "(redeclare B plain)"), {"y.plain.q": 5}),
 }
 
 

@@ -201,18 +201,3 @@ def test_the_jacobian_of_a_prediction_is_its_central_difference(train, run, name
         given = np.array(instance.instance.getDirectionalDerivative(references, [fmu.reference(n)], [1.0]))
         rounding = 1e-9 * np.maximum(np.abs(sides[0]), 1) / h * 1e-6
         assert given == pytest.approx((sides[0] - sides[1]) / (2 * h), rel=1e-5, abs=1e-5 + np.max(rounding)), n
-
-
-def test_the_contact_point_is_polachs_formula(train, run):
-    """Polach (2005): no adhesion without slip, odd in slip, never more than μ0."""
-    fmu = train("ContactPoint")
-    instance = run(fmu)
-    instance.set(speed=20.0, load=1.0e5, mu0=0.3)
-    seen = []
-    for k, slip in enumerate((-0.05, 0.0, 0.05, 0.3)):
-        instance.set(slip=slip)
-        instance.steps(1, 1e-3, first=k)
-        seen += instance.get("adhesion")
-    assert seen[1] == pytest.approx(0, abs=1e-6)
-    assert seen[0] == pytest.approx(-seen[2], rel=1e-3)
-    assert 0 < seen[3] < 0.3

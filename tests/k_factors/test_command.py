@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
+from command_line import exit_code
 
-from railgrip.__main__ import main
 from railgrip.report.marked import END
 from railgrip.studies.k_factors.specification import LIBRARY
 
@@ -23,7 +23,7 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, mo
     begin = "<!-- K: written by `railgrip study k_factors vt642 --write` -->"
     page.write_text(f"before\n{begin}\n{END}\nafter\n", encoding="utf-8")
     for name, options in (("first", []), ("again", ["--write"])):
-        main_ok(["study", "k_factors", "vt642", "--out", str(tmp_path / name), *options, *LITTLE])
+        assert exit_code("study", "k_factors", "vt642", "--out", tmp_path / name, *options, *LITTLE) == 0
     written = page.read_text(encoding="utf-8")
     assert written.startswith("before\n")
     assert written.endswith("after\n")
@@ -63,7 +63,8 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
     ]
     contents = []
     for _ in range(2):
-        main_ok([*command, *(f"--set=loop.{one}" for one in ("probability=0.1", "samples=20", "runs=2"))])
+        few = (f"--set=loop.{one}" for one in ("probability=0.1", "samples=20", "runs=2"))
+        assert exit_code(*command, *few) == 0
         contents.append(json.loads((tmp_path / "out" / "k_factors.json").read_text(encoding="utf-8")))
     first, again = contents
     assert (first["seconds"].pop("new_stops"), again["seconds"].pop("new_stops")) == (40, 0)
@@ -99,32 +100,21 @@ def test_stops_in_the_loop_agree_with_the_quasi_static_brake_and_go_on_where_the
         ("scenario='wagon'; speed_steps=[]", "K factors"),
     ],
 )
-def test_a_wrong_file_ends_in_a_sentence(change, sentence, tmp_path, capsys):
+def test_a_wrong_file_ends_in_a_sentence(change, sentence, tmp_path, command):
     changes = [part for one in change.split("; ") for part in ("--set", one)]
-    with pytest.raises(SystemExit) as end:
-        main(["study", "k_factors", "vt642", "--out", str(tmp_path), *changes])
-    message = capsys.readouterr().err
-    assert end.value.code == 2
-    assert sentence in message
-    assert "Traceback" not in message
+    refused = command("study", "k_factors", "vt642", "--out", tmp_path, *changes)
+    assert refused.code == 2
+    assert sentence in refused.err
 
 
-def test_stops_want_their_table(tmp_path, capsys):
+def test_stops_want_their_table(tmp_path, command):
     study = tmp_path / "study.toml"
     text = (
         (LIBRARY / "vt642.toml").read_text(encoding="utf-8").replace("vt642_dry.toml", str(LIBRARY / "vt642_dry.toml"))
     )
     study.write_text(text.replace("[loop]\nprobability = 0.01\nruns = 4\nsamples = 50\n", ""), "utf-8")
-    with pytest.raises(SystemExit) as end:
-        main(["study", "k_factors", str(study), "--loop", "--out", str(tmp_path / "out")])
-    assert end.value.code == 2
-    assert "has no [loop]" in capsys.readouterr().err
-
-
-def main_ok(arguments):
-    with pytest.raises(SystemExit) as end:
-        main(arguments)
-    assert end.value.code in (0, None)
+    refused = command("study", "k_factors", study, "--loop", "--out", tmp_path / "out")
+    assert (refused.code, "has no [loop]" in refused.err) == (2, True)
 
 
 def test_every_value_of_ours_has_a_source():

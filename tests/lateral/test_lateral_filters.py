@@ -83,20 +83,6 @@ def test_order_1_is_forward_euler_in_both_filters():
         )
 
 
-def test_a_retuned_filter_uses_the_new_process_noise():
-    arguments = (prediction("known_track"), np.full(5, 1e-6), READING_NOISE, PERIOD)
-    retuned, fresh = (CompiledFilter(*arguments) for _ in range(2))
-    retuned.retune(np.full(5, 4e-6))
-    inputs, nothing = np.array([25.0, 2e-3]), np.full(2, np.nan)
-    deviations = [
-        one.step(one.start(np.full(5, 1e-3), np.full(5, 1e-6)), inputs, nothing).covariance for one in (retuned, fresh)
-    ]
-    # A difference of 3·1e-6·50 µs between diagonals of 1e-6 loses some digits.
-    assert np.diag(deviations[0] - deviations[1]) == pytest.approx(np.full(5, 3e-6 * PERIOD), rel=1e-6)
-    with pytest.raises(EstimatorError, match="negative eigenvalue"):
-        retuned.retune(np.full(5, -1.0))
-
-
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
     """Slopes of the literal model against differences of equation (8)."""
     model = lower("RailBraking.Predictions.LateralLiteral")

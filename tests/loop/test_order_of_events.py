@@ -281,9 +281,11 @@ def test_a_train_that_stands(sample):
     assert (outcome, written) == (Outcome.STANDSTILL, sample + 1)
 
 
+@pytest.mark.parametrize("valves", [False, True])
 @pytest.mark.parametrize("calls", [0, 300, BLOCK, BLOCK + 1])
-def test_a_law_that_gives_no_number(calls):
-    outcome, reason, written = same(controller=lambda: law_that_ends(calls))
+def test_a_law_that_gives_no_number(calls, valves):
+    """Also where valve logic could hold the pressure."""
+    outcome, reason, written = same(controller=lambda: law_that_ends(calls), valves=valves)
     assert (outcome, written) == (Outcome.CONTROLLER_FAILED, calls + 1)
     assert "is (nan, nan, nan, nan), not 4 numbers" in reason
 

@@ -7,12 +7,6 @@ from braking import DRY, FULL, WET, Train, brake
 
 from railgrip.fmus.native import Model, lower
 
-FULL_STATES = (
-    ["v"]
-    + [f"{name}[{i}]" for name in ("w", "mu_b", "alpha") for i in range(1, 5)]
-    + [f"{name}[{i}]" for name in ("dz", "ddz") for i in range(1, 7)]
-)
-
 
 @pytest.fixture(scope="module", params=["TrainPrediction", "TrainPredictionReduced"])
 def prediction(request: pytest.FixtureRequest) -> Model:
@@ -21,16 +15,6 @@ def prediction(request: pytest.FixtureRequest) -> Model:
 
 def defaults(model: Model) -> list[float]:
     return [v.start for v in model.parameters]
-
-
-def test_states_inputs_and_outputs_stand_in_the_filters_order(prediction: Model) -> None:
-    names = [v.name for v in prediction.states]
-    reduced = len(names) == 13
-    assert names == (FULL_STATES[:13] if reduced else FULL_STATES)
-    assert [v.name for v in prediction.inputs] == [f"cylinder_pressure[{i}]" for i in range(1, 5)] + ["track_force"]
-    deflections = [] if reduced else [f"deflection[{i}]" for i in range(1, 7)]
-    speeds = [f"wheelset_speed[{i}]" for i in range(1, 5)]
-    assert [v.name for v in prediction.outputs] == ["speed", *speeds, *deflections, "acceleration"]
 
 
 @pytest.mark.parametrize(("surface", "mu0"), [(DRY, 0.55), (WET, 0.2)])

@@ -1,20 +1,9 @@
 """Trains made of axles, bogies, car bodies and couplers."""
 
 import pytest
-from braking import DRY, Train, brake
 
 from railgrip.fmus.native.dae import read
 from railgrip.fmus.native.system import System, explicit
-
-
-@pytest.mark.parametrize(
-    ("km_h", "metres"), [(85, 265.2061266848434), (115, 477.3319169297286), (120, 518.6015003319706)]
-)
-def test_the_train_of_components_stops_where_its_equations_written_at_length_did(
-    train: Train, km_h: int, metres: float
-) -> None:
-    """Five in ten thousand are asked for; only the order of sums differed from the flat model that was here before."""
-    assert brake(train, km_h, 0.55, DRY)["distance"][-1] == pytest.approx(metres, rel=1e-9)
 
 
 @pytest.fixture(scope="module")

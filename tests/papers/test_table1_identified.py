@@ -33,13 +33,6 @@ def test_the_page_says_what_the_files_of_results_say(tables):
     assert all(f"<!-- {name}: written by `railgrip study papers --write` -->\n" in text for name in tables)
 
 
-def test_a_stale_number_is_found(tables):
-    text = PATH.read_text(encoding="utf-8")
-    assert "382.9 m" in text
-    stale = text.replace("382.9 m", "382.8 m")
-    assert with_tables(stale, tables) == text != stale
-
-
 def test_the_named_curve_is_the_identified_one(identified):
     assert named_set("identified") == identified.candidate.polach
 

@@ -11,7 +11,6 @@ from synthetic_runner import DECELERATION, run_stop
 
 import railgrip as rg
 from railgrip.base.errors import RecordError
-from railgrip.cli.main import main
 from railgrip.report.comparison import compare, flat
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
@@ -146,34 +145,26 @@ def few(stop):
     return stop.variants["scenario"] == "trapezoid" and stop.variants["equipment"] == "ideal"
 
 
-def command(capsys, *arguments):
-    with pytest.raises(SystemExit) as end:
-        main(["compare", *map(str, arguments)])
-    out, err = capsys.readouterr()
-    return int(end.value.code or 0), out, err
-
-
-def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp_path, monkeypatch, capfd):
+def test_the_command_prints_tables_or_json_and_writes_a_page(slip, adhesion, tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")
     write_stop(slip, tmp_path / "runs" / "a")
     write_stop(adhesion, tmp_path / "runs" / "b")
-    code, out, err = command(capfd, "runs/a", "runs/b")
-    assert code == 0, err
-    assert "controller.kind" in out
-    assert "mean_deceleration" in out
+    shown = command("compare", "runs/a", "runs/b")
+    assert shown.code == 0, shown.err
+    assert "controller.kind" in shown.out
+    assert "mean_deceleration" in shown.out
     page = tmp_path / "build/compare/a-b/index.html"
     assert list(plots_of(page)) == ["figures/comparison.png"]
     assert needs_nothing_else(page)
     assert "Where B loses distance against A" in page.read_text(encoding="utf-8")
-    code, out, _ = command(capfd, "runs/a", "runs/b", "--json")
-    content = json.loads(out)
-    assert code == 0
+    shown = command("compare", "runs/a", "runs/b", "--json")
+    content = json.loads(shown.out)
+    assert shown.code == 0
     assert content["results"] == {"A": "runs/a", "B": "runs/b"}
     assert content == json.loads((tmp_path / "build/compare/a-b/comparison.json").read_text(encoding="utf-8"))
     assert {row["figure"]: row["unit"] for row in content["answer"]}["distance"] == "m"
-    code, _, err = command(capfd, "runs/a", "runs/b", "--out", "runs/a")
-    assert (code, "runs/a: holds a result with a page of its own" in err) == (2, True)
+    refused = command("compare", "runs/a", "runs/b", "--out", "runs/a")
+    assert (refused.code, "runs/a: holds a result with a page of its own" in refused.err) == (2, True)
 
 
 def test_comparing_loads_no_matplotlib_until_it_is_drawn(slip, adhesion, monkeypatch):

@@ -1,8 +1,10 @@
 """A distance that rounding decides is shown, accepted and compared as a range."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from synthetic import stop_of
 
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
@@ -64,16 +66,12 @@ def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(t
     assert [(nudge.seed, nudge.relative) for nudge in nudges] == [(1, 1e-7), (2, 1e-7), (3, 1e-7)]
     assert not any(one.keep_trace for one in again.stops)
     for number, one in enumerate(again.stops):
-        from synthetic import stop_of
-
         write_stop(stop_of(one.scenario, 0.95 + 0.01 * (number - 1)), tmp_path / "again" / one.name, keep_trace=False)
     conditioning = conditioning_of(campaign, repeats, tmp_path / "again", 1e-7)
     assert conditioning.stops[stop.name].spreads
     path = tmp_path / "conditioning.json"
     path.write_text(text_of(conditioning), encoding="utf-8")
     assert read_conditioning(path) == conditioning
-    from dataclasses import replace
-
     write_description(replace(campaign, conditioning=path), tmp_path)
     (row,) = rows_of(read_results(tmp_path))
     assert row.repeated.startswith(f"{conditioning.stops[stop.name].median:.2f} m (")

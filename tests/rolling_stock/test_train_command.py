@@ -1,25 +1,22 @@
 """`railgrip train`: a file to begin with, a drawing to scale, and what does not fit with exit code 2."""
 
-import pytest
+from dataclasses import astuple
+from pathlib import Path
 
-from railgrip.cli.main import main
+import pytest
+from matplotlib.patches import Circle
+
+from railgrip.rolling_stock.drawing import drawing
+from railgrip.rolling_stock.files import load_train
 
 PNG, SVG = b"\x89PNG", b"<?xml"
 
 
 @pytest.fixture
-def railgrip(tmp_path, monkeypatch, capfd):
+def railgrip(tmp_path, monkeypatch, command):
     """Run a command in an empty folder; return exit code, output and errors."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "200")
-
-    def run(*arguments):
-        with pytest.raises(SystemExit) as end:
-            main(list(arguments))
-        out, err = capfd.readouterr()
-        return int(end.value.code or 0), out, err
-
-    return run
+    return lambda *arguments: astuple(command(*arguments))
 
 
 @pytest.fixture
@@ -38,15 +35,6 @@ def replace(file, *changes):
     file.write_text(text, encoding="utf-8")
 
 
-@pytest.mark.usefixtures("mine")
-def test_a_new_file_is_a_train_that_fits_together(railgrip):
-    code, out, err = railgrip("train", "check", "mine.toml")
-    assert (code, err) == (0, "")
-    assert "mine: 88.0 t" in out
-    assert "by hand (EN 14531-1)" in out
-    assert railgrip("new", "train", "mine.toml") == (2, "", "mine.toml is already there; name another file\n")
-
-
 def test_what_does_not_fit_ends_with_file_and_key(railgrip, mine):
     replace(mine, ('mass = "44 t"', 'mass = "4 t"'))
     code, _, err = railgrip("train", "check", "mine.toml")
@@ -60,10 +48,7 @@ def test_what_does_not_fit_ends_with_file_and_key(railgrip, mine):
     [
         ("pad_friction = 0.35", "pad_friction = 0.001"),
         ('pressure_max = "3.2 bar"', 'pressure_max = "0.371 bar"'),  # what the spring takes, and 1 N
-        (
-            'speed_nominal = "13 m/s"',
-            'speed_nominal = "0.1 m/s"',
-        ),  # friction below zero at speed
+        ('speed_nominal = "13 m/s"', 'speed_nominal = "0.1 m/s"'),  # friction below zero at speed
     ],
 )
 def test_brakes_that_do_not_stop_a_train_end_in_a_sentence_and_are_shown(railgrip, mine, wanted, weak):
@@ -108,13 +93,6 @@ def test_a_train_is_drawn(railgrip, tmp_path, suffix, begins):
 
 
 def test_the_drawing_is_to_scale():
-    from pathlib import Path
-
-    from matplotlib.patches import Circle
-
-    from railgrip.rolling_stock.drawing import drawing
-    from railgrip.rolling_stock.files import load_train
-
     train = load_train(Path("emu387"))
     (axes,) = drawing(train).axes
     assert axes.get_aspect() == 1

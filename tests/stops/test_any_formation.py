@@ -7,20 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
+from command_line import exit_code
 from pages import plots_of
 from PIL import Image
 
-from railgrip.__main__ import main
 from railgrip.base.errors import ScenarioError
-from railgrip.base.registry import shelf
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.schema import Scenario
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.parts import CustomParts, assembled
+from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.metrics import Metrics
@@ -85,12 +83,6 @@ TRAINS = {
 }
 
 
-def railgrip(*arguments: str) -> None:
-    with pytest.raises(SystemExit) as end:
-        main(list(arguments))
-    assert end.value.code in (0, None)
-
-
 @pytest.mark.parametrize("name", TRAINS)
 def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -98,7 +90,7 @@ def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypa
     if name == "trolley":
         trolley(tmp_path, parameters=f'parameters = {{ {BRAKES}, m = "24 t" }}')
     changes = [text for override in overrides for text in ("--set", override)]
-    railgrip("run", scenario, *changes, "--out", "stop")
+    assert exit_code("run", scenario, *changes, "--out", "stop") == 0
     record = read_stop(tmp_path / "stop")
     assert record.outcome is Outcome.STANDSTILL
     _sensible(record.metrics, groups=len(counts))
@@ -109,7 +101,7 @@ def test_a_train_runs_to_metrics_and_figures(tmp_path: Path, name: str, monkeypa
         distance = np.trapezoid(trace["speed"], trace["time"])
     assert record.metrics.distance == pytest.approx(distance, rel=1e-3)
 
-    railgrip("report", "stop")
+    assert exit_code("report", "stop") == 0
     with Image.open(tmp_path / "stop" / "stop.png") as figure:
         assert figure.width == 2100
     lines = plots_of(tmp_path / "stop" / "index.html")["signals"]["data"]
@@ -204,109 +196,30 @@ def test_a_formation_that_disagrees_with_itself_is_refused_by_its_key(foreign, o
 
 
 @pytest.mark.parametrize(
-    ("overrides", "sentence"),
+    ("override", "sentence"),
     [
-        (
-            ["name=wagon", "vehicle.plant=Wagon", "controller.kind=full_brake"],
-            "model 'TrainPrediction' is for 4 groups, the vehicle has 2",
-        ),
-        (
-            ["vehicle.parameters.wheelsets_per_group=[3, 1, 1, 1]"],
-            r"wheelsets_per_group\[1\] says how TwoPartTrain.fmu is made",
-        ),
-        (
-            ["vehicle.parameters.wheelset_position=[0, 1, 2, 3, 4, 5]"],
-            r"wheelset_position\[1\] says how TwoPartTrain.fmu is made",
-        ),
-        (
-            ["vehicle.formation.wheelsets_per_group=[3, 3]"],
-            r"\[vehicle.formation\] wheelsets_per_group is \[3, 3\], TwoPartTrain.fmu has",
-        ),
-        (
-            ["vehicle.formation.wheelset_position=[0, 1, 2, 3, 4, 5]"],
-            r"\[vehicle.formation\] wheelset_position is .*TwoPartTrain.fmu has \[0.0, 1.9",
-        ),
-        (
-            ["vehicle.formation.wheelset_load=[1e5, 1e5, 1e5, 1e5, 1e5, 1e5]"],
-            r"\[vehicle.formation\] wheelset_load says m_wheelset\[1\] = 10193.7, TwoPartTrain",
-        ),
-        (
-            ["vehicle.formation.brakes.p_max='9 bar'"],
-            r"\[vehicle.formation\] brakes p_max\[1\] says .* 900000, TwoPartTrain.fmu has 340000; leave it",
-        ),
+        ("vehicle.plant=Wagon", "model 'TrainPrediction' is for 4 groups, the vehicle has 2"),
+        ("vehicle.parameters.wheelsets_per_group=[3, 1, 1, 1]", r"wheelsets_per_group\[1\] says how TwoPartTrain"),
+        ("vehicle.parameters.wheelset_position=[0, 1, 2]", r"wheelset_position\[1\] says how TwoPartTrain.fmu is made"),
+        ("vehicle.formation.wheelsets_per_group=[3, 3]", r"wheelsets_per_group is \[3, 3\], TwoPartTrain.fmu has"),
+        ("vehicle.formation.wheelset_position=[0, 1, 2, 3, 4, 5]", r"wheelset_position .*TwoPartTrain.fmu has \[0.0"),
+        ("vehicle.formation.wheelset_load=[1e5, 1e5, 1e5, 1e5, 1e5, 1e5]", r"m_wheelset\[1\] = 10193.7, TwoPartTrain"),
+        ("vehicle.formation.brakes.p_max='9 bar'", r"p_max\[1\] says .* 900000, TwoPartTrain.fmu has 340000; leave it"),
+        ("estimator={kind='decentralised', model='TrainPrediction', noise='ideal'}", "leave out model"),
+        ("estimator={kind='decentralised', noise='quiet'}", "has no noise set 'quiet'"),
+        ("estimator={kind='decentralised', noise='ideal', parameters={J='2 kg'}}", "estimator.parameters"),
     ],
 )
-def test_a_scenario_that_contradicts_its_plant_or_prediction_is_refused(overrides, sentence):
+def test_a_scenario_that_contradicts_its_plant_or_prediction_is_refused(override, sentence):
     with pytest.raises(ScenarioError, match=sentence):
-        run_stop(load(LIBRARY / "trapezoid.toml", overrides))
+        run_stop(load(LIBRARY / "trapezoid.toml", [override]))
 
 
-SERVICE = LIBRARY.parent / "equipment" / "service.toml"
-
-
-@pytest.mark.parametrize("name", ["two-part train", "freight train", "vt642"])
-def test_the_decentralised_estimator_errs_as_the_central_one_over_a_stop(name: str):
-    """Root mean square errors of adhesion, pad friction and slip within 10 %, over the same readings.
-
-    With valves and service sensors on the two-part train, whose central filter is that of the library's prediction; on
-    the freight train and on one from a file the central filter over the prediction from nominal data drives. Loops
-    closed over either need not stay together: valves make of a difference in the last digit another course.
-    """
-    scenario = FREIGHT if name == "freight train" else "trapezoid"
-    service = name != "freight train"
-    written = read_toml(shelf("scenarios").get(str(scenario)) or Path(scenario))
-    model = {"model": "TrainPrediction"} if name == "two-part train" else {}
-
-    def with_estimator(kind: str, **more: str) -> Scenario:
-        table = merged(written, read_toml(SERVICE)) if service else written
-        table = merged(table, {"estimator": {"kind": "none"}, "start": {"speed": "50 km/h"}})
-        estimator = {"kind": kind, "noise": "service"} | more
-        table = merged(table, {"estimator": estimator, "controller": {"kind": "adhesion_based"}})
-        table |= {"vehicle": {"train": name}, "actuation": {"kind": "ideal"}} if name == "vt642" else {}
-        return scenario_of(table, directory=Path(scenario).parent, origin=name)
-
-    with assembled(with_estimator("compiled", **model)) as parts:
-        ended = parts.run()
-        rows, columns = parts.recorder.rows[: ended.samples], parts.recorder.columns
-        layout, radius = parts.parts.layout, np.array(parts.parts.wheel_radius)
-        central = [rows[:, columns[f"estimate_{name}"]] for name in ("adhesion", "pad_friction", "slip")]
-    readings = np.column_stack([rows[:, columns[signal.name]] for signal in layout.reading_signals])
-    with assembled(with_estimator("decentralised")) as parts:
-        ours = parts.parts.estimator
-    groups = layout.formation.groups
-    adhesion, pads, slip = (np.full((ended.samples, groups), np.nan) for _ in range(3))
-    latest, pressure = readings[0], layout.reading["cylinder_pressure"]
-    for k, reading in enumerate(readings[1:], 1):
-        ours.filter.inputs[:groups] = latest[pressure]
-        ours.filter.readings[:] = reading[ours.reading_places]
-        ours.filter.advance()
-        latest = np.where(np.isnan(reading), latest, reading)
-        adhesion[k], pads[k] = ours.filter.mean[ours.adhesion], ours.filter.mean[ours.pad_friction]
-        slip[k] = 1.0 - radius * ours.filter.mean[ours.wheelset_speed] / ours.filter.mean[ours.speed]
-    moving = rows[:, columns["speed"]][:, 0] > 10 / 3.6
-    moving[0] = False
-    truths = [rows[:, columns[name]] for name in ("group_adhesion", "pad_friction", "slip")]
-    theirs, own = (
-        [float(np.sqrt(np.mean((estimate - truth)[moving] ** 2))) for estimate, truth in zip(each, truths, strict=True)]
-        for each in (central, (adhesion, pads, slip))
-    )
-    assert own == pytest.approx(theirs, rel=0.1)
-
-
-@pytest.mark.parametrize(
-    ("table", "sentence"),
-    [
-        ({"kind": "decentralised", "model": "TrainPrediction", "noise": "ideal"}, "leave out model"),
-        ({"kind": "fmu", "library": TROLLEY_CLASS, "noise": "ideal"}, "has no model; name the class of the prediction"),
-        ({"kind": "decentralised", "noise": "quiet"}, "has no noise set 'quiet'"),
-        ({"kind": "decentralised", "noise": "ideal", "parameters": {"J": "2 kg"}}, "estimator.parameters"),
-    ],
-)
-def test_an_estimator_that_cannot_be_made_is_refused_in_a_sentence(table: dict[str, Any], sentence: str):
-    path = LIBRARY / "trapezoid.toml"
-    written = merged(merged(read_toml(path), {"estimator": {"kind": "none"}}), {"estimator": table})
-    with pytest.raises(ScenarioError, match=sentence):
-        run_stop(scenario_of(written, directory=LIBRARY, origin=path.name))
+def test_a_library_of_predictions_wants_the_name_of_one():
+    table = load(LIBRARY / "plain.toml").resolved()
+    table["estimator"] = {"kind": "fmu", "library": TROLLEY_CLASS, "noise": "ideal"}
+    with pytest.raises(ScenarioError, match="has no model; name the class of the prediction"):
+        scenario_of(table, directory=LIBRARY, origin="plain.toml")
 
 
 def test_the_decentralised_estimator_believes_its_own_parameters():
@@ -396,10 +309,7 @@ def test_a_controller_class_of_the_user_has_shared_valves_and_redistribution_too
     [
         ({"controller": {"redistribute": True}}, r"write a \[demand\] below it"),
         ({"vehicle": {"formation": {"groups_per_valve": [2, 2]}}}, "groups_per_valve has 4 groups"),
-        (
-            PARTLY | SHARED_VALVES | {"controller": {"redistribute": True}},
-            "leave out redistribute",
-        ),
+        (PARTLY | SHARED_VALVES | {"controller": {"redistribute": True}}, "leave out redistribute"),
     ],
 )
 def test_train_level_control_that_cannot_be_is_refused_in_a_sentence(change: dict[str, Any], sentence: str):

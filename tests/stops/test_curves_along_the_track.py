@@ -127,18 +127,9 @@ def test_an_error_of_the_creep_curve_that_is_unknown_onboard_scales_all_curves()
 @pytest.mark.parametrize(
     ("overrides", "sentence"),
     [
-        (
-            ("adhesion.polach_of_wheelset=['dry', 'dry']",),
-            r"\[adhesion\] polach_of_wheelset is for 2 wheelsets, the vehicle has 6",
-        ),
-        (
-            (PATCH, "vehicle.parameters={k_A=0.5}"),
-            r"\[vehicle.parameters\] k_A is of one creep curve, \[adhesion\] lays several; leave it out",
-        ),
-        (
-            ("adhesion.patch=[{ begin = '20 m', length = '8 m', mu0 = 0.03, polach = 'leafs' }]",),
-            "polach is 'leafs', which is not a Polach set",
-        ),
+        (("adhesion.polach_of_wheelset=['dry', 'dry']",), r"polach_of_wheelset is for 2 wheelsets, the vehicle has 6"),
+        ((PATCH, "vehicle.parameters={k_A=0.5}"), r"\[vehicle.parameters\] k_A is of one creep curve.*leave it out"),
+        ((PATCH.replace("leaf", "leafs"),), "polach is 'leafs', which is not a Polach set"),
     ],
 )
 def test_curves_that_contradict_the_scenario_are_refused(overrides, sentence):

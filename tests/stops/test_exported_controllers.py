@@ -1,14 +1,12 @@
-"""Controllers as FMUs, stepped beside the very law over what a train showed it."""
+"""Controllers as FMUs: what the command writes, and the driver's demand that the FMU itself must hold."""
 
 import numpy as np
 import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 from synthetic import LIBRARY
-from table_1 import table_1_scenario
 
 from railgrip.base.errors import ScenarioError
-from railgrip.cli.main import main
 from railgrip.fmi import CoSimulation, Signal, bind, describe
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
@@ -18,66 +16,6 @@ from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 
 PLAIN = LIBRARY / "plain.toml"
-SHORT = ("limits.horizon=4 s", "periods.trace=1 ms")
-
-
-def sine_sweep(equipment: str, controller: str):
-    """Return the first seconds of a stop of Table 1, where laws that the table lacks replace adhesion-based control."""
-    if controller in ("wheel_reference", "constant_slip", "extremum_seeking"):
-        return table_1_scenario(f"sine_sweep-{equipment}-adhesion_based", *SHORT, f"controller.kind={controller}")
-    return table_1_scenario(f"sine_sweep-{equipment}-{controller}", *SHORT)
-
-
-def observations_and_commands(scenario, trace):
-    """Return the inputs of the law at each of its instants, in its order, and the commands that followed."""
-    every = scenario.periods.every("controller")
-    # Pressure and acceleration are read anew at every sample, and a belief is always there.
-    believed = "estimate_adhesion" in trace
-    prefix = "estimate" if believed else "reading"
-    speed, wheel = trace[f"{prefix}_speed"].values, trace[f"{prefix}_wheelset_speed"].values
-    radius = np.array([group.wheel_radius for group in VehicleData(scenario).nominal.formation.brakes])
-    with np.errstate(invalid="ignore"):
-        slip = 1.0 - radius * wheel / speed[:, None]
-    unknown = np.zeros_like(slip)
-    observations = np.column_stack(
-        [
-            speed,
-            trace["reading_acceleration"].values,
-            slip,
-            trace["estimate_adhesion"].values if believed else unknown,
-            trace["estimate_pad_friction"].values if believed else unknown,
-            wheel,
-            trace["driver_demand"].values
-            if "driver_demand" in trace
-            else np.full_like(slip, VehicleData(scenario).nominal.formation.pressure_max),
-            trace["reading_cylinder_pressure"].values,
-        ]
-    )
-    return observations[::every][:-1], trace["command"].values[1::every][: len(observations[::every]) - 1]
-
-
-@pytest.mark.parametrize(
-    ("equipment", "controller"),
-    [
-        ("ideal", "slip_two_state"),
-        ("ideal", "adhesion_based"),
-        ("service", "adhesion_literal"),
-        ("service", "adhesion_based"),
-        ("service", "slope_seeking"),
-        ("service", "wheel_reference"),
-        ("service", "constant_slip"),
-        ("service", "extremum_seeking"),
-    ],
-)
-def test_an_exported_controller_commands_what_the_loop_did(equipment, controller, tmp_path):
-    """4 s of a stop, each command of the loop against the FMU's for the same inputs. Slip is formed here from the
-    trace, so its last digit may differ: 1e-6 of the full pressure; valve commands are whole numbers."""
-    scenario = sine_sweep(equipment, controller)
-    observations, commands = observations_and_commands(scenario, run_stop(scenario).trace)
-    with exported(scenario, tmp_path) as fmu:
-        fmu.start(observations[0])
-        for observation, command in zip(observations, commands, strict=True):
-            assert fmu.step(observation) == pytest.approx(command, abs=0.34 if equipment == "ideal" else 0.0)
 
 
 def exported(scenario, folder):
@@ -164,14 +102,12 @@ def test_a_controller_that_cannot_be_exported_is_refused(changes, sentence):
         controller_fmu(load(PLAIN, changes))
 
 
-def test_the_command_says_where_the_fmu_is(tmp_path, capsys):
+def test_the_command_says_where_the_fmu_is(tmp_path, command):
     """Of the valves' parameters and those of the law, each with a unit; the one that is the FMU's own step is not."""
     made = tmp_path / "new" / "law.fmu"
     pneumatic = ("--set", "actuation.kind=pneumatic", "--set", "vehicle.plant=TwoPartTrainPneumatic")
-    with pytest.raises(SystemExit) as end:
-        main(["export", str(PLAIN), *pneumatic, "--out", str(made)])
-    assert end.value.code == 0
-    assert capsys.readouterr().out.strip() == str(made)
+    shown = command("export", PLAIN, *pneumatic, "--out", made)
+    assert (shown.code, shown.out.strip()) == (0, str(made))
     described = {v.name: v for v in describe(made).variables.values() if v.causality == "parameter"}
     assert described["filter_time"].unit_name == described["valves.fill_time"].unit_name == "s"
     assert {v.minimum for v in described.values()} == {0.0}
@@ -190,19 +126,16 @@ def test_the_command_says_where_the_fmu_is(tmp_path, capsys):
         (["--part", "wheel"], "'wheel' is not one of 'onboard'"),
     ],
 )
-def test_an_export_that_makes_no_sense_is_refused(arguments, sentence, capsys, tmp_path, monkeypatch):
+def test_an_export_that_makes_no_sense_is_refused(arguments, sentence, command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(SystemExit) as end:
-        main(["export", str(PLAIN), *arguments])
-    assert end.value.code == 2
-    assert sentence in " ".join(capsys.readouterr().err.split())
+    refused = command("export", PLAIN, *arguments)
+    assert refused.code == 2
+    assert sentence in " ".join(refused.err.split())
     assert not [*tmp_path.iterdir()]
 
 
-def test_the_command_writes_any_part_by_either_version(tmp_path, capsys):
+def test_the_command_writes_any_part_by_either_version(tmp_path, command):
     file = tmp_path / "law.fmu"
-    with pytest.raises(SystemExit) as end:
-        main(["export", str(PLAIN), "--part", "controller", "--fmi", "3", "--out", str(file)])
-    assert end.value.code == 0
+    assert command("export", PLAIN, "--part", "controller", "--fmi", "3", "--out", file).code == 0
     assert validate_fmu(str(file)) == []
     assert read_model_description(str(file)).fmiVersion == "3.0"

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import exit_code
 from fmpy import extract
 from fmpy.fmi2 import FMU2Slave
 from synthetic import LIBRARY
 
-from railgrip.cli.main import main
 from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import compiler
@@ -135,9 +135,7 @@ def test_the_program_beside_it_measures_a_stop(library: Path, tmp_path: Path):
 
 def test_the_command_writes_the_library(tmp_path: Path):
     """Without an estimator and valves it is smaller, and has one unit."""
-    with pytest.raises(SystemExit) as end:
-        main(["export", str(LIBRARY / "plain.toml"), "--library", "--out", str(tmp_path), *SHORT])
-    assert not end.value.code
+    assert exit_code("export", LIBRARY / "plain.toml", "--library", "--out", tmp_path, *SHORT) == 0
     assert (tmp_path / "libplain_onboard.a").is_file()
     assert not (tmp_path / "sources" / "plain.c").exists()
     shutil.copy(tmp_path / "worst_case.c", tmp_path / "program.c")

@@ -30,11 +30,11 @@ def exported(scenario, folder):
     return pack(controller_fmu(scenario), folder / f"{scenario.name}-{scenario.controller.kind}.fmu")
 
 
-def with_fmu(name: str, folder, *overrides: str):
-    """Return a stop of Table 1, and the same with its controller as an FMU."""
-    law = table_1_scenario(name, *SHORT)
-    own = f"controller.file={exported(law, folder)}"
-    return law, table_1_scenario(name, *SHORT, "controller.kind=fmu", own, *overrides)
+def with_fmu(name: str, folder, *overrides: str, law: tuple[str, ...] = ()):
+    """Return a stop of Table 1, perhaps with another law, and the same with its controller as an FMU."""
+    plain = table_1_scenario(name, *SHORT, *law)
+    own = f"controller.file={exported(plain, folder)}"
+    return plain, table_1_scenario(name, *SHORT, "controller.kind=fmu", own, *overrides)
 
 
 def plain_with(path, *overrides: str):
@@ -42,8 +42,15 @@ def plain_with(path, *overrides: str):
     return load(PLAIN, ["controller.kind=fmu", f"controller.file={path}", *SHORT, *overrides])
 
 
-@pytest.mark.parametrize("trust", ["true", "false"])
-@pytest.mark.parametrize("stop", ["trapezoid-ideal-adhesion_based", "random-service-slip_two_state"])
+@pytest.mark.parametrize(
+    ("stop", "trust"),
+    [
+        *(("trapezoid-ideal-adhesion_based", trust) for trust in ("true", "false")),
+        *(("random-service-slip_two_state", trust) for trust in ("true", "false")),
+        *((f"sine_sweep-ideal-{law}", "true") for law in ("slip_two_state", "adhesion_based")),
+        *((f"sine_sweep-service-{law}", "true") for law in ("adhesion_literal", "adhesion_based", "slope_seeking")),
+    ],
+)
 def test_a_law_that_went_out_as_an_fmu_brakes_as_before(stop, trust, folder):
     """Same operations in the same order: not a digit differs, in this process or in one of its own, whether the FMU
     gives pressures or, with its valve logic inside, commands."""
@@ -51,6 +58,13 @@ def test_a_law_that_went_out_as_an_fmu_brakes_as_before(stop, trust, folder):
     assert one.trace["distance"].values.tobytes() == other.trace["distance"].values.tobytes()
     assert one.trace["command"].values.tobytes() == other.trace["command"].values.tobytes()
     assert set(other.fmus) - set(one.fmus) == {f"{stop.split('-')[0]}-{stop.split('-')[2]}.fmu"}
+
+
+@pytest.mark.parametrize("law", ["wheel_reference", "constant_slip", "extremum_seeking"])
+def test_a_law_that_table_1_lacks_brakes_as_before_too(law, folder):
+    stop = "sine_sweep-service-adhesion_based"
+    one, other = (run_stop(s) for s in with_fmu(stop, folder, "controller.trust=true", law=(f"controller.kind={law}",)))
+    assert one.trace["command"].values.tobytes() == other.trace["command"].values.tobytes()
 
 
 def test_parameters_of_the_fmu_are_set(folder):

@@ -79,10 +79,7 @@ def test_its_code_runs_only_where_the_scenario_says_so(tmp_path: Path):
     [
         ([('name="mu_b[3]"', 'name="mu_pad"')], r"MineTrainPrediction.fmu has no state mu_b\[3\]; it has v, "),
         ([('name="cylinder_pressure[2]"', 'name="p2"')], r"has no input cylinder_pressure\[2\]; it has "),
-        (
-            [('name="track_force"', 'name="wind"')],
-            r"has an input wind; a prediction takes cylinder_pressure and ",
-        ),
+        ([('name="track_force"', 'name="wind"')], "has an input wind; a prediction takes cylinder_pressure and "),
     ],
 )
 def test_a_prediction_fmu_with_other_variables_is_refused(tmp_path: Path, edits, sentence):

@@ -9,7 +9,6 @@ from table_1 import table_1_scenario
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import load
 from railgrip.scenario.merge import merged
-from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.parts import assembled
@@ -92,10 +91,6 @@ def test_wheels_that_stand_in_for_a_silent_radar():
     assert np.all(np.isnan(trace["reading_speed"].values))
     # What rolls shows the train's speed, but for its reading's noise and the lag of the last spin-up.
     assert np.abs(trace["reference_speed"] - trace["speed"]).values[given].max() < 0.4
-
-
-def test_a_whole_stop_ends_in_the_same_sample():
-    assert stop_of("trapezoid", "start.speed=15 km/h").outcome is Outcome.STANDSTILL
 
 
 def test_friction_and_forces_that_lie_on_the_track():

@@ -9,16 +9,20 @@ import pytest
 import railgrip.scenario
 from railgrip import cli
 from railgrip.base.errors import ScenarioError
+from railgrip.report.baseline import ACROSS_COMPILERS
+from railgrip.report.results import OURS, makers
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.outcome import Outcome
+from railgrip.simulate import files
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.trains.stops import filling_of
 
 TRAINS = Path(railgrip.scenario.__file__).parent / "trains"
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 BEGINNING = (Path(cli.__file__).parent / "templates" / "train.toml").read_text(encoding="utf-8")
 
 
@@ -161,6 +165,29 @@ def test_accelerators_hasten_the_brake_of_a_long_train(coaches, tmp_path):
     assert 240.0 < plain.propagation < 250.0 < quick.propagation < 1.05 * small_wave
     assert quick.propagation > 1.03 * plain.propagation
     assert quick.begin[-1] + quick.filling[-1] < plain.begin[-1] + plain.filling[-1] - 0.05
+
+
+@pytest.mark.omc
+@pytest.mark.skipif(shutil.which("omc") is None, reason="OpenModelica's omc is not on the PATH")
+@pytest.mark.parametrize(
+    "vehicle",
+    [
+        *(pytest.param({"train": path.stem}, id=path.stem) for path in sorted(TRAINS.glob("*.toml"))),
+        pytest.param({"model": "SimpleTrain.FreightTrain", "library": "SimpleTrain/package.mo"}, id="SimpleTrain"),
+    ],
+)
+def test_a_dry_stop_is_as_long_with_the_fmu_of_either_compiler(vehicle, monkeypatch):
+    distances: dict[str, float] = {}
+    for compiler in ("native", "openmodelica"):
+        monkeypatch.setattr("railgrip.fmus.build.choose", lambda wanted, compiler=compiler: compiler)
+        for kept in (files._train_file, files._class_file):
+            kept.cache_clear()
+        stop = run_stop(dry(vehicle, "85 km/h", EXAMPLES))
+        assert stop.outcome is Outcome.STANDSTILL, stop.reason
+        (tool,) = makers(stop.versions).values()
+        assert tool.startswith(OURS) == (compiler == "native")
+        distances[compiler] = stop.metrics.distance
+    assert distances["openmodelica"] == pytest.approx(distances["native"], rel=ACROSS_COMPILERS)
 
 
 def test_its_formation_is_that_of_the_file():

@@ -5,11 +5,11 @@ import json
 from pathlib import Path
 
 import pytest
+from command_line import exit_code
 from one_process import one_process
 from pages import needs_nothing_else, plots_of
 
 from railgrip.base.errors import ScenarioError
-from railgrip.cli.main import main
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
 from railgrip.studies.type_test.study import compared
 
@@ -26,9 +26,8 @@ kind = "none"
 
 
 def run(*arguments):
-    with one_process(), pytest.raises(SystemExit) as end:
-        main(["study", "type_test", *arguments])
-    return end.value.code
+    with one_process():
+        return exit_code("study", "type_test", *arguments)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,32 @@
+"""Commands of the program, run in this process."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from railgrip.cli.main import main
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a command left: its exit code and what it said."""
+
+    code: int
+    out: str
+    err: str
+
+
+def exit_code(*arguments: object) -> int:
+    """Run a command to its end, which is never an exception; what it prints is not captured here."""
+    with pytest.raises(SystemExit) as end:
+        main([str(argument) for argument in arguments])
+    return int(end.value.code or 0)
+
+
+def done(capture: pytest.CaptureFixture[str], *arguments: object) -> Done:
+    """Run a command to its end, which is never a traceback."""
+    capture.readouterr()
+    code = exit_code(*arguments)
+    out, err = capture.readouterr()
+    assert "Traceback" not in err
+    return Done(code, out, err)
