@@ -20,7 +20,7 @@ for (const table of document.querySelectorAll("table.data")) {
       body.append(...[...body.rows].sort((a, b) => order(key(a), key(b))));
     };
   }
-  if (body.rows.length < 9) continue;
+  if (body.rows.length < 20) continue;
   const filter = Object.assign(document.createElement("input"), { className: "filter", placeholder: "Show rows with …", type: "search" });
   filter.oninput = () => {
     const words = filter.value.toLowerCase().split(/\s+/);
@@ -65,8 +65,8 @@ async function draw() {
 }
 if (document.getElementById("plots")) draw();
 
-// Paper: everything is open, and fits on a page of A4 between its margins.
-const PAPER = { width: 690, height: 960 };
+// Paper: everything is open, and fits on a page of A4 between its margins, across where a table is wide.
+const PAPER = document.querySelector("table.wide") ? { width: 1030, height: 690 } : { width: 690, height: 960 };
 addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
   for (const one of document.querySelectorAll(".plot")) {
