@@ -71,7 +71,8 @@ addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
   for (const one of document.querySelectorAll(".plot")) {
     const { width, height } = one.layout ?? PAPER;
-    one.style.zoom = Math.min(1, PAPER.width / width, PAPER.height / height);
+    const above = one.closest(".summary") ? one.offsetTop : 0;  // stands on the first page, below the answer
+    one.style.zoom = Math.min(1, PAPER.width / width, (PAPER.height - above) / height);
   }
 });
 addEventListener("afterprint", () => {
