@@ -3,6 +3,7 @@
 Plotly's own converter, `plotly.tools.mpl_to_plotly`, drops shaded bands, bars, annotations and shared axes.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -34,6 +35,7 @@ _DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 _SHAPES = {"steps-post": "hv", "steps": "vh", "steps-pre": "vh", "steps-mid": "hvh"}
 _MARKERS = {".": "circle", "o": "circle", "x": "x-thin", "|": "line-ns", "_": "line-ew", "s": "square", "D": "diamond",
             "^": "triangle-up", "v": "triangle-down", "+": "cross-thin", "*": "star"}  # fmt: skip
+_SYMBOLS = {r"\mu": "μ", r"\ddot x": "ẍ", r"\tanh": "tanh"}
 _ANCHORS = {"center": "middle", "baseline": "bottom", "center_baseline": "middle"}
 
 
@@ -41,7 +43,7 @@ def interactive(drawing: Figure) -> Plot:
     """Return lines, areas, bars, images, texts, scales and legends of a figure for plotly.js.
 
     Raises:
-        TypeError: The figure has an artist that has no form here; on the page it would be missing.
+        TypeError: The figure has an artist or a formula that has no form here; on the page it would be missing.
     """
     drawing.draw_without_rendering()  # lays out panels, ticks and legends
     plot = _Plot()
@@ -154,7 +156,19 @@ def _index(number: int) -> str:
 
 
 def _plain(text: str) -> str:
-    return text.replace("$\\mu_0$", "μ<sub>0</sub>").replace("\n", "<br>")
+    return re.sub(r"\$([^$]*)\$", _formula, text).replace("\n", "<br>")
+
+
+def _formula(match: re.Match[str]) -> str:
+    """Return a formula of TeX in HTML as far as figures of pages need it: symbols, indices, exponents, a fraction."""
+    formula = re.sub(r"\\frac\{(.*?)\}\{(.*)\}", r"\1 / (\2)", match[1])
+    for name, symbol in _SYMBOLS.items():
+        formula = formula.replace(name, symbol)
+    formula = re.sub(r"_(?:\{([^{}]*)\}|(\w))", r"<sub>\1\2</sub>", formula)
+    formula = re.sub(r"\^(?:\{([^{}]*)\}|(\w))", r"<sup>\1\2</sup>", formula)
+    if "\\" in formula:
+        raise TypeError(f"{match[0]}: has no form on a page; give it one in railgrip.report.interactive")
+    return formula
 
 
 def _note(text: str, x: float, y: float, across: str, along: str, size: float) -> Plot:

@@ -233,6 +233,23 @@ def test_texts_and_ticks_of_a_figure_come_once_on_a_page():
     assert layout["yaxis2"]["tickmode"] == "auto"
 
 
+@pytest.mark.parametrize(
+    ("formula", "shown"),
+    [
+        (r"friction $\mu_0$", "friction μ<sub>0</sub>"),
+        (r"$|\ddot x_{w1}|$", "|ẍ<sub>w1</sub>|"),
+        (r"$\frac{1}{1+e^{-w_2 g - b_2}}$", "1 / (1+e<sup>-w<sub>2</sub> g - b<sub>2</sub></sup>)"),
+    ],
+)
+def test_a_formula_is_written_in_html_on_a_page(formula, shown):
+    drawing, axes = style.panels(6, 4)
+    axes.text(0.5, 0.5, formula)
+    assert [note["text"] for note in interactive(drawing)["layout"]["annotations"]] == [shown]
+    axes.set_title(r"$\hat\alpha$")
+    with pytest.raises(TypeError, match="has no form on a page"):
+        interactive(drawing)
+
+
 def test_a_legend_stays_in_its_panel_on_a_page():
     """Four names in two rows have as many rows on a page, where columns are not counted."""
     drawing, (axes, _) = style.panels(10, 4, 1, 2)
