@@ -273,7 +273,7 @@ def page_of(
             "notes": notes,
             "supply": limits.supply,
         },
-        figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops},
+        figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops and drawing},
         tables={"cases.csv": table_of(stops)},
         data={
             "type_test.json": {
@@ -520,8 +520,13 @@ def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dic
     }
 
 
-def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure:
-    """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline."""
+def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+    """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline.
+
+    None where no case has such a baseline.
+    """
+    if not any(stop.over_best for stop in stops):
+        return None
     figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
     for name, line in lines.items():
@@ -534,8 +539,7 @@ def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> 
     axes.set_xticks([0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "0.9", "1", "1.2", "1.5", "2", "3"])
     axes.set_xticks([], minor=True)
     style.dress(axes, x="distance over that of the best tuned baseline", y="share of the cases")
-    if axes.lines[1:]:
-        style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
