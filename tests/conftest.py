@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -35,6 +36,24 @@ def pytest_collection_finish() -> None:
     """Leave the tests themselves out of every later collection of garbage, which is searched thousands of times."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _saved_figures_are_readable() -> Iterator[None]:
+    """Check each figure that is saved as PNG in any test, be it of a study, a page or a command."""
+    from matplotlib.figure import Figure  # loads NumPy, as the next one does
+    from readable import defects_of
+
+    save = Figure.savefig
+
+    def save_and_check(drawing: Any, *arguments: Any, **options: Any) -> None:
+        save(drawing, *arguments, **options)
+        if options.get("format", "png") == "png":  # the same one is drawn again for other formats
+            assert defects_of(drawing) == [], f"{arguments}: cannot be read"
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "savefig", save_and_check)
+        yield
 
 
 @pytest.fixture

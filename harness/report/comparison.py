@@ -142,8 +142,11 @@ class Comparison:
         """Return a page of everything, which a screen shows in short."""
         rows = zip(self.letters, self.names, self.headlines, strict=True)
         results = Table.of(("", "result", "outcome"), rows, left=3)
+        names = [Path(name).name for name in self.names]
+        if len(set(names)) < len(names):
+            names = list(self.names)
         return Page(
-            title=f"Comparison of {', '.join(self.names[:-1])} and {self.names[-1]}",
+            title=f"Comparison of {', '.join(names[:-1])} and {names[-1]}",
             question="In what do these results differ, and where along the track does the difference arise?",
             answer=" ".join(self.sentences[:2]) or "They do not differ.",
             template="report/comparison.md.jinja",
@@ -263,7 +266,7 @@ def _of_stops(sides: Sequence[Side]) -> Comparison:
         headlines=[side.headline for side in sides],
         question=_question([side.question for side in sides]),
         answer=_answer(sides, flat_figures, "Figures of each group and wheelset"),
-        overview=_answer(sides, _means, "What differs in the answer"),
+        overview=_answer(sides, _means, "What differs in the results"),
         along=along,
         sentences=sentences,
         provenance={
@@ -342,7 +345,7 @@ def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
         if any(question.get(key) != questions[0].get(key) for question in questions)
         for unit in [unit_of(key)]
     ]
-    return Table(rows, left=("key", *letters, "unit"), title="What differs in the question")
+    return Table(rows, left=("key", *letters, "unit"), title="What differs in the scenarios")
 
 
 def unit_of(key: str) -> str:
@@ -517,4 +520,4 @@ def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
             for letter in letters:
                 if known[letter] != row[letter]:
                     known[letter] = _ALIKE
-    return Table(list(rows.values()), left=("key", *letters, "unit"), title="What differs in the question")
+    return Table(list(rows.values()), left=("key", *letters, "unit"), title="What differs in the scenarios")

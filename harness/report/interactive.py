@@ -3,6 +3,7 @@
 Plotly's own converter, `plotly.tools.mpl_to_plotly`, drops shaded bands, bars, annotations and shared axes.
 """
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -17,6 +18,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.text import Annotation, Text
+from matplotlib.transforms import Bbox
 
 from railgrip.report.signals_plot import array
 
@@ -33,6 +35,7 @@ _DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 _SHAPES = {"steps-post": "hv", "steps": "vh", "steps-pre": "vh", "steps-mid": "hvh"}
 _MARKERS = {".": "circle", "o": "circle", "x": "x-thin", "|": "line-ns", "_": "line-ew", "s": "square", "D": "diamond",
             "^": "triangle-up", "v": "triangle-down", "+": "cross-thin", "*": "star"}  # fmt: skip
+_SYMBOLS = {r"\mu": "μ", r"\ddot x": "ẍ", r"\tanh": "tanh"}
 _ANCHORS = {"center": "middle", "baseline": "bottom", "center_baseline": "middle"}
 
 
@@ -40,7 +43,7 @@ def interactive(drawing: Figure) -> Plot:
     """Return lines, areas, bars, images, texts, scales and legends of a figure for plotly.js.
 
     Raises:
-        TypeError: The figure has an artist that has no form here; on the page it would be missing.
+        TypeError: The figure has an artist or a formula that has no form here; on the page it would be missing.
     """
     drawing.draw_without_rendering()  # lays out panels, ticks and legends
     plot = _Plot()
@@ -61,9 +64,6 @@ def interactive(drawing: Figure) -> Plot:
                     9,
                 )
             )
-    supported = cast(Text | None, getattr(drawing, "_supxlabel", None))
-    if supported is not None:
-        plot.annotations.append(_note(supported.get_text(), 0.5, 0.0, "center", "bottom", 9))
     width, height = drawing.get_size_inches()
     layout = {
         "annotations": plot.annotations,
@@ -99,8 +99,10 @@ class _Plot:
             siblings = getattr(axes, f"get_shared_{letter}_axes")().get_siblings(axes)
             first = next(k for k, panel in enumerate(self.panels, 1) if panel in siblings)
             axis |= {"matches": f"{letter}{_index(first)}"} if first < number else {}
-            axis |= {} if below is None else {"overlaying": f"{letter}{_index(below)}", "showgrid": False}
-            axis |= {"side": "right"} if below is not None and letter == "y" else {}
+            if below is not None:
+                # Ticks of its own: Plotly would put them where those below are, at numbers that are not round.
+                axis |= {"overlaying": f"{letter}{_index(below)}", "showgrid": False}
+                axis |= {"side": "right", "tickmode": axis.get("tickmode", "auto")} if letter == "y" else {}
             self.layout[f"{letter}axis{_index(number)}"] = axis
         place = {"xaxis": f"x{_index(number)}", "yaxis": f"y{_index(number)}"}
         names: dict[str, Plot] = {}
@@ -126,8 +128,13 @@ class _Plot:
         number = 1 + sum(key.startswith("legend") for key in self.layout)
         key = f"legend{_index(number)}"
         box = legend.get_window_extent().transformed(cast(Figure, legend.get_figure(root=True)).transFigure.inverted())
-        is_wide = len({round(text.get_window_extent().y0) for text in legend.get_texts()}) < len(legend.get_texts())
-        edge, y = ("bottom", box.y0) if box.y0 + box.y1 < 1 else ("top", box.y1)
+        rows = len({round(text.get_window_extent().y0) for text in legend.get_texts()})
+        # Plotly puts a legend that lies across into as few rows as the figure, not its panel, is wide.
+        is_wide = rows == 1 < len(legend.get_texts()) or (rows < len(legend.get_texts()) and box.width > 0.5)
+        # It may be taller than in the figure: it grows away from the nearest side of its panel, or of the figure.
+        middle, panel = (box.y0 + box.y1) / 2, legend.axes.get_position() if legend.axes else Bbox.unit()
+        low, high = (panel.y0, panel.y1) if panel.y0 < middle < panel.y1 else (0.0, 1.0)
+        edge, y = ("bottom", box.y0) if middle < (low + high) / 2 else ("top", box.y1)
         self.layout[key] = {"x": min(box.x0, 0.98), "y": y, "xanchor": "left", "yanchor": edge,
                             "orientation": "h" if is_wide else "v", "bgcolor": "rgba(255,255,255,0.7)",
                             "font": {"size": 11}, "xref": "paper", "yref": "paper"}  # fmt: skip
@@ -149,7 +156,19 @@ def _index(number: int) -> str:
 
 
 def _plain(text: str) -> str:
-    return text.replace("$\\mu_0$", "μ<sub>0</sub>").replace("\n", "<br>")
+    return re.sub(r"\$([^$]*)\$", _formula, text).replace("\n", "<br>")
+
+
+def _formula(match: re.Match[str]) -> str:
+    """Return a formula of TeX in HTML as far as figures of pages need it: symbols, indices, exponents, a fraction."""
+    formula = re.sub(r"\\frac\{(.*?)\}\{(.*)\}", r"\1 / (\2)", match[1])
+    for name, symbol in _SYMBOLS.items():
+        formula = formula.replace(name, symbol)
+    formula = re.sub(r"_(?:\{([^{}]*)\}|(\w))", r"<sub>\1\2</sub>", formula)
+    formula = re.sub(r"\^(?:\{([^{}]*)\}|(\w))", r"<sup>\1\2</sup>", formula)
+    if "\\" in formula:
+        raise TypeError(f"{match[0]}: has no form on a page; give it one in railgrip.report.interactive")
+    return formula
 
 
 def _note(text: str, x: float, y: float, across: str, along: str, size: float) -> Plot:
@@ -164,6 +183,7 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
     limits = axes.get_xlim() if letter == "x" else axes.get_ylim()
     ticks = axis.get_tick_params(which="major")
     labelled = ticks.get("labelbottom" if letter == "x" else "labelleft", True) or ticks.get("labelright", False)
+    labelled = labelled and axis.get_visible()
     texts = [tick.get_text() for tick in axis.get_ticklabels()]
     places = axis.get_majorticklocs()
     plot: Plot = {

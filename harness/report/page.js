@@ -20,7 +20,7 @@ for (const table of document.querySelectorAll("table.data")) {
       body.append(...[...body.rows].sort((a, b) => order(key(a), key(b))));
     };
   }
-  if (body.rows.length < 9) continue;
+  if (body.rows.length < 20) continue;
   const filter = Object.assign(document.createElement("input"), { className: "filter", placeholder: "Show rows with …", type: "search" });
   filter.oninput = () => {
     const words = filter.value.toLowerCase().split(/\s+/);
@@ -65,13 +65,14 @@ async function draw() {
 }
 if (document.getElementById("plots")) draw();
 
-// Paper: everything is open, and fits on a page of A4 between its margins.
-const PAPER = { width: 690, height: 960 };
+// Paper: everything is open, and fits on a page of A4 between its margins, across where a table is wide.
+const PAPER = document.querySelector("table.wide") ? { width: 1030, height: 690 } : { width: 690, height: 960 };
 addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
   for (const one of document.querySelectorAll(".plot")) {
     const { width, height } = one.layout ?? PAPER;
-    one.style.zoom = Math.min(1, PAPER.width / width, PAPER.height / height);
+    const above = one.closest(".summary") ? one.offsetTop : 0;  // stands on the first page, below the answer
+    one.style.zoom = Math.min(1, PAPER.width / width, (PAPER.height - above) / height);
   }
 });
 addEventListener("afterprint", () => {

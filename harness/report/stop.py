@@ -43,7 +43,7 @@ def metrics_table(metrics: Metrics) -> Table:
         }
         for name, (unit, meaning) in meanings().items()
     ]
-    return Table(rows, left=("figure", "unit", "meaning"))
+    return Table(rows, left=("figure", "value", "unit", "meaning"))
 
 
 def value_text(value: object) -> str:

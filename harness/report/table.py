@@ -3,6 +3,7 @@
 import csv
 import html
 import math
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,8 +21,11 @@ Form = str | Callable[[Any], str]
 
 _NAMES = 8
 
-_WIDE = 10
-"""Columns from which a table is printed on a page across."""
+_WIDE = 130
+"""Characters of a row beyond which a table has small letters, and its page is printed across."""
+
+_WRAPPED = 30
+"""Characters of a text after which it goes on in the next line."""
 
 
 class Link(str):
@@ -94,7 +98,7 @@ class Table:
 
     def __html__(self) -> str:
         """Return the table as HTML; columns of texts are of the class `text`, numbers keep their values for sorting."""
-        kind = "data wide" if len(self.columns) >= _WIDE else "data"
+        kind = "data wide" if self._width() > _WIDE else "data"
         head = "".join(self._cell("th", column, column) for column in self.columns)
         rows = zip(self.rows, self.texts, strict=True)
         lines = ("".join(self._cell("td", name, cells[name], row[name]) for name in cells) for row, cells in rows)
@@ -102,10 +106,16 @@ class Table:
         columns = f' style="--columns: {len(self.columns)}"'
         return f'<table class="{kind}"{columns}><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>'
 
+    def _width(self) -> int:
+        """Return the characters of a row, with two between columns."""
+        longest = {column: max(len(cells[column]) for cells in self.texts) for column in self.columns}
+        return sum(2 + (min(size, _WRAPPED) if column in self.left else size) for column, size in longest.items())
+
     def _cell(self, tag: str, column: str, cell: str, value: Any = None) -> str:
-        kind = ' class="text"' if column in self.left else ""
+        is_long = len(cell) > _WRAPPED / 2
+        kind = f' class="text{" long" * is_long}"' if column in self.left else ""
         number = f' data-value="{value:.9g}"' if isinstance(value, int | float) else ""
-        shown = html.escape(cell)
+        shown = re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(cell))
         if isinstance(value, Link):
             shown = f'<a href="{html.escape(value.address)}">{shown}</a>'
         return f"<{tag}{kind}{number}>{shown}</{tag}>"

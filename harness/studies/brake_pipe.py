@@ -155,10 +155,10 @@ class BrakePipe(Study):
             write_tables(PAGE, {"fronts": table, "stops": stops})
         return Page(
             title="Front of an emergency brake in the brake pipe",
-            question="How fast does an emergency brake run through the pipe of ten coaches, and is that the grid?",
+            question="How fast does an emergency brake run through ten coaches, and how large is the grid error?",
             answer=f"With {CELLS_OF_A_CAR} cells a vehicle, as in trains in files, the front runs at "
             f"{min(of_trains):.0f} to {max(of_trains):.0f} m/s, depending on branches and accelerators. "
-            f"UIC 540 wants {LIMIT:g} m/s.",
+            f"UIC 540 requires {LIMIT:g} m/s.",
             template="studies/brake_pipe.md.jinja",
             values={"fronts": table, "stops": stops, "limit": LIMIT, "cells": CELLS_OF_A_CAR, "finest": max(grids)},
             tables={"fronts.csv": table},

@@ -166,8 +166,13 @@ _FORMS = {
 
 
 def _answer(results: Results) -> str:
-    words: list[str] = []
+    medians: list[str] = []
+    errors: list[str] = []
     for name in FILTERS:
         rmse, _, nees = zip(*_of(results, name, LOADS, "none"), strict=True)
-        words.append(f"{name}: NEES {np.median(nees):.2g}, RMSE of adhesion {rms(np.array(rmse)):.4f}")
-    return f"Medians over all loads, of which a NEES of 1 is consistent, are {'; '.join(words)}."
+        medians.append(f"{np.median(nees):.2g} ({name})")
+        errors.append(f"{rms(np.array(rmse)):.4f}")
+    return (
+        f"A consistent filter has a NEES of 1; the median over all loads is {', '.join(medians)}. "
+        f"In the same order the RMSE of adhesion is {', '.join(errors)}."
+    )

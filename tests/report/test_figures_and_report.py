@@ -219,6 +219,47 @@ def test_a_figure_on_a_page_has_the_data_of_the_figure_in_a_paper(stops):
     ]
 
 
+def test_texts_and_ticks_of_a_figure_come_once_on_a_page():
+    drawing, axes = style.panels(6, 4)
+    axes.plot([0, 1], [0, 1])
+    drawing.supxlabel("below all panels")
+    other = style.second_scale(axes, "other scale")
+    other.plot([0, 1], [0.0, 3.3])
+    layout = interactive(drawing)["layout"]
+    assert [note["text"] for note in layout["annotations"]] == ["below all panels"]
+    assert layout["xaxis"]["showticklabels"]
+    assert not layout["xaxis2"]["showticklabels"]
+    # Round numbers, not those that stand where the ticks of the first scale are.
+    assert layout["yaxis2"]["tickmode"] == "auto"
+
+
+@pytest.mark.parametrize(
+    ("formula", "shown"),
+    [
+        (r"friction $\mu_0$", "friction μ<sub>0</sub>"),
+        (r"$|\ddot x_{w1}|$", "|ẍ<sub>w1</sub>|"),
+        (r"$\frac{1}{1+e^{-w_2 g - b_2}}$", "1 / (1+e<sup>-w<sub>2</sub> g - b<sub>2</sub></sup>)"),
+    ],
+)
+def test_a_formula_is_written_in_html_on_a_page(formula, shown):
+    drawing, axes = style.panels(6, 4)
+    axes.text(0.5, 0.5, formula)
+    assert [note["text"] for note in interactive(drawing)["layout"]["annotations"]] == [shown]
+    axes.set_title(r"$\hat\alpha$")
+    with pytest.raises(TypeError, match="has no form on a page"):
+        interactive(drawing)
+
+
+def test_a_legend_stays_in_its_panel_on_a_page():
+    """Four names in two rows have as many rows on a page, where columns are not counted."""
+    drawing, (axes, _) = style.panels(10, 4, 1, 2)
+    for name in "abcd":
+        axes.plot([0, 1], [0, 1], label=name)
+    axes.legend(ncols=2, loc="lower right")
+    legend = interactive(drawing)["layout"]["legend"]
+    assert (legend["orientation"], legend["yanchor"]) == ("v", "bottom")
+
+
 def test_a_campaign_without_any_result_still_has_a_page(tmp_path, write_campaign):
     campaign = write_campaign(tmp_path, lambda stop: stop.name == "trapezoid-ideal-full_brake")
     (tmp_path / campaign.stops[0].name / "stop.json").unlink()

@@ -1,9 +1,8 @@
-"""No figure has labels of ticks that overlap, or a panel with nothing in it."""
-
-from itertools import pairwise
+"""No figure has texts that overlap or are cut off, or an empty panel; tests/conftest.py checks those that are saved."""
 
 import numpy as np
 import pytest
+from readable import defects_of
 
 from railgrip.report.comparison import compare
 from railgrip.report.distances import rows_of
@@ -12,6 +11,7 @@ from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.interactive import interactive
 from railgrip.report.results import read_results
+from railgrip.report.style import panels, save
 from railgrip.report.sweep_figure import sweep_figure
 
 
@@ -53,31 +53,66 @@ FIGURES = {
 }
 
 
-def overlaps(drawing):
-    """Return pairs of labels of neighbouring ticks whose boxes cut each other."""
-    drawing.draw_without_rendering()
-    pairs = []
-    for axes in drawing.axes:
-        for axis in (axes.xaxis, axes.yaxis):
-            labels = [label for label in axis.get_ticklabels() if label.get_visible() and label.get_text()]
-            low, high = sorted(axis.get_view_interval())
-            places = sorted(zip(axis.get_majorticklocs(), labels, strict=False), key=lambda one: one[0])
-            boxes = [(label, label.get_window_extent()) for place, label in places if low <= place <= high]
-            pairs += [
-                (one.get_text(), other.get_text())
-                for (one, a), (other, b) in pairwise(boxes)
-                if a.overlaps(b) and a.width and b.width
-            ]
-    return pairs
-
-
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_can_be_read(name, stops, folder):
     drawing = FIGURES[name](stops, folder)
-    assert overlaps(drawing) == []
-    empty = [axes.get_title(loc="left") or number for number, axes in enumerate(drawing.axes) if not axes.has_data()]
-    assert empty == []
+    assert defects_of(drawing) == []
     # What a page shows of it has all panels, too.
     plot = interactive(drawing)
     shown = {trace["xaxis"] for trace in plot["data"] if "xaxis" in trace}
     assert len(shown) == len(drawing.axes)
+
+
+def crowd_ticks(axes):
+    axes.set_xticks(np.linspace(0, 1, 30), [f"tick number {k}" for k in range(30)])
+
+
+def crowd_minor_ticks(axes):
+    axes.set_xticks(np.linspace(0, 1, 30), [f"minor tick {k}" for k in range(30)], minor=True)
+
+
+def cover_title(axes):
+    axes.set_title("what the panel shows", loc="left")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 0.95))
+
+
+def cover_title_of_figure(axes):
+    axes.figure.suptitle("what the figure shows")
+    axes.figure.legend(loc="upper center")
+
+
+def empty(axes):
+    axes.lines[0].remove()
+    axes.axhline(0.5)
+    axes.axvspan(0.2, 0.4)
+
+
+def fill_with_nan(axes):
+    axes.lines[0].set_ydata([np.nan, np.nan])
+
+
+def cut_off(axes):
+    axes.figure.text(0.9, 0.5, "a sentence that goes beyond the figure")
+
+
+DEFECTS = {
+    crowd_ticks: "'tick number 1' overlaps 'tick number 2'",
+    crowd_minor_ticks: "'minor tick 1' overlaps 'minor tick 2'",
+    cover_title: "'what the panel shows' overlaps the legend of 'a line'",
+    cover_title_of_figure: "'what the figure shows' overlaps the legend of 'a line'",
+    empty: "panel 1 is empty",
+    fill_with_nan: "panel 1 is empty",
+    cut_off: "'a sentence that goes beyond the figure' is cut off",
+}
+
+
+@pytest.mark.parametrize("spoil", DEFECTS)
+def test_a_figure_that_cannot_be_read_is_found(spoil, tmp_path):
+    drawing, axes = panels(6, 3)
+    axes.plot([0, 1], [0, 1], label="a line")
+    save(drawing, tmp_path / "good.png")
+    spoil(axes)
+    found = defects_of(drawing)
+    assert DEFECTS[spoil] in found
+    with pytest.raises(AssertionError, match="cannot be read"):
+        save(drawing, tmp_path / "bad.png")

@@ -49,6 +49,20 @@ def test_a_cell_links_to_a_page_and_is_text_elsewhere():
     assert str(table).endswith("| a & b |")
 
 
+def test_a_command_is_code_in_html_and_in_markdown():
+    table = Table([{"stop": "`railgrip run < a`"}])
+    assert "<code>railgrip run &lt; a</code>" in table.__html__()
+    assert str(table).endswith("| `railgrip run < a` |")
+
+
+def test_rows_that_do_not_fit_across_a_page_make_a_table_wide():
+    """Long texts wrap, numbers with their intervals do not."""
+    interval = "1.23e-05 [9.9e-06, 1.2e-05]"
+    assert 'class="data wide"' in Table([{str(column): interval for column in range(6)}]).__html__()
+    assert 'class="data"' in Table([{str(column): "1.0" for column in range(12)}]).__html__()
+    assert 'class="data"' in Table([{"stop": 10 * interval}]).__html__()
+
+
 def test_a_table_is_csv_with_its_values(tmp_path):
     TABLE.write_csv(tmp_path / "table.csv")
     with (tmp_path / "table.csv").open(newline="", encoding="utf-8") as file:

@@ -11,7 +11,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.report.results import Result
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import judgements, limits_of, summaries
+from railgrip.studies.type_test.judge import judgements, limits_of, measured, summaries
 from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.stop import StopRecord
 
@@ -35,7 +35,7 @@ def result(case, controller, distance, *, stands=True, speed=20.0, friction=0.06
         scenario={"start": {"speed": speed}}, digest="", metrics=metrics, versions={}, fmus={},
     )  # fmt: skip
     variants = {"case": case, "controller": controller, "friction": str(friction), "curve": "dry"}
-    return Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None)
+    return measured(Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None))
 
 
 def case(name, *, mine, tuned=300.0, second=330.0, **figures):
@@ -124,7 +124,7 @@ def test_one_stop_that_never_ends_leaves_no_worst_ratio():
 def test_a_baseline_that_locks_for_longer_than_the_clause_allows_is_not_the_best():
     others = case("a", mine=315.0)
     for stop in others:
-        if stop.variants["controller"] == "tuned":
+        if stop.controller == "tuned":
             others[others.index(stop)] = result("a", "tuned", 300.0, longest_lock_fast=(0.0, 0.41))
     stops = judgements(others, TAKING_PART, LIMITS)
     assert {stop.best_m for stop in stops} == {330.0}

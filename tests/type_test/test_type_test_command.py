@@ -75,7 +75,7 @@ def test_the_page_can_be_sent_alone(results):
     assert len(plots_of(results / "index.html")) == 3
     page = (results / "index.html").read_text(encoding="utf-8")
     assert "verify in the" in page
-    assert "railgrip study type_test --controller own --case 1of2-15595" in page
+    assert f"railgrip study type_test --controller {results.parent / 'own.toml'} --case 1of2-15595" in page
     assert page.count("<details>") == page.count("</details>")
 
 

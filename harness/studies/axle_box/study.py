@@ -154,12 +154,16 @@ STUDY = AxleBox
 def _answer(results: Results) -> str:
     """Return the errors on runs outside of the training, of the paper's networks and of the general estimator."""
     words: list[str] = []
-    all_speeds = "one estimator for all speeds"
-    for who, rows in (("networks of the paper's kind", results.honest), (all_speeds, results.general)):
-        for name, row in rows.items():
-            mean = average(row.values())
-            words.append(f"{who}, {name}: {mean.mae:.4f} ({mean.mae_of_mean:.4f})")
-    return f"MAE on runs that no training saw, in brackets that of always saying the mean label: {'; '.join(words)}."
+    for rows in (results.honest, results.general):
+        errors = [average(row.values()) for row in rows.values()]
+        mae, of_mean = [error.mae for error in errors], [error.mae_of_mean for error in errors]
+        words.append(
+            f"{min(mae):.3f} to {max(mae):.3f}, and {min(of_mean):.3f} to {max(of_mean):.3f} of the mean label"
+        )
+    return (
+        "On runs that no training saw, the mean absolute error of friction is "
+        f"{words[0]}, with networks of the paper's kind. With one estimator for all speeds it is {words[1]}."
+    )
 
 
 def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]]:

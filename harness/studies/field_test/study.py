@@ -112,7 +112,7 @@ class FieldTest(Study):
             "speed.png": speed_figure(of_case[TEST].recording),
             "readings.png": readings_figure(test.braking),
         }
-        words = [f"{measures['adhesion']:.4f} with the noises {title}" for title, measures in scores.items()]
+        words = [f"{measures['adhesion']:.4f} ({title})" for title, measures in scores.items()]
         if self.write:
             published = friction_figure(test, {PUBLISHED: estimates[PUBLISHED]})
             named = {"field_test_1.svg": train_figure(train), "field_test_5.png": published}
@@ -122,8 +122,9 @@ class FieldTest(Study):
         return Page(
             title="Field test: friction of a train from pressures and speeds",
             question="How well are adhesion and pad friction of a braking train known from its pressures and speeds?",
-            answer=f"RMSE of adhesion in a case that no tuning saw: {'; '.join(words)}. The mean pad friction is known "
-            "better than that of single groups, because five rates stand against eight unknown frictions.",
+            answer=f"In a case that no tuning saw, the RMSE of adhesion is {', '.join(words)}, by the noises of the "
+            "filter. The mean pad friction is known better than that of single groups, because five rates stand "
+            "against eight unknown frictions.",
             template="studies/field_test/field.md.jinja",
             values={
                 **_conditions(test),

@@ -163,8 +163,11 @@ def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
     for row in rows:
         if row["plant"] == "paper" and row["quantity"] == "friction":
             errors.setdefault(TITLES[row["filter"]], []).append(row["rmse"].median)
-    words = (f"{name} {min(values):.3g} to {max(values):.3g}" for name, values in errors.items())
-    return f"Median RMSE of friction over tests and speeds, with the exact model: {'; '.join(words)}."
+    words = [f"{min(values):.2g} to {max(values):.2g} ({name})" for name, values in errors.items()]
+    return (
+        f"With the exact model the median RMSE of friction over tests and speeds is {', '.join(words)}. "
+        "Friction is between 0 and 1: a filter with a larger error has diverged."
+    )
 
 
 _TOLERANCE: Final = 0.05

@@ -11,7 +11,7 @@ from typer import Option
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import Table, share
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.page import draw
@@ -67,8 +67,8 @@ class PadMonitor(Study):
             title="The brake monitor in simulated lives",
             question="How soon does the monitor find a group of wheelsets that has lost 20 % of its friction or no "
             "longer releases, and how often does it alarm without cause?",
-            answer=f"Stops until the alarm: {_delays(assessment.worn_delays)} (friction lost), "
-            f"{_delays(assessment.stuck_delays)} (not released). {assessment.false_alarms} false alarms in "
+            answer=f"Lost friction is found after so many stops: {_delays(assessment.worn_delays)}; a brake that no "
+            f"longer releases: {_delays(assessment.stuck_delays)}. There are {assessment.false_alarms} false alarms in "
             f"{assessment.healthy} healthy stops of a group.",
             template="studies/pad_monitor/pad_monitor.md.jinja",
             values={"table": table},
@@ -121,15 +121,16 @@ class Assessment:
 
     def table(self) -> Table:
         """Return the figures as a table."""
-        rate = f"{self.false_alarms / self.healthy:.1e}, below {self.rate_bound:.1e} at 95 % confidence"
+        rate = f"{self.false_alarms / self.healthy:.2g}, below {self.rate_bound:.2g} at 95 % confidence"
         figures = {
-            "lives, stops": f"{self.lives}, {self.stops}",
+            "lives": str(self.lives),
+            "stops in all lives": str(self.stops),
             "20 % of friction lost: stops until the alarm": _delays(self.worn_delays),
             "brake that sticks: stops until the alarm": _delays(self.stuck_delays),
-            "alarms of the right kind": f"{self.kinds_right:.1%}",
-            "healthy group-stops": str(self.healthy),
+            "alarms of the right kind": share(self.kinds_right),
+            "stops of a group while healthy": str(self.healthy),
             "false alarms": str(self.false_alarms),
-            "false alarms a stop and group": rate,
+            "false alarms per stop of a group": rate,
         }
         return Table.of(("figure", "value"), list(figures.items()), left=2)
 

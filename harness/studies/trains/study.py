@@ -213,7 +213,7 @@ def table_of_protected(stops: Sequence[Mapping[str, float]]) -> Table:
             "simulated": stop["simulated_s"],
             "processor": stop["processor_s"],
             "times real time": stop["times_real_time"],
-            "target": ">= 20",
+            "target": "≥ 20",
         }
         for stop in stops
     ]

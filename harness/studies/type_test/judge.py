@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
@@ -16,7 +16,6 @@ from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
-from railgrip.trace.metrics import Metrics
 
 _AMBIENT: Final = 101325.0  # Pa
 
@@ -78,39 +77,81 @@ _AT_LEAST: Final = ("reservoir", "utilisation")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Judged:
-    """One case under one controller.
+class Measured:
+    """What one stop shows, from which it is judged; None where a value is not there.
 
     Attributes:
         case: Name of the case.
         variants: Axis → value of the case, for people.
+        speed: At the brake demand [m/s].
         controller: Name of the entrant.
-        tuned: Whether its parameters were searched.
         outcome: How the stop ended.
-        distance_m: None unless the train came to a stand; so are those below that follow from it.
-        dry_m, bound_m, best_m: Of others in the same case: full brake on a dry rail, the ideal bound, the best tuned
-            baseline that keeps the lock clause; None where that is not there.
-        extension: Over the dry distance [1].
-        over_bound, over_best: Distance over `bound_m` and over `best_m`.
-        k_wet: Dry over wet deceleration distance, at most 1 [1]; SUBSET-040 §4.4.1.
+        distance_m: None unless the train came to a stand.
+        duration_s: Until the stop ended.
         longest_lock_s: Of any group above 15 km/h.
         locked_distance_m: Longest of any group.
         air_l: Free air used.
-        reservoir_bar: What is left at the end, gauge.
         strokes: Of all valves.
         tread_energy_mj: Largest of any wheelset, in the contacts of its wheels: what flats are made of.
         utilisation: Of the adhesion that there was [1].
         nees: Mean squared error of the estimated adhesion over its variance, above 10 km/h, mean of the groups; None
             without an estimator that says how sure it is.
-        verdicts: Clause → whether it is kept; None where it is not judged.
     """
 
     case: str
     variants: Mapping[str, str]
+    speed: float
     controller: str
-    tuned: bool
     outcome: str
     distance_m: float | None
+    duration_s: float
+    longest_lock_s: float | None
+    locked_distance_m: float | None
+    air_l: float | None
+    strokes: int | None
+    tread_energy_mj: float | None
+    utilisation: float | None
+    nees: float | None
+
+
+def measured(stop: Result) -> Measured:
+    """Return what a stop of a type test shows."""
+    metrics = stop.record.metrics
+    air = finite(metrics.air_used)
+    return Measured(
+        case=stop.variants["case"],
+        variants={name: value for name, value in stop.variants.items() if name not in ("case", "controller")},
+        speed=float(stop.record.scenario["start"]["speed"]),
+        controller=stop.variants["controller"],
+        outcome=stop.record.outcome.value,
+        distance_m=stop.record.braking_distance,
+        duration_s=metrics.duration,
+        longest_lock_s=finite(max(metrics.longest_lock_fast)),
+        locked_distance_m=finite(max(metrics.locked_distance)),
+        air_l=None if air is None else 1e3 * air,
+        strokes=round(sum(metrics.actuations)),
+        tread_energy_mj=finite(1e-6 * max(metrics.tread_energy)),
+        utilisation=finite(metrics.utilisation),
+        nees=None if metrics.adhesion_nees is None else finite(float(np.mean(metrics.adhesion_nees))),
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judged(Measured):
+    """One case under one controller; what follows from its distance is None unless the train came to a stand.
+
+    Attributes:
+        tuned: Whether the parameters of the controller were searched.
+        dry_m, bound_m, best_m: Of others in the same case: full brake on a dry rail, the ideal bound, the best tuned
+            baseline that keeps the lock clause; None where that is not there.
+        extension: Over the dry distance [1].
+        over_bound, over_best: Distance over `bound_m` and over `best_m`.
+        k_wet: Dry over wet deceleration distance, at most 1 [1]; SUBSET-040 §4.4.1.
+        reservoir_bar: What is left at the end, gauge.
+        verdicts: Clause → whether it is kept; None where it is not judged.
+    """
+
+    tuned: bool
     dry_m: float | None
     bound_m: float | None
     best_m: float | None
@@ -118,14 +159,7 @@ class Judged:
     over_bound: float | None
     over_best: float | None
     k_wet: float | None
-    longest_lock_s: float | None
-    locked_distance_m: float | None
-    air_l: float | None
     reservoir_bar: float | None
-    strokes: int | None
-    tread_energy_mj: float | None
-    utilisation: float | None
-    nees: float | None
     verdicts: Mapping[str, bool | None]
 
     def to_plain(self) -> dict[str, Any]:
@@ -133,14 +167,14 @@ class Judged:
         return asdict(self)
 
 
-def judgements(results: Iterable[Result], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
+def judgements(stops: Iterable[Measured], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
     """Return what each stop is worth, references left out, case by case."""
-    by_case: dict[str, dict[str, Result]] = {}
-    for result in results:
-        by_case.setdefault(result.variants["case"], {})[result.variants["controller"]] = result
+    by_case: dict[str, dict[str, Measured]] = {}
+    for stop in stops:
+        by_case.setdefault(stop.case, {})[stop.controller] = stop
     rows: list[Judged] = []
-    for case, stops in by_case.items():
-        distances = {name: stop.record.braking_distance for name, stop in stops.items()}
+    for stops_of_case in by_case.values():
+        distances = {name: stop.distance_m for name, stop in stops_of_case.items()}
         best = min(
             (
                 distance
@@ -148,60 +182,41 @@ def judgements(results: Iterable[Result], taking_part: Mapping[str, Entrant], li
                 if distance
                 and taking_part[name].tuned
                 and taking_part[name].role == "baseline"
-                and keeps_lock(stops[name].record.metrics, limits)
+                and keeps_lock(stops_of_case[name].longest_lock_s, limits)
             ),
             default=None,
         )
-        for name, stop in stops.items():
-            if taking_part[name].role != "reference":
-                rows.append(
-                    _judge(
-                        case, stop, name, taking_part[name].tuned, limits,
-                        distance=distances[name], dry=distances.get("dry"), bound=distances.get("ideal_bound"),
-                        best=best,
-                    )
-                )  # fmt: skip
+        dry, bound = distances.get("dry"), distances.get("ideal_bound")
+        rows += [
+            _judge(stop, taking_part[name].tuned, limits, dry=dry, bound=bound, best=best)
+            for name, stop in stops_of_case.items()
+            if taking_part[name].role != "reference"
+        ]
     return rows
 
 
-def keeps_lock(metrics: Metrics, limits: Limits) -> bool:
-    """Return whether no wheelset locks for longer than the clause allows, which is without a limit always so."""
-    return limits.lock.limit is None or max(metrics.longest_lock_fast) <= limits.lock.limit
+def keeps_lock(longest: float | None, limits: Limits) -> bool:
+    """Return whether no wheelset locks for longer [s] than the clause allows, which is without a limit always so."""
+    return limits.lock.limit is None or (longest is not None and longest <= limits.lock.limit)
 
 
 def _judge(
-    case: str,
-    stop: Result,
-    name: str,
-    tuned: bool,
-    limits: Limits,
-    *,
-    distance: float | None,
-    dry: float | None,
-    bound: float | None,
-    best: float | None,
+    stop: Measured, tuned: bool, limits: Limits, *, dry: float | None, bound: float | None, best: float | None
 ) -> Judged:
-    metrics = stop.record.metrics
-    speed = float(stop.record.scenario["start"]["speed"])
+    distance = stop.distance_m
     extension = None if distance is None or dry is None else distance / dry - 1.0
-    lock, dragged = finite(max(metrics.longest_lock_fast)), finite(max(metrics.locked_distance))
-    air, utilisation = finite(metrics.air_used), finite(metrics.utilisation)
-    remaining = None if air is None else limits.supply.remaining(air, metrics.duration)
+    remaining = None if stop.air_l is None else limits.supply.remaining(1e-3 * stop.air_l, stop.duration_s)
     values = {
         # A train that does not stop has an endless extension.
         "extension": math.inf if dry is not None and distance is None else extension,
-        "lock": lock,
-        "locked_distance": dragged,
+        "lock": stop.longest_lock_s,
+        "locked_distance": stop.locked_distance_m,
         "reservoir": remaining,
-        "utilisation": utilisation,
+        "utilisation": stop.utilisation,
     }
     return Judged(
-        case=case,
-        variants={k: v for k, v in stop.variants.items() if k not in ("case", "controller")},
-        controller=name,
+        **{field.name: getattr(stop, field.name) for field in fields(Measured)},
         tuned=tuned,
-        outcome=stop.record.outcome.value,
-        distance_m=distance,
         dry_m=dry,
         bound_m=bound,
         best_m=best,
@@ -212,15 +227,8 @@ def _judge(
         if dry is None
         else 0.0
         if distance is None
-        else min(1.0, k_wet_of_distances(dry, distance, speed, limits.build_up.time)),
-        longest_lock_s=lock,
-        locked_distance_m=dragged,
-        air_l=None if air is None else 1e3 * air,
+        else min(1.0, k_wet_of_distances(dry, distance, stop.speed, limits.build_up.time)),
         reservoir_bar=None if remaining is None else 1e-5 * remaining,
-        strokes=round(sum(metrics.actuations)),
-        tread_energy_mj=finite(1e-6 * max(metrics.tread_energy)),
-        utilisation=utilisation,
-        nees=None if metrics.adhesion_nees is None else finite(float(np.mean(metrics.adhesion_nees))),
         verdicts={"stops": distance is not None} | _verdicts(limits, values, float(stop.variants["friction"])),
     )
 

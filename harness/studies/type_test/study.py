@@ -1,7 +1,7 @@
 """The type test: its options, its page, JSON and CSV, and headline numbers."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib.metadata import version
@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 from typer import Option
 
+from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
@@ -22,6 +23,7 @@ from railgrip.report.index import write_report as write_panels
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
+from railgrip.report.statistics import finite
 from railgrip.report.table import Table, names, percent, share
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
@@ -30,6 +32,7 @@ from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
 from railgrip.studies.type_test.entrants import (
+    LIBRARY,
     Entrant,
     campaign_of,
     entrants,
@@ -42,18 +45,23 @@ from railgrip.studies.type_test.judge import (
     JUDGED,
     Judged,
     Limits,
+    Measured,
     Summary,
     judgements,
     keeps_lock,
     limits_of,
+    measured,
     summaries,
 )
+from railgrip.studies.type_test.shipped import shipped, write_shipped
 
 PAGE: Final = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""
 
-_HIDDEN: Final = ("tuned", "cases", "compared", "K_wet (10 %)")
-"""Columns of the leaderboard that are left out there."""
+_ON_PAGE_ONLY: Final = ("compared", "K_wet (10 %)")
+"""Columns of the leaderboard that are left out there and on the screen."""
+_NOT_OF_STOPS: Final = ("NEES (10 – 90 %)", "K_wet (10 %)")
+"""Columns of the leaderboard that have a table of their own on the page."""
 
 _WORST: Final = 10
 _SAME: Final = 0.002
@@ -85,7 +93,9 @@ class TypeTest(Study):
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
     limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
-    write: Annotated[bool, Option("--write", help="Write the leaderboard into docs/type_test.md.")] = False
+    write: Annotated[
+        bool, Option("--write", help="Write the leaderboard into docs/type_test.md, and the stops into the package.")
+    ] = False
     import_from: list[Path] | None = None
 
     @property
@@ -96,6 +106,8 @@ class TypeTest(Study):
 
     def page(self, work: Work) -> Page:
         """Run what is missing, judge it with what was there, and rank the controllers."""
+        if self.write and (self.controller or self.train or self.task or self.case or self.limits):
+            raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
         judging, ours = limits_of(self.limits), entrants()
         candidates = ours if self.controller is None else entrants_named(self.controller, ours)
         taking_part = ours | candidates
@@ -108,15 +120,35 @@ class TypeTest(Study):
         else:
             count = self.count or (QUICK if self.quick else CASES)
             design = cases(count, VALIDATION_SEED if self.validation else SEED)
+        train = train_of(self.train)
         task = None if self.task is None else task_of(self.task)
-        campaign = campaign_of(design, taking_part, train_of(self.train), task=task, keep_traces=bool(self.case))
+        campaign = campaign_of(design, taking_part, train, task=task, keep_traces=bool(self.case))
         stops = campaign.only(lambda stop: stop.variants["controller"] in running)
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
-        page = page_of(read_results(work.folder), taking_part, judging, against=self.against, again=self._again)
+        results = read_results(work.folder)
+        found = [measured(stop) for stop in results.stops]
+        beside, notes = ([], []) if self.controller is None or task else shipped(design, train)
+        page = page_of(
+            found,
+            taking_part,
+            judging,
+            beside=beside,
+            notes=notes,
+            candidates=[] if self.controller is None else list(candidates),
+            missing=_missing(results),
+            against=self.against,
+            again=self._again(candidates),
+        )
         if self.write:
-            write_tables(PAGE, {"leaderboard": _written(page, len(design), self.validation)})
+            if results.missing:
+                raise ScenarioError(f"--write: {len(results.missing)} stops have no result; nothing was written.")
+            write_shipped(found, design, train, LIBRARY)
+            kind = "validation" if self.validation else "test"
+            of = f"{len(design)} cases of the {kind} set, railgrip {version('railgrip')}:\n\n"
+            controllers = page.values["controllers"].without(("results",))
+            write_tables(PAGE, {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"})
         panels = [
             str(write_panels(work.folder / stop.name))
             for stop in (stops.stops if self.case else ())
@@ -124,11 +156,19 @@ class TypeTest(Study):
         ]
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
-    @property
-    def _again(self) -> str:
-        """Options of the command line that run a case again, beside controller and case."""
-        options = (("train", self.train), ("task", self.task))
-        return "".join(f" --{name} {value}" for name, value in options if value is not None)
+    def _again(self, candidates: Iterable[str]) -> dict[str, str]:
+        """Return by controller the command line that runs a case of it again, up to the name of the case."""
+        options = [
+            ("train", self.train),
+            ("task", self.task),
+            *(("import-from", one) for one in self.import_from or ()),
+        ]
+        rest = "".join(f" --{name} {value}" for name, value in options if value is not None)
+        arguments = dict(zip(candidates, dict.fromkeys(self.controller or ()), strict=False))
+        return {
+            name: f"railgrip study type_test --controller {arguments.get(name, name)}{rest} --case"
+            for name in (*entrants(), *candidates)
+        }
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set.
@@ -156,55 +196,84 @@ def _distance_and_lock(scenario: Scenario) -> tuple[float, bool]:
     """Return the braking distance [m], infinite without a standstill, and whether the stop keeps the lock clause."""
     stop = run_stop(scenario)
     distance = stop.metrics.distance if stop.outcome is Outcome.STANDSTILL else math.inf
-    return distance, keeps_lock(stop.metrics, limits_of())
+    return distance, keeps_lock(finite(max(stop.metrics.longest_lock_fast)), limits_of())
+
+
+def _missing(results: Results) -> list[str]:
+    """Return the names of stops without a result, of controllers that have some."""
+    present = {result.variants["controller"] for result in results.stops}
+    return [name for name in results.missing if name.rpartition("-")[2] in present]
 
 
 def page_of(
-    results: Results, taking_part: Mapping[str, Entrant], limits: Limits, *, against: str | None = None, again: str = ""
+    found: Sequence[Measured],
+    taking_part: Mapping[str, Entrant],
+    limits: Limits,
+    *,
+    beside: Sequence[Measured] = (),
+    notes: Sequence[str] = (),
+    candidates: Sequence[str] = (),
+    missing: Sequence[str] = (),
+    against: str | None = None,
+    again: Mapping[str, str],
 ) -> Page:
     """Return the page of a type test.
 
     Args:
-        results: Of the test; who has none is left out.
+        found: Stops that were run; a controller without a stop is left out.
         taking_part: By name.
         limits: What stops are judged by.
+        beside: Stops that come with this package; they are shown where they were not run.
+        notes: Sentences about `beside`.
+        candidates: Controllers that the page is about; all without one.
+        missing: Names of stops without a result.
         against: Whom the others are compared with case by case, on the screen.
-        again: Options of the command line that run a case of it again, beside controller and case.
+        again: Controller → command line that runs a case of it again, up to the name of the case.
     """
-    stops = judgements(results.stops, taking_part, limits)
+    run = {(stop.case, stop.controller) for stop in found}
+    from_package = [stop for stop in beside if (stop.case, stop.controller) not in run]
+    stops = judgements([*found, *from_package], taking_part, limits)
     board = summaries(stops, taking_part)
     plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]
-    present = {result.variants["controller"] for result in results.stops}
+    lines = _lines(board, candidates)
     drawings = (
         (
             "ratios",
             "Distance over that of the best tuned baseline in the same case that keeps the lock clause",
-            _ratios,
+            _ratios(stops, lines),
         ),
-        ("utilisation", "Use of the adhesion there was, by creep curve", _by_curve),
-        ("friction", "Distance over the ideal bound against friction", _over_friction),
+        ("utilisation", "Use of the adhesion there was, by creep curve", _by_curve(stops, list(lines))),
+        ("friction", "Distance over the ideal bound against friction", _over_friction(stops, lines)),
     )
     variants_of = {stop.case: stop.variants for stop in stops}
     leaders = leaderboard(board)
     return Page(
         title="Type test of wheel-slide protection",
-        question="Which controller stops the train shortest in cases that it was not tuned on, and does it keep the "
-        "clauses of a type test?",
-        answer=answer(board, len(variants_of)),
+        question=f"{f'How does {names(candidates)} compare with' if candidates else 'Which is the shortest of'} the "
+        "stops of railgrip's controllers in cases that none was tuned on, and which clauses of a type test are kept?",
+        answer=answer(board, len(variants_of), limits, candidates),
         template="studies/type_test/type_test.md.jinja",
         values={
-            "board": leaders,
+            "board": leaders.without(_NOT_OF_STOPS),
+            "estimates": leaders.without([name for name in leaders.columns[1:] if name not in _NOT_OF_STOPS]),
+            "controllers": _controllers(board, {stop.controller for stop in from_package}),
             "clauses": clauses(board, limits),
             "failed_by_bound": failed_by_bound(board, limits),
+            "texts": {_heading(clause, limits): getattr(limits, clause).clause for clause in JUDGED},
             "count": len(variants_of),
             "is_validation": any(case.endswith(f"-{VALIDATION_SEED}") for case in variants_of),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
             "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
-            "worst": [(summary, worst(stops, summary.controller, again)) for summary in board],
-            "missing": names([name for name in results.missing if name.rpartition("-")[2] in present]),
+            "worst": [
+                (summary, worst(stops, summary.controller, again[summary.controller]))
+                for summary in board
+                if not candidates or summary.controller in candidates
+            ],
+            "missing": names(missing),
+            "notes": notes,
             "supply": limits.supply,
         },
-        figures={f"figures/{name}.png": draw(stops, board) for name, _, draw in drawings if stops},
+        figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops and drawing},
         tables={"cases.csv": table_of(stops)},
         data={
             "type_test.json": {
@@ -213,7 +282,7 @@ def page_of(
                 "limits": limits.model_dump(mode="json"),
             }
         },
-        screen=(leaders,) if against is None else (leaders, compared(plain, against)),
+        screen=(leaders.without(_ON_PAGE_ONLY), *notes, *([compared(plain, against)] if against else ())),
     )
 
 
@@ -266,11 +335,9 @@ def leaderboard(board: Sequence[Summary]) -> Table:
     """Return the controllers, shortest first."""
     rows = [
         {
-            "controller": summary.description,
-            "tuned": "yes" if summary.tuned else "",
-            "cases": summary.cases,
+            "controller": summary.controller,
             "stops": summary.stops,
-            "compared": summary.compared,
+            "compared": f"{summary.compared} of {summary.cases}",
             "median": _with_interval(summary.median, summary.median_interval),
             "95 %": _with_interval(_or_endless(summary.p95, summary.median), summary.p95_interval),
             "worst": _or_endless(summary.worst, summary.median),
@@ -293,10 +360,18 @@ def leaderboard(board: Sequence[Summary]) -> Table:
     return Table(rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",))
 
 
-def _written(page: Page, cases: int, is_validation: bool) -> str:
-    """Return the leaderboard for the documentation, with the cases and the version it is of."""
-    of = "the validation set" if is_validation else "the test set"
-    return f"{cases} cases of {of}, railgrip {version('railgrip')}:\n\n{page.values['board'].without(_HIDDEN)}"
+def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> Table:
+    """Return what each controller is, and whether its stops were run or come with the package."""
+    rows = [
+        {
+            "controller": summary.controller,
+            "description": summary.description,
+            "parameters searched": "yes" if summary.tuned else "",
+            "results": "shipped" if summary.controller in from_package else "run here",
+        }
+        for summary in board
+    ]
+    return Table(rows, left=("controller", "description", "parameters searched", "results"))
 
 
 def _or_endless(value: float | None, median: float | None) -> float | str | None:
@@ -315,14 +390,10 @@ def _with_interval(value: float | str | None, interval: tuple[float | None, floa
 def clauses(board: Sequence[Summary], limits: Limits) -> Table:
     """Return the share of cases in which each controller keeps each clause."""
     rows = [
-        {
-            "clause": getattr(limits, clause).clause,
-            "limit": _limit(clause, getattr(limits, clause).limit),
-            **{summary.controller: summary.kept[clause] for summary in board},
-        }
-        for clause in JUDGED
+        {"controller": summary.controller} | {_heading(clause, limits): summary.kept[clause] for clause in JUDGED}
+        for summary in board
     ]
-    return Table(rows, {summary.controller: share for summary in board}, ("clause", "limit"))
+    return Table(rows, {_heading(clause, limits): share for clause in JUDGED})
 
 
 _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
@@ -335,18 +406,22 @@ _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
 """Clause → sense of its limit, and factor and unit in which it is shown."""
 
 
-def _limit(clause: str, limit: float | None) -> str:
+def _heading(clause: str, limits: Limits) -> str:
+    """Return the short name of a clause with its limit."""
+    name, limit = clause.replace("_", " "), getattr(limits, clause).limit
+    if clause not in _LIMITS:
+        return name
     if limit is None:
-        return "not judged" if clause in _LIMITS else ""
+        return f"{name}, not judged"
     sense, factor, unit = _LIMITS[clause]
-    return f"{sense} {factor * limit:g} {unit}"
+    return f"{name} {sense} {factor * limit:g} {unit}"
 
 
 def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
     """Return a sentence for each clause that the ideal bound does not keep in all cases."""
     return [
-        f"“{getattr(limits, clause).clause}” is kept by {summary.description} in {share(kept)} of the cases only. "
-        "In the others the rail has too little adhesion for any controller to keep it."
+        f"“{getattr(limits, clause).clause}” is kept by {summary.controller} in {share(kept)} of the cases in which it "
+        "is judged. In the others adhesion, gradient and brakes leave no controller enough deceleration to keep it."
         for summary in board
         if summary.role == "bound"
         for clause in JUDGED
@@ -354,20 +429,34 @@ def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
     ]
 
 
-def answer(board: Sequence[Summary], count: int) -> str:
-    """Return who stops shortest in the median, beside the ideal bound, and who keeps all clauses most often."""
-    ranked = [summary for summary in board if summary.role != "bound" and summary.median is not None]
-    if not ranked:
-        return f"No controller was compared in {count} cases."
-    best = min(ranked, key=lambda summary: summary.median or math.inf)
+def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Sequence[str] = ()) -> str:
+    """Return where the best candidate stands beside the others and the ideal bound, and its weakest clause.
+
+    Without candidates these are all controllers, without those that are shown the truth.
+    """
+    laws = [one for one in board if one.controller not in registry.ANALYSES and one.median is not None]
+    best = next((one for one in laws if not candidates or one.controller in candidates), None)
+    if best is None:
+        return f"In {count} cases no distance can be compared with that of a tuned baseline."
+    place = laws.index(best) + 1
+    stands = "stops shortest" if place == 1 else f"is number {place}"
     over = "" if best.over_bound is None else f" and {best.over_bound:.3f} of the ideal bound"
-    kept = "; ".join(
-        f"{clause.replace('_', ' ')} {share(value)}" for clause, value in best.kept.items() if value is not None
-    )
     return (
-        f"Over {count} cases {best.description} stops shortest: its median distance is {best.median:.3f} of that of "
-        f"the best tuned baseline{over}. It keeps the clauses in these shares of the cases: {kept}."
+        f"{best.controller} ({best.description}) {stands} of {len(laws)} controllers in {count} cases: its median "
+        f"distance is {best.median:.3f} of that of the best tuned baseline{over}. {_weakest(best, board, limits)}"
     )
+
+
+def _weakest(summary: Summary, board: Sequence[Summary], limits: Limits) -> str:
+    """Return a sentence about the clause that a controller keeps most rarely beside the ideal bound."""
+    bound: Mapping[str, float | None] = next((one.kept for one in board if one.role == "bound"), {})
+    possible = {clause: 1.0 if kept is None else kept for clause, kept in bound.items()}
+    behind = {clause: possible.get(clause, 1.0) - kept for clause, kept in summary.kept.items() if kept is not None}
+    weakest = max(behind, key=lambda clause: behind[clause])
+    if behind[weakest] <= 0:
+        return "It keeps each clause wherever the ideal bound keeps it."
+    clause = getattr(limits, weakest).clause
+    return f"Its weakest clause is “{clause}”, kept in {share(summary.kept[weakest] or 0.0)} of the cases."
 
 
 def ranking(stops: Sequence[Judged], case: str) -> Table:
@@ -399,7 +488,7 @@ def ranking(stops: Sequence[Judged], case: str) -> Table:
 
 
 def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
-    """Return the cases in which a controller is farthest behind the best tuned baseline, and how to run them again."""
+    """Return the cases in which a controller is farthest behind the best tuned baseline, and a command for each."""
     stops_of = [stop for stop in stops if stop.controller == controller]
     stops_of.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
     rows = [
@@ -408,57 +497,66 @@ def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
             "distance": stop.outcome if stop.distance_m is None else stop.distance_m,
             "over best": None if stop.over_best is None else stop.over_best - 1,
             **stop.variants,
-            "again": f"railgrip study type_test --controller {controller} --case {stop.case}{again}",
+            "again": f"{again} {stop.case}",
         }
         for stop in stops_of[:_WORST]
     ]
     return Table(rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *stops_of[0].variants, "again"))
 
 
-def _colours(board: Sequence[Summary]) -> dict[str, tuple[str, str]]:
-    colours = palette.LINES
+def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
+    """Return how the lines of each controller are drawn: thick and black for a candidate."""
+    colours = [colour for colour in palette.LINES if colour != palette.BLACK]
     return {
-        summary.controller: (colours[n % len(colours)], "-" if n < len(colours) else "--")
+        summary.controller: {"color": palette.BLACK, "linestyle": "-", "linewidth": 3.0, "label": summary.controller}
+        if summary.controller in candidates
+        else {
+            "color": colours[n % len(colours)],
+            "linestyle": ("-", "--", ":")[n // len(colours) % 3],
+            "linewidth": 1.2,
+            "label": summary.controller,
+        }
         for n, summary in enumerate(board)
     }
 
 
-def _ratios(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
-    """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline."""
-    figure = style.figure(8.0, 4.5)
+def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+    """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline.
+
+    None where no case has such a baseline.
+    """
+    if not any(stop.over_best for stop in stops):
+        return None
+    figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
-    for name, (colour, dash) in _colours(board).items():
+    for name, line in lines.items():
         stops_of = [stop for stop in stops if stop.controller == name and stop.best_m]
         ratios = np.sort([stop.over_best for stop in stops_of if stop.over_best is not None])
         if ratios.size:
-            axes.step(
-                ratios, (1 + np.arange(ratios.size)) / len(stops_of), dash, where="post", color=colour, label=name
-            )
+            axes.step(ratios, (1 + np.arange(ratios.size)) / len(stops_of), where="post", **line)
     axes.axvline(1.0, color=palette.GREY, linewidth=0.8)
     axes.set_xscale("log")
     axes.set_xticks([0.8, 0.9, 1.0, 1.2, 1.5, 2.0, 3.0], ["0.8", "0.9", "1", "1.2", "1.5", "2", "3"])
     axes.set_xticks([], minor=True)
     style.dress(axes, x="distance over that of the best tuned baseline", y="share of the cases")
-    if axes.lines[1:]:
-        axes.legend(fontsize=7, loc="lower right")
+    style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 
 
-def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
+def _by_curve(stops: Sequence[Judged], controllers: Sequence[str]) -> Figure:
     """Draw the median use of adhesion of each controller under each creep curve."""
     curves = sorted({stop.variants["curve"] for stop in stops})
     values = [
         [
             np.median([
                 stop.utilisation for stop in stops
-                if (stop.controller, stop.variants["curve"]) == (summary.controller, curve)
-                and stop.utilisation is not None
+                if (stop.controller, stop.variants["curve"]) == (controller, curve) and stop.utilisation is not None
             ] or [np.nan])
             for curve in curves
         ]
-        for summary in board
+        for controller in controllers
     ]  # fmt: skip
-    figure = style.figure(8.0, 1.2 + 0.32 * len(board))
+    figure = style.figure(8.0, 1.2 + 0.32 * len(controllers))
     axes = figure.subplots()
     axes.imshow(values, vmin=0.4, vmax=1.0, cmap="viridis", aspect="auto")
     for row, line in enumerate(values):
@@ -467,27 +565,25 @@ def _by_curve(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
                 colour = "white" if value < 0.7 else "black"
                 axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=8, color=colour)
     axes.set_xticks(range(len(curves)), [curve.replace("_", "\n") for curve in curves], fontsize=8)
-    axes.set_yticks(range(len(board)), [summary.controller for summary in board], fontsize=8)
+    axes.set_yticks(range(len(controllers)), controllers, fontsize=8)
     return figure
 
 
-def _over_friction(stops: Sequence[Judged], board: Sequence[Summary]) -> Figure:
+def _over_friction(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure:
     """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases."""
-    figure = style.figure(8.0, 4.5)
+    figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
-    bounds = {summary.controller for summary in board if summary.role == "bound"}
-    for name, (colour, dash) in _colours(board).items():
+    for name, line in lines.items():
         points = [(float(s.variants["friction"]), s.over_bound) for s in stops if s.controller == name and s.over_bound]
-        if points and name not in bounds:
+        if points and name != "ideal_bound":
             friction, ratios = zip(*sorted(points), strict=True)
-            axes.plot(friction, ratios, "o" if dash == "-" else "x", color=colour, markersize=2.5, alpha=0.25)
-            median = median_filter(ratios, size=1 + len(points) // 10, mode="nearest")
-            axes.plot(friction, median, dash, color=colour, label=name)
+            axes.plot(friction, ratios, "o", color=line["color"], markersize=2.5, alpha=0.25)
+            axes.plot(friction, median_filter(ratios, size=1 + len(points) // 10, mode="nearest"), **line)
     axes.set_xscale("log")
     axes.set_xticks([0.02, 0.03, 0.05, 0.08, 0.15], ["0.02", "0.03", "0.05", "0.08", "0.15"])
     axes.set_xticks([], minor=True)
     axes.set_ylim(0.95, 2.5)
     style.dress(axes, x="mean of the maximum friction", y="distance over the ideal bound")
     if axes.lines:
-        axes.legend(fontsize=7, loc="upper right")
+        style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure

@@ -1,0 +1,94 @@
+"""Results of railgrip's controllers that come with the package, so that one controller is ranked among them.
+
+A file holds the stops of one set of cases, under a line with the digest of these cases and the version of railgrip.
+`railgrip study type_test --write` writes it. Results of other cases than the present ones are refused.
+"""
+
+import csv
+import hashlib
+import io
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, fields
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, Final
+
+from railgrip.base.files import write_text
+from railgrip.studies.type_test.design import FAULTS, Case, cases
+from railgrip.studies.type_test.entrants import LIBRARY
+from railgrip.studies.type_test.judge import Measured
+
+_OF_THE_CASE: Final = ("variants", "speed")
+"""Follow from the name of the case."""
+_TEXTS: Final = ("case", "controller", "outcome")
+
+
+def digest_of(design: Iterable[Case], train: Mapping[str, Any]) -> str:
+    """Return a SHA-256 of everything that defines the stops of a test, but for the controllers and their task."""
+    two_groups = [[case.name, case.tables(2), FAULTS[case.fault]] for case in design]
+    return hashlib.sha256(json.dumps([train, two_groups], sort_keys=True, default=str).encode()).hexdigest()
+
+
+def write_shipped(stops: Iterable[Measured], design: Sequence[Case], train: Mapping[str, Any], folder: Path) -> Path:
+    """Write the stops of a set of cases into its file in a folder; return the file."""
+    columns = [field.name for field in fields(Measured) if field.name not in _OF_THE_CASE]
+    content = io.StringIO()
+    content.write(f"# cases {digest_of(design, train)}, railgrip {version('railgrip')}\n")
+    writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(asdict(stop) for stop in sorted(stops, key=lambda stop: (stop.case, stop.controller)))
+    path = folder / _file_of(design[0])
+    write_text(path, content.getvalue())
+    return path
+
+
+def shipped(
+    design: Iterable[Case], train: Mapping[str, Any], folder: Path = LIBRARY
+) -> tuple[list[Measured], list[str]]:
+    """Return the stops that come with the package for some cases, and a sentence for each set of cases about them.
+
+    Args:
+        design: The cases.
+        train: Tables of the train, `train_of`.
+        folder: Of the files.
+    """
+    sets: dict[str, list[Case]] = {}
+    for case in design:
+        sets.setdefault(_file_of(case), []).append(case)
+    stops: list[Measured] = []
+    sentences: list[str] = []
+    for file, of_the_set in sets.items():
+        count, seed = map(int, re.findall(r"\d+", file))
+        if not (folder / file).exists():
+            sentences.append(
+                f"No results of railgrip's controllers come with these {count} cases; they come with those of --quick."
+            )
+            continue
+        header, *lines = (folder / file).read_text(encoding="utf-8").splitlines()
+        digest, release = re.findall(r"# cases (\w+), railgrip (.+)", header)[0]
+        if digest != digest_of(cases(count, seed), train):
+            sentences.append(
+                f"The results of railgrip's controllers in {file} are not shown: they are of other cases or of another "
+                "train. `railgrip study type_test --write` writes those of the present cases on the train of railgrip."
+            )
+            continue
+        by_name = {case.name: case for case in of_the_set}
+        stops += [_stop(row, by_name[row["case"]]) for row in csv.DictReader(lines) if row["case"] in by_name]
+        sentences.append(f"Shipped results come with the package and are of railgrip {release}.")
+    return stops, sentences
+
+
+def _file_of(case: Case) -> str:
+    count, seed = case.name.partition("of")[2].split("-")
+    return f"results_{count}_{seed}.csv"
+
+
+def _stop(row: Mapping[str, str], case: Case) -> Measured:
+    values: dict[str, Any] = {
+        name: text if name in _TEXTS else None if not text else int(text) if name == "strokes" else float(text)
+        for name, text in row.items()
+    }
+    variants = {name: value for name, value in case.variants().items() if name != "case"}
+    return Measured(variants=variants, speed=case.speed, **values)

@@ -1,0 +1,116 @@
+"""Results of railgrip's controllers that come with the package stand beside those of one controller."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from railgrip.simulate.run import run_stop
+from railgrip.studies.type_test import design
+from railgrip.studies.type_test.design import CASES, QUICK, case_named, cases
+from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
+from railgrip.studies.type_test.judge import limits_of
+from railgrip.studies.type_test.shipped import shipped, write_shipped
+from railgrip.studies.type_test.study import page_of
+
+TRAIN = train_of(None)
+DOCUMENTATION = Path(__file__).parents[2] / "docs/type_test.md"
+OWN = "own"
+
+
+@pytest.fixture(scope="module")
+def stops():
+    return shipped(cases(QUICK), TRAIN)[0]
+
+
+@pytest.fixture(scope="module")
+def page(stops):
+    """Page of a controller that stops a tenth longer than three-state control, with the package's results beside."""
+    found = [stop for stop in stops if stop.controller in ("dry", "ideal_bound")]
+    for stop in stops:
+        if stop.controller == "slip_three_state" and stop.distance_m is not None:
+            found.append(replace(stop, controller=OWN, distance_m=1.1 * stop.distance_m))
+    own = {OWN: Entrant(description="a controller of a user", role="entrant")}
+    again = dict.fromkeys((*entrants(), OWN), "railgrip study type_test --case")
+    return page_of(found, entrants() | own, limits_of(), beside=stops, candidates=[OWN], again=again)
+
+
+def test_each_case_comes_with_a_stop_of_each_controller(stops):
+    names = {(stop.case, stop.controller) for stop in stops}
+    assert names == {(case.name, controller) for case in cases(QUICK) for controller in entrants()}
+    assert len(names) == len(stops)
+
+
+def test_a_single_case_comes_with_its_stops():
+    stops, sentences = shipped([case_named("03of24-15595")], TRAIN)
+    assert {stop.case for stop in stops} == {"03of24-15595"}
+    assert len(stops) == len(entrants())
+    assert len(sentences) == 1
+
+
+@pytest.mark.parametrize("controller", ["ideal_bound", "slip_three_state_searched", "slope_seeking"])
+def test_a_stop_that_is_run_has_the_distance_that_comes_with_the_package(stops, controller):
+    """Stops that differ by less than two thousandths are the same, as in the comparison of two controllers."""
+    case = case_named("03of24-15595")
+    (planned,) = campaign_of([case], {controller: entrants()[controller]}, TRAIN).stops
+    (expected,) = [stop for stop in stops if (stop.case, stop.controller) == (case.name, controller)]
+    assert run_stop(planned.scenario).metrics.distance == pytest.approx(expected.distance_m, rel=2e-3)
+
+
+def test_results_of_other_cases_or_another_train_are_refused(monkeypatch, stops):
+    refused = "results_24_15595.csv are not shown: they are of other cases or of another train"
+    other = TRAIN | {"periods": {"controller": "10 ms"}}
+    assert shipped(cases(QUICK), other)[0] == []
+    assert refused in shipped(cases(QUICK), other)[1][0]
+    monkeypatch.setattr(design, "PADS", {**design.PADS, "weak": 0.84})
+    found, (sentence,) = shipped(cases(QUICK), TRAIN)
+    assert found == []
+    assert refused in sentence
+    monkeypatch.undo()
+    assert shipped(cases(QUICK), TRAIN)[0] == stops
+
+
+def test_cases_without_a_file_have_a_sentence():
+    assert shipped(cases(CASES), TRAIN) == (
+        [], ["No results of railgrip's controllers come with these 240 cases; they come with those of --quick."],
+    )  # fmt: skip
+
+
+def test_what_is_written_is_read_again(tmp_path, stops):
+    write_shipped(stops, cases(QUICK), TRAIN, tmp_path)
+    read, (sentence,) = shipped(cases(QUICK), TRAIN, tmp_path)
+    assert read == stops
+    assert "are of railgrip" in sentence
+
+
+def test_one_controller_stands_among_those_of_the_package(page):
+    board = {row["controller"]: row for row in page.values["board"].rows}
+    assert board.keys() == entrants().keys() - {"dry"} | {OWN}
+    assert board[OWN]["over bound"] == pytest.approx(1.1 * board["slip_three_state"]["over bound"])
+    assert [row["controller"] for row in page.values["clauses"].rows] == list(board)
+    assert {row["controller"]: row["results"] for row in page.values["controllers"].rows} == {
+        name: "run here" if name in (OWN, "ideal_bound") else "shipped" for name in board
+    }
+    assert page.answer.startswith("own (a controller of a user) is number 12 of 13 controllers in 24 cases")
+    assert [summary.controller for summary, _ in page.values["worst"]] == [OWN]
+
+
+def test_its_line_is_drawn_among_theirs(page):
+    axes = page.figures["figures/ratios.png"].axes[0]
+    lines = {line.get_label(): line for line in axes.lines if not line.get_label().startswith("_")}
+    assert lines.keys() == entrants().keys() - {"dry"} | {OWN}
+    widths = {name: line.get_linewidth() for name, line in lines.items()}
+    assert max(widths, key=widths.get) == OWN
+
+
+def test_clauses_have_limits_with_units_and_those_that_no_controller_can_keep_are_explained(page):
+    headings = page.values["clauses"].columns
+    assert {"extension ≤ 25 %", "lock ≤ 0.4 s", "reservoir ≥ 5 bar", "utilisation ≥ 85 %"} <= set(headings)
+    (sentence,) = page.values["failed_by_bound"]
+    assert "is kept by ideal_bound in 0.0 % of the cases in which it is judged" in sentence
+
+
+def test_the_documentation_has_the_leaderboard_of_the_stops_in_the_package(stops):
+    again = dict.fromkeys(entrants(), "")
+    table = page_of(stops, entrants(), limits_of(), again=again).screen[0]
+    assert str(table) in DOCUMENTATION.read_text(encoding="utf-8")
