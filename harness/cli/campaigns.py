@@ -93,7 +93,8 @@ def report(
     """
     formats = formats_of(figure_formats)
     if write is not None:
-        tables = {f"{directory.name}, {name}": table for name, table in documented(read_results(directory)).items()}
+        rows = rows_of(read_results(directory))
+        tables = {f"{directory.name}, {name}": table for name, table in documented(rows).items()}
         wanted = names_in(page_text(write))
         chosen = {name: table for name, table in tables.items() if name in wanted} or tables
         write_tables(write, chosen)

@@ -85,12 +85,11 @@ def tables_of(rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({
     return distribution_table(distributions_of(rows)).filled(), distances.filled()
 
 
-def documented(results: Results) -> dict[str, Table]:
+def documented(rows: Sequence[Row]) -> dict[str, Table]:
     """Return the tables of a campaign for a page of the documentation, by name.
 
     `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller.
     """
-    rows = rows_of(results)
     cases: dict[tuple[str, str], dict[str, str]] = {}
     for row in rows:
         if row.draw is None:
@@ -101,7 +100,8 @@ def documented(results: Results) -> dict[str, Table]:
     columns = dict.fromkeys(column for cells in cases.values() for column in cells)
     table = Table([dict.fromkeys(columns, "") | cells for cells in cases.values()], left=("scenario", "creep curve"))
     draws = distribution_table(distributions_of(rows)).filled()
-    return {"draws": draws.without(("actuation", "sensors", "creep curve")), "distances": table}
+    alike = {name for name in _HEADING if len({row.get(name) for row in draws.rows}) == 1}
+    return {"draws": draws.without(alike), "distances": table}
 
 
 _HEADING = ("actuation", "sensors", "creep curve")

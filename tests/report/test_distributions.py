@@ -10,7 +10,7 @@ from pages import plots_of
 from scipy import stats
 from scipy.stats import norm
 
-from railgrip.report.distances import rows_of, write_table
+from railgrip.report.distances import documented, rows_of, write_table
 from railgrip.report.distribution import distribution_table, distributions_of, paired, quantile_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.index import write_report
@@ -61,6 +61,14 @@ def test_draws_are_compared_one_by_one():
     assert abc.vs_sbc.shorter == 1
     # None of n is longer: the bound of Clopper and Pearson is (α/2)^(1/n).
     assert abc.vs_sbc.shorter_interval == pytest.approx((0.025 ** (1 / 101), 1))
+
+
+@pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])
+def test_a_table_for_the_documentation_names_settings_in_which_its_rows_differ(actuations):
+    drawn = [replace(each, actuation=name) for name in actuations for each in rows(np.ones(3), np.ones(3))]
+    table = documented(drawn)["draws"]
+    assert ("actuation" in table.columns) == (len(actuations) > 1)
+    assert not {"sensors", "creep curve"} & set(table.columns)
 
 
 def test_the_interval_of_the_median_holds_what_it_says():
