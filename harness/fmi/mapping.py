@@ -353,7 +353,13 @@ def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple
         items = cast(Sequence[object], entry)
         if signal.size == 0 or len(items) != count:
             has = f"{signal.size} elements" if signal.size else "one value, not a list"
-            raise FmuError(f"{who}: the list names {len(items)} variables, the signal has {has}.")
+            remedy = (
+                "; for a value per group or wheelset, give [vehicle.formation] wheelsets_per_group, "
+                "without which a plant has those of the two-part train"
+            )
+            raise FmuError(
+                f"{who}: the list names {len(items)} variables, the signal has {has}{remedy if signal.size else ''}."
+            )
         return tuple(_target(item, i + 1, signal, who) for i, item in enumerate(items))
     return tuple(_target(entry, i + 1, signal, who, pattern=signal.size > 0) for i in range(count))
 

@@ -182,7 +182,10 @@ def in_units(
         if name not in expected:
             near = get_close_matches(name, expected, n=1)
             arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
-            hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(arrays) or 'none'}."
+            if name in arrays:
+                hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'
+            else:
+                hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(arrays) or 'none'}."
             problems.append(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
             continue
         try:

@@ -31,6 +31,8 @@ _UNITS = {
 _PRESSURES = (1e5, 1e3, 1e6, -1.0)
 """Commands in bar, kPa or MPa, or with the other sign."""
 _ROUNDS = 6
+_NAMED = 20
+"""Unused variables that are listed: an FMU may have thousands of parameters."""
 _LOCKED = 0.3
 """Share of the rolling speed below which a wheel on a good rail slides: no train's full brake does that."""
 
@@ -75,6 +77,7 @@ class Draft:
     Attributes:
         table: By the names of our signals.
         missing: Signals that no plant can do without and nothing was found for.
+        unused: If signals are missing, the inputs, outputs and parameters of the FMU that the table does not use.
         formation: Its groups and wheelsets.
         radius: Of the wheels of each group, speed over wheel speed [m]; empty where no run showed it or the FMU has it.
         corrections: What the run showed to be wrong and the table has otherwise, in sentences.
@@ -87,6 +90,7 @@ class Draft:
     radius: Sequence[float] = ()
     corrections: Sequence[str] = ()
     findings: Sequence[Finding] = ()
+    unused: Sequence[str] = ()
 
     def lines(self) -> Iterator[str]:
         """Yield TOML to paste, with what the run showed as comments."""
@@ -95,6 +99,10 @@ class Draft:
             yield f"{name} = {_toml(entry.plain)}"
         for signal in self.missing:
             yield f"# {signal.name} = ?  # needed, in {signal.unit}: nothing like it was found"
+        if self.missing:
+            more = ["…"] if len(self.unused) > _NAMED else []
+            yield f"# not used: {', '.join([*self.unused[:_NAMED], *more]) or 'none'}"
+            yield "# add the missing lines; without a short run, units that the FMU does not declare are assumptions"
         yield ""
         if self.radius:
             yield "[vehicle.formation]"
@@ -122,7 +130,7 @@ def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], sp
     """
     draft = _drafted(description, wheelsets_per_group)
     if draft.missing:
-        return draft
+        return replace(draft, unused=_unused(description, draft))
     run = partial(_run, description, draft.formation, speed=speed, period=period)
     corrected = _corrected(draft, run, speed)
     declares = {name.partition("[")[0] for name in description.names("parameter")} & {COUNTS, "r_wheel"}
@@ -150,6 +158,17 @@ def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> 
         missing = [signal for name, (signal, _) in signals.items() if signal.needed and name not in table]
         drafts.append(Draft(table=table, missing=missing, formation=Formation(counts)))
     return min(drafts, key=lambda draft: len(draft.missing))
+
+
+def _unused(description: Description, draft: Draft) -> tuple[str, ...]:
+    """Return the inputs, outputs and parameters of an FMU that a draft does not use."""
+    used: set[str] = set()
+    for entry in draft.table.values():
+        names = (entry.variables,) if isinstance(entry.variables, str) else entry.variables
+        used |= {name.replace("{i}", str(i)) for name in names for i in range(1, draft.formation.wheelsets + 1)}
+    return tuple(
+        name for kind in ("input", "output", "parameter") for name in description.names(kind) if name not in used
+    )
 
 
 def _entry(description: Description, signal: Signal, variables: str | tuple[str, ...]) -> Entry:

@@ -232,6 +232,8 @@ def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None
         if near
         else f"it has {', '.join(cut(str(name)) for name in there[:50]) or 'none'}."
     )
+    if "?" in missing:
+        hint = "fill in each '?' in [data.columns]; " + hint
     only = " Is its separator another one?" if len(there) == 1 and path.suffix.lower() == ".csv" else ""
     raise EstimationError(f"{path.name}: has no column {', '.join(short(name) for name in missing)}; {hint}{only}")
 

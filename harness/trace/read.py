@@ -201,7 +201,10 @@ def _converted(path: Path, name: str, column: Column, file_unit: str | None, tar
     except UnitError as problem:
         raise EstimationError(f"{where}: {problem}") from problem
     if file_unit is not None and column.unit is not None and _contradict(file_unit, unit_of_column, target):
-        raise EstimationError(f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map.")
+        raise EstimationError(
+            f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map. If the signal "
+            "follows from the column by a calculation, write the result into a column with its own unit."
+        )
     return gain * column.factor, gain * column.offset + shift
 
 

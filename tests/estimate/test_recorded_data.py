@@ -296,6 +296,7 @@ def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
 
 REFUSALS = [
     ({"speed": {"column": "w", "unit": "km/h"}}, r"has no column 'w'; it has t, v, n, F, T"),
+    ({"speed": {"column": "?", "unit": "km/h"}}, r"fill in each '\?' in \[data.columns\]; it has t, v, n, F, T"),
     (
         {"speed": {"column": "v", "unit": "kN"}},
         r"speed \(column 'v'\): 'kN' \(kg.m.s-2\) cannot become 'm/s' \(m.s-1\)",

@@ -106,6 +106,11 @@ def test_the_laws_of_the_paper_are_selected_by_parameters():
     assert not consistent.derivative(x, u)[3:5].any()
 
 
+def test_an_array_of_parameters_is_given_by_its_elements():
+    with pytest.raises(ScenarioError, match=r"has no parameter 'J'; it is an array: write \"J\[1\]\" = "):
+        prediction_for(load_specification(LIBRARY / "wagon.toml", ("model.parameters.J='90 kg*m**2'",)))
+
+
 def test_track_force_is_computed_or_mapped_but_not_both(tmp_path):
     text = (LIBRARY / "field.toml").read_text()
     path = tmp_path / "mine.toml"

@@ -206,7 +206,11 @@ MAYBE = [signal("speed", "m/s", needed=False)]
         ({"sped": "x"}, {}, rf"{WHERE[:9]}.* has no signal 'sped'; did you mean 'speed'\?"),
         ({"speed": "rats"}, {"outputs": MAYBE}, r"speed: .* has no variable 'rats'; did you mean 'rate'\?"),
         ({"speed": "x"}, {"outputs": ARRAY}, r"4 elements; name them by a pattern, 'x\[\{i\}\]', or by a list of 4"),
-        ({"speed": ["x"]}, {"outputs": ARRAY}, r"the list names 1 variables, the signal has 4 elements"),
+        (
+            {"speed": ["x"]},
+            {"outputs": ARRAY},
+            r"the list names 1 variables, the signal has 4 elements; .*wheelsets_per_group",
+        ),
         ({}, {"inputs": [signal("command", "N.m")]}, r"'u' is in 'bar', the harness sends 'command' in 'N\.m'"),
         ({"p_max": "u"}, {"parameters": [signal("p_max", "bar")]}, r"'u' of .* is an input, a parameter is wanted"),
         ({}, {"parameters": [signal("start_speed", "m/s")]}, "no parameter 'start_speed'; it has rate, gain"),
