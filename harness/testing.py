@@ -237,7 +237,9 @@ def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequ
         if passes(others):
             blamed = others
     found = ", ".join(f"{name} = {_shown(getattr(failed, name))}" for name in blamed)
-    return f" It fails on {found}; it does not on the values of a rolling train."
+    unread = any("nan" in _shown(getattr(failed, name)) for name in blamed)
+    remedy = " NaN is what no sensor has read yet; np.nan_to_num makes it 0." if unread else ""
+    return f" It fails on {found}; it does not on the values of a rolling train.{remedy}"
 
 
 def _shown(value: float | NDArray[np.float64] | None) -> str:
@@ -295,7 +297,7 @@ def _require_repeatable(
         try:
             first, second = list(rows(part, vehicle)), list(rows(part, vehicle))
         except (ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed) as problem:
-            raise ContractBroken(str(problem)) from problem
+            raise ContractBroken(str(problem)) from None
         if not np.array_equal(first, second, equal_nan=True):
             raise ContractBroken(
                 f"{type(part).__name__}.{method} gives something else after a second start; "

@@ -55,7 +55,6 @@ def observability(
     """
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
-    remove(folder, "observability.csv", "observability.png")
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     if data is not None:
         with progress(f"{specification.name}: filter"):
@@ -72,6 +71,7 @@ def observability(
         for what, time, result in points
     ]
     show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
+    remove(folder, "observability.csv", "observability.png")
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
     inputs = tuple(gate.inputs) if gate is not None else prediction_for(specification).inputs[:2]
@@ -91,11 +91,11 @@ def estimate(
     """Run the filter of an estimation over its recording."""
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
-    remove(folder, "estimates.nc", "estimates.png")
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):
         prediction = prediction_for(specification)
         estimates = estimate_of(specification, recording)
+    remove(folder, "estimates.nc", "estimates.png")  # not before: a refusal leaves the earlier result
     write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
     _print_errors(recording, estimates)
     strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(estimates)

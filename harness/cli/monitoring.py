@@ -25,9 +25,9 @@ def ride(
     """Run the instrumented car with a trained friction estimator."""
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
-    remove(folder, "ride.nc", "ride.png")
     with progress(specification.name, 1.0) as bar:
         trace, apart = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
+    remove(folder, "ride.nc", "ride.png")
     write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(trace), folder / "ride.png")
     last = trace.isel(time=-1)

@@ -58,7 +58,10 @@ class Forgetful(Good):
             type("Beyond", (Good,), {"decide": lambda self, seen: 3 * self.demand}),
             "demands 570000 Pa; a cylinder takes",
         ),
-        (type("Unread", (Good,), {"decide": lambda self, seen: seen.slip}), "nan"),
+        (
+            type("Unread", (Good,), {"decide": lambda self, seen: seen.slip}),
+            r"NaN .* np\.nan_to_num",
+        ),
         (type("Writes", (Good,), {"decide": lambda self, seen: seen.pressure.sort()}), "read-only"),
         (type("Sure", (Good,), {"decide": lambda self, seen: self.demand * (seen.adhesion > 0)}), "TypeError"),
         (object, "has no method start and decide"),

@@ -68,7 +68,10 @@ def test_the_command_reports_repairs_and_errors(case, tmp_path):
     assert result.exit_code == 0, result.output
     assert "wheelset_speed, 6.990–7.210 s: no samples" in result.output
     assert "mu_b" in result.output
-    assert (tmp_path / "out" / "estimates.nc").exists()
+    estimates = (tmp_path / "out" / "estimates.nc").read_bytes()
+    refused = ["--data", str(tmp_path / "not_there.csv"), "--out", str(tmp_path / "out")]
+    assert CliRunner().invoke(app, ["estimate", str(toml), *refused]).exit_code != 0
+    assert (tmp_path / "out" / "estimates.nc").read_bytes() == estimates
 
 
 @pytest.mark.parametrize(

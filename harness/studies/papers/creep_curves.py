@@ -30,21 +30,21 @@ SPEED = 80 / 3.6
 SLIPS = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 80)])
 
 
-def curves(name: str, mu0: float) -> tuple[Vector, Vector]:
-    """Return adhesion at `SLIPS` on a rail that stays as it lies, (slips,), and on one that slip cleans.
+def curves(name: str, mu0: float, slips: Vector = SLIPS) -> tuple[Vector, Vector]:
+    """Return adhesion at slips [1] on a rail that stays as it lies, (slips,), and on one that slip cleans.
 
     The latter, shape (slips, wheelsets), is that of each wheelset once all of them have slid far enough with a slip.
     """
     scenario = load(Path("plain"), [f"adhesion.polach={name}"])
     vehicle = VehicleData(scenario)
-    same = np.ones(SLIPS.size)
-    as_it_lies = vehicle.contact(SLIPS, SPEED * same, LOAD * same, mu0 * same)
+    same = np.ones(slips.size)
+    as_it_lies = vehicle.contact(slips, SPEED * same, LOAD * same, mu0 * same)
     formation = vehicle.formation
     layout, count = layout_of(formation), formation.wheelsets
     profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
     way = formation.wheelset_position[-1] + 1.0
-    cleaned = np.empty((SLIPS.size, count))
-    for slip, row in zip(SLIPS, cleaned, strict=True):
+    cleaned = np.empty((slips.size, count))
+    for slip, row in zip(slips, cleaned, strict=True):
         field = Field(layout, CLEAN, scenario.adhesion.polach, way)
         rail = TabulatedRail(layout, profile, track_force_of(Track()), field)
         plant_outputs = np.zeros(layout.outputs)
