@@ -4,6 +4,7 @@ import hashlib
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -23,12 +24,19 @@ from railgrip.report.table import Table, change, names
 from railgrip.scenario.campaign import DRAW, Panels
 from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, others_like, read_stop
 
-_REFERENCES = (
+_LEGEND: Mapping[str, Callable[[Row], object]] = {
     "Changes are against slip-based control (SBC) on the same rail: with the published thresholds, 10 and 15 % of "
-    "slip, and with other ones, the best law over all stops of the same actuation and sensors. Where stops were "
-    "repeated with the plant's parameters moved in the seventh digit, median and range stand beside the distance. "
-    "In brackets: intervals that hold 95 %."
-)
+    "slip, and with other ones, the best law over all stops of the same actuation and sensors.": (
+        lambda row: row.reduction_vs_sbc
+    ),
+    "Where stops were repeated with the plant's parameters moved in the seventh digit, median and range stand beside "
+    "the distance.": lambda row: row.repeated,
+    "In brackets: intervals that hold 95 %.": lambda row: row.draw is not None,
+    "A filter that states its errors correctly has a NIS, the median squared innovation over the expected one, near 1, "
+    "and a true adhesion outside of ±2σ of its estimate for 5 % of the time; with a larger share its estimates are "
+    "less certain than it says.": lambda row: row.outside,
+}
+"""Sentences on the columns of a campaign, each with what a row has if it needs the sentence."""
 
 Notify = Callable[[str], None]
 
@@ -135,7 +143,7 @@ def campaign_page(
         answer=_answer(rows),
         template="report/campaign.md.jinja",
         values={
-            "references": _REFERENCES,
+            "references": " ".join(text for text, needs in _LEGEND.items() if any(map(needs, rows))),
             "quantiles": quantile_table(distributions, results.permitted_distance),
             "worst": worst_table(rows, pages),
             "tables": [table for table in tables_of(rows, pages) if table],
@@ -162,9 +170,10 @@ def _answer(rows: Sequence[Row]) -> str:
     best = max(changes, key=lambda label: statistics.median(changes[label]))
     shares = changes[best]
     median, least, most = (change(of(shares)) for of in (statistics.median, max, min))
+    others = f", the largest reduction of {len(changes)} controllers" if len(changes) > 1 else ""
     return (
         f"Against slip-based control with 10 and 15 %, {best} changes the distance by {median} in the median of "
-        f"{len(shares)} stops, from {least} to {most}; no other median is lower. {first}"
+        f"{len(shares)} stops, from {least} to {most}{others}. {first}"
     )
 
 
@@ -175,16 +184,25 @@ def _scenarios(stops: Sequence[Result]) -> Table:
         of_name.setdefault(stop.record.scenario["name"], []).append(stop)
     rows = []
     for name, stops_of_name in of_name.items():
-        seeds = sorted({stop.record.scenario["seed"] for stop in stops_of_name})
+        scenarios = [stop.record.scenario for stop in stops_of_name]
+        seeds = sorted({scenario["seed"] for scenario in scenarios})
+        speeds = sorted({scenario["start"]["speed"] for scenario in scenarios})
         rows.append(
             {
                 "scenario": name,
-                "description": stops_of_name[0].record.scenario.get("description", ""),
+                "description": scenarios[0].get("description", ""),
+                "train": ", ".join(sorted({_train(scenario["vehicle"]) for scenario in scenarios})),
+                "start speed": ", ".join(f"{3.6 * speed:.4g} km/h" for speed in speeds),
                 "seeds": str(seeds[0]) if len(seeds) == 1 else f"{seeds[0]} to {seeds[-1]}, {len(seeds)} of them",
                 "stops": len(stops_of_name),
             }
         )
-    return Table(rows, left=("scenario", "description", "seeds"))
+    return Table(rows, left=("scenario", "description", "train", "start speed", "seeds"))
+
+
+def _train(vehicle: Mapping[str, Any]) -> str:
+    """Return what the plant of a stop is made of, as its scenario names it."""
+    return str(next(vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)))
 
 
 def _provenance(results: Results) -> dict[str, str]:
