@@ -176,7 +176,7 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
     last = trial.coasting - 1
     v, wheel, slip = (trial.output(name)[last, at] for name, at in (("speed", 0), ("wheelset_speed", g), ("slip", g)))
     rolling = v / wheel if wheel else math.inf
-    words = f"m of radius by speed over wheel speed; the harness believes {radius:.6g} m"
+    words = f"m of radius by speed over wheel speed; controller and estimator believe {radius:.6g} m"
     near = abs(rolling / radius - 1) <= _WEAR
     hint = "" if near else _hint(radius / rolling)
     if not near and not hint:
