@@ -8,8 +8,8 @@ PROGRAM := $(BIN)/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen adverse report conditioning headlines validation regress accept calibrate tune-control type-test bench \
-        mutants test suite kept portable test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
+.PHONY: help install fmus simulate unseen adverse report conditioning headlines validation regress regress-long accept calibrate \
+        tune-control type-test bench mutants test suite kept portable test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
 help:  ## list the targets
@@ -65,6 +65,9 @@ validation: $(READY)  ## write the accepted braking distances into docs/validati
 
 regress: fmus  ## compare braking distances and headline figures with tests/baselines
 	$(PROGRAM) maintain regress
+
+regress-long: $(READY)  ## the same for a train whose FMU takes minutes to build
+	$(PROGRAM) maintain regress --baselines tests/baselines/long --out build/regress-long
 
 mutants: $(DEV) fmus  ## count the small defects that the regression of table 1 notices (STOPS='sine_sweep-*')
 	$(RUN) tests/mutants.py --first $(if $(STOPS),--stops '$(STOPS)')
