@@ -89,17 +89,12 @@ class FieldTest(Study):
         common = common_factor(others, filter_, PHYSICAL)
         trusted = readings_trusted(others, filter_, PHYSICAL)
         track_spread, score_spread = over_seeds(scenarios[TEST], noises, work, folders)
-        worst = {
-            title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in others)
-            for title, noise in noises.items()
-        }
         scores = {title: score(test, estimate) for title, estimate in estimates.items()}
-        instants = {title: lost(test, estimate) for title, estimate in estimates.items()}
         train = load_train(TRAIN)
         tables = {
             "compared": compared(train, of_case[TEST], test, estimates[PUBLISHED], f"railgrip study {self.name}"),
             "tracks": _tracks(of_case),
-            "case": _case(scores, worst),
+            "case": _case(scores, _worst(others, filter_, noises)),
             "pads": _pads(tasks, filter_, noises),
             "track_spread": Table.of(
                 tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
@@ -112,7 +107,6 @@ class FieldTest(Study):
             "speed.png": speed_figure(of_case[TEST].recording),
             "readings.png": readings_figure(test.braking),
         }
-        words = [f"{measures['adhesion']:.4f} ({title})" for title, measures in scores.items()]
         if self.write:
             published = friction_figure(test, {PUBLISHED: estimates[PUBLISHED]})
             named = {"field_test_1.svg": train_figure(train), "field_test_5.png": published}
@@ -122,15 +116,13 @@ class FieldTest(Study):
         return Page(
             title="Field test: friction of a train from pressures and speeds",
             question="How well are adhesion and pad friction of a braking train known from its pressures and speeds?",
-            answer=f"In a case that no tuning saw, the RMSE of adhesion is {', '.join(words)}, by the noises of the "
-            "filter. The mean pad friction is known better than that of single groups, because five rates stand "
-            "against eight unknown frictions.",
+            answer=_answer(scores),
             template="studies/field_test/field.md.jinja",
             values={
                 **_conditions(test),
                 **tables,
                 "groups": _groups(scores),
-                "lost": {title: instant for title, instant in instants.items() if instant is not None},
+                "lost": {title: at for title, run in estimates.items() if (at := lost(test, run)) is not None},
                 "sets": len(track_spread),
                 "noises": _noises(noises),
                 "common": common,
@@ -216,6 +208,22 @@ def _noises(noises: Mapping[str, Noise]) -> Table:
         for i, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
     ]
     return Table.of(("entry", *noises), rows, "{:.2e}")
+
+
+def _answer(scores: Mapping[str, Figures]) -> str:
+    errors = ", ".join(f"{measures['adhesion']:.4f} ({title})" for title, measures in scores.items())
+    return (
+        f"In a case that no tuning saw, the RMSE of adhesion is {errors}, by the noises of the filter. The mean pad "
+        "friction is known better than that of single groups, because five rates stand against eight unknown frictions."
+    )
+
+
+def _worst(tasks: Sequence[Task], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> dict[str, float]:
+    """Return by noises the largest deviation over the tasks, term (14) of the score [m/s]."""
+    return {
+        title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in tasks)
+        for title, noise in noises.items()
+    }
 
 
 def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:

@@ -235,35 +235,17 @@ def page_of(
     stops = judgements([*found, *from_package], taking_part, limits)
     board = summaries(stops, taking_part)
     plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]
-    lines = _lines(board, candidates)
-    drawings = (
-        (
-            "ratios",
-            "Distance over that of the best tuned baseline in the same case that keeps the lock clause",
-            _ratios(stops, lines),
-        ),
-        ("utilisation", "Use of the adhesion there was, by creep curve", _by_curve(stops, list(lines))),
-        ("friction", "Distance over the ideal bound against friction", _over_friction(stops, lines)),
-    )
-    variants_of = {stop.case: stop.variants for stop in stops}
-    leaders = leaderboard(board)
+    drawings = _drawings(stops, _lines(board, candidates))
     return Page(
         title="Type test of wheel-slide protection",
         question=f"{f'How does {names(candidates)} compare with' if candidates else 'Which is the shortest of'} the "
         "stops of railgrip's controllers in cases that none was tuned on, and which clauses of a type test are kept?",
-        answer=answer(board, len(variants_of), limits, candidates),
+        answer=answer(board, len({stop.case for stop in stops}), limits, candidates),
         template="studies/type_test/type_test.md.jinja",
         values={
-            "board": leaders.without(_NOT_OF_STOPS),
-            "estimates": leaders.without([name for name in leaders.columns[1:] if name not in _NOT_OF_STOPS]),
+            **_values(stops, board, limits),
             "controllers": _controllers(board, {stop.controller for stop in from_package}),
-            "clauses": clauses(board, limits),
-            "failed_by_bound": failed_by_bound(board, limits),
-            "texts": {_heading(clause, limits): getattr(limits, clause).clause for clause in JUDGED},
-            "count": len(variants_of),
-            "is_validation": any(case.endswith(f"-{VALIDATION_SEED}") for case in variants_of),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
-            "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
             "worst": [
                 (summary, worst(stops, summary.controller, again[summary.controller]))
                 for summary in board
@@ -271,7 +253,6 @@ def page_of(
             ],
             "missing": names(missing),
             "notes": notes,
-            "supply": limits.supply,
         },
         figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops and drawing},
         tables={"cases.csv": table_of(stops)},
@@ -282,8 +263,39 @@ def page_of(
                 "limits": limits.model_dump(mode="json"),
             }
         },
-        screen=(leaders.without(_ON_PAGE_ONLY), *notes, *([compared(plain, against)] if against else ())),
+        screen=(leaderboard(board).without(_ON_PAGE_ONLY), *notes, *([compared(plain, against)] if against else ())),
     )
+
+
+def _drawings(
+    stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]
+) -> tuple[tuple[str, str, Figure | None], ...]:
+    """Return name, caption and drawing of each figure; None in place of one that has nothing to show."""
+    return (
+        (
+            "ratios",
+            "Distance over that of the best tuned baseline in the same case that keeps the lock clause",
+            _ratios(stops, lines),
+        ),
+        ("utilisation", "Use of the adhesion there was, by creep curve", _by_curve(stops, list(lines))),
+        ("friction", "Distance over the ideal bound against friction", _over_friction(stops, lines)),
+    )
+
+
+def _values(stops: Sequence[Judged], board: Sequence[Summary], limits: Limits) -> dict[str, object]:
+    """Return what the template shows of all controllers and cases."""
+    leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
+    return {
+        "board": leaders.without(_NOT_OF_STOPS),
+        "estimates": leaders.without([name for name in leaders.columns[1:] if name not in _NOT_OF_STOPS]),
+        "clauses": clauses(board, limits),
+        "failed_by_bound": failed_by_bound(board, limits),
+        "texts": {_heading(clause, limits): getattr(limits, clause).clause for clause in JUDGED},
+        "count": len(variants_of),
+        "is_validation": any(case.endswith(f"-{VALIDATION_SEED}") for case in variants_of),
+        "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
+        "supply": limits.supply,
+    }
 
 
 def table_of(stops: Sequence[Judged]) -> Table:
