@@ -106,7 +106,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
         (
             "",
             ("RADIUS=0.46",),
-            "'wheelset_speed[1]' rolls with 0.46 m of radius by speed over wheel speed; the",
+            "'wheelset_speed[1]' rolls with 0.46 m of radius by speed over wheel speed",
         ),
     ],
 )
