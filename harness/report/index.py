@@ -33,8 +33,8 @@ _LEGEND: Mapping[str, Callable[[Row], object]] = {
     "the distance.": lambda row: row.repeated,
     "In brackets: intervals that hold 95 %.": lambda row: row.draw is not None,
     "A filter that states its errors correctly has a NIS, the median squared innovation over the expected one, near 1, "
-    "and a true adhesion outside of ±2σ of its estimate for 5 % of the time; with a larger share its estimates are "
-    "less certain than it says.": lambda row: row.outside,
+    "and a true adhesion or pad friction outside of ±2σ of its estimate for 5 % of the time; of all groups the largest "
+    "share is shown. With more, estimates are less certain than the filter says.": lambda row: row.outside,
 }
 """Sentences on the columns of a campaign, each with what a row has if it needs the sentence."""
 
