@@ -239,12 +239,17 @@ class FilePage:
         return text + (f" → {shown}" if shown else "")
 
 
-def scenario_page() -> None:
+def file_page(name: str, model: type[BaseModel], *paragraphs: str) -> None:
+    """Write the page of a kind of TOML file: paragraphs, and its tables as pydantic has them."""
     page = FilePage()
-    page.add("", "", Scenario)
-    write(
+    page.add("", "", model)
+    write(name, f"{name.capitalize()} file", *paragraphs, *page.sections)
+
+
+def scenario_page() -> None:
+    file_page(
         "scenario",
-        "Scenario file",
+        Scenario,
         "A scenario is a TOML file that decides everything about a stop, including the seed of its random numbers. "
         'A quantity is a text with a unit (`"80 km/h"`, `"3.4 bar"`) or a number in the SI unit of its key. Unknown '
         "keys are refused.",
@@ -252,46 +257,36 @@ def scenario_page() -> None:
         "are ideal, there is no estimator, and the scenario is named as its file. `extends`, the name of a scenario of "
         "the library or the path of a file from the folder of this one, lays the file over that scenario, table by "
         "table; a table of another `kind` begins anew.",
-        *page.sections,
     )
 
 
 def train_page() -> None:
-    page = FilePage()
-    page.add("", "", Train)
-    write(
+    file_page(
         "train",
-        "Train file",
+        Train,
         "A train file is a TOML file with cars, bogies and brakes; [Describe a train in a file](../trains.md) "
         "shows how to write one. Quantities are written as in a [scenario file](scenario.md). `NAME` in the title of a "
         "table is a name of your choice, to which other tables refer.",
-        *page.sections,
     )
 
 
 def campaign_page() -> None:
-    page = FilePage()
-    page.add("", "", CampaignFile)
-    write(
+    file_page(
         "campaign",
-        "Campaign file",
+        CampaignFile,
         "A campaign file is a TOML file that names scenarios and axes of variants; every combination is a stop. "
         "`railgrip new campaign FILE` writes a commented one, `railgrip campaign FILE` runs it.",
-        *page.sections,
     )
 
 
 def estimation_page() -> None:
-    page = FilePage()
-    page.add("", "", Specification)
-    write(
+    file_page(
         "estimation",
-        "Estimation file",
+        Specification,
         "An estimation file is a TOML file that decides how a filter runs over a recording: the model, its noises, the "
         "start, and where the recording comes from. Quantities are written as in a [scenario file](scenario.md). "
         "`extends` names an estimation of the library or a file, over which this one is laid. `railgrip inspect FILE` "
         "proposes `[data]` for a recording; `railgrip estimate FILE` runs an estimation.",
-        *page.sections,
     )
 
 

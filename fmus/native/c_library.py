@@ -1,6 +1,8 @@
 """A shared library of our C with the structs of its headers, each written there and nowhere else."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
@@ -13,6 +15,19 @@ WORD: Final = 8
 """Bytes of a pointer, and of every number in a struct."""
 
 _FORMATS: Final = {"double": "f8", "long long": "i8", "int": "i4"}
+
+
+@cache
+def kernel_library(package: str, name: str) -> "CLibrary":
+    """Return the library of NAME.c and NAME.h in the folder `kernel` of a package, loaded once.
+
+    Raises:
+        railgrip.base.errors.CompilerMissing: There is no C compiler.
+    """
+    source, header = f"{name}.c", f"{name}.h"
+    kernel = files(package) / "kernel"
+    texts = {file: (kernel / file).read_text(encoding="utf-8") for file in (source, header)}
+    return CLibrary(texts, name, [header])
 
 
 class CLibrary:

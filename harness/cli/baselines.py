@@ -52,12 +52,12 @@ def regress(
     problem = 0
     with shared_pool(workers):
         for path in _baseline_files(baselines):
-            problem = _regress_one(path, out, workers, across_compilers, import_from or ()) or problem
+            problem = _regress_baseline(path, out, workers, across_compilers, import_from or ()) or problem
     if problem:
         raise typer.Exit(problem)
 
 
-def _regress_one(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
+def _regress_baseline(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
     """Run what one baseline is of, show how its numbers changed, and return the exit code."""
     baseline = load_baseline(path)
     if across_compilers:

@@ -7,7 +7,6 @@ binding; conversions are applied only where the FMU's units differ. All buffers 
 import ctypes
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, Final
 
 import numpy as np
@@ -17,11 +16,11 @@ from railgrip.base.errors import FmuError
 from railgrip.fmi.instance import Instance
 from railgrip.fmi.mapping import Channel
 from railgrip.fmi.plant import LoadedPlant
-from railgrip.fmus.native.c_library import CLibrary
+from railgrip.fmus.native.c_library import kernel_library
 
 Vector = NDArray[np.float64]
 
-KERNEL: Final = files("railgrip.fmi") / "kernel"
+_KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
 _SET, _STEP, _GET = 1, 2, 4
 _FINE, _SETTING, _STEPPING, _GETTING, _NOT_FINITE = range(5)
@@ -48,19 +47,12 @@ class CInterface:
 
 
 @cache
-def _library() -> CLibrary:
-    names = "set_step_get.c", "set_step_get.h"
-    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
-    return CLibrary(sources, "set_step_get", names[1:])
-
-
-@cache
 def _cross() -> Any:
     """Return the library's function for calls from Python.
 
     It keeps the interpreter lock: handing it over and back would cost as much as the rest of the call.
     """
-    cross = ctypes.PyDLL(str(_library().path)).cross
+    cross = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).cross
     cross.argtypes, cross.restype = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double], ctypes.c_int
     return cross
 
@@ -78,7 +70,7 @@ class CoSimulation(LoadedPlant):
         self._inputs, self._outputs = np.zeros(sending.size), np.zeros(self._places.size)
         self._is_full = self._places.size == self._blank.size
         self._keep: list[Any] = []
-        library = _library()
+        library = kernel_library(*_KERNEL)
         to, of = (library.records("Channel", len(side.channels)) for side in (sending, receiving))
         for row, channel in zip(to, sending.channels, strict=True):
             self._fill(row, channel, instance.address(f"fmi2Set{channel.carrier}"), channel.positions)
@@ -142,7 +134,11 @@ class CoSimulation(LoadedPlant):
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
             raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
-        library, outputs, plan = _library(), np.empty((len(rows), self._outputs.size)), self._struct.pointer
+        library, outputs, plan = (
+            kernel_library(*_KERNEL),
+            np.empty((len(rows), self._outputs.size)),
+            self._struct.pointer,
+        )
         given, shown = library.doubles(rows), library.doubles(outputs)
         outcome = library.functions.follow(plan, len(rows), self.sample, given, width, shown)
         self.note_steps(plan.done, outcome)

@@ -23,12 +23,12 @@ from railgrip.estimators.model_in_c import ModelInC, Pattern
 from railgrip.fmi.description import Description, Variable
 from railgrip.fmi.instance import Instance, unpack
 from railgrip.fmi.parameters import Values, assignments
-from railgrip.fmus.native.c_library import CLibrary, Struct
+from railgrip.fmus.native.c_library import Struct, kernel_library
 
 Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
-KERNEL: Final = files("railgrip.fmi") / "kernel"
+_KERNEL: Final = ("railgrip.fmi", "model_exchange")
 
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
@@ -42,19 +42,12 @@ _VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
 
 
 @cache
-def _library() -> CLibrary:
-    names = "model_exchange.c", "model_exchange.h"
-    sources = {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}
-    return CLibrary(sources, "model_exchange", names[1:])
-
-
-@cache
 def _functions() -> ctypes.PyDLL:
     """Return the library's functions for calls from Python.
 
     They keep the interpreter lock: handing it over and back would cost as much as an evaluation.
     """
-    library = ctypes.PyDLL(str(_library().path))
+    library = ctypes.PyDLL(str(kernel_library(*_KERNEL).path))
     for function in (library.derivative, library.output):
         function.argtypes, function.restype = [ctypes.c_void_p] * 5, ctypes.c_int
     return library
@@ -214,7 +207,7 @@ class FmuPrediction:
         nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
         nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
         unknowns = _references(self._description.variables[name] for name in self._derivatives)
-        self._struct = _library().struct(
+        self._struct = kernel_library(*_KERNEL).struct(
             "ModelExchange", fmu=instance.component,
             set_states=instance.address("fmi2SetContinuousStates"), set_real=instance.address("fmi2SetReal"),
             get_derivatives=instance.address("fmi2GetDerivatives"), get_real=instance.address("fmi2GetReal"),
@@ -248,7 +241,7 @@ class FmuPrediction:
         size = np.bincount(columns, minlength=n)
         counts = [int(size[members].sum()) for members in groups]
         buffer = max(len(pattern), *counts, 1) if counts else max(len(pattern), 1)
-        return _library().struct(
+        return kernel_library(*_KERNEL).struct(
             "Jacobian", first_column=np.cumsum([0, *map(len, groups)], dtype=np.longlong),
             known=np.ascontiguousarray(self._references[0][of]), state=of,
             first_entry=np.cumsum([0, *counts], dtype=np.longlong), unknown=np.ascontiguousarray(unknowns[rows]),

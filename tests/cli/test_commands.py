@@ -89,9 +89,13 @@ finally: print(*sys.modules, file=sys.stderr)
 )
 def test_the_shell_completes_commands_and_names_of_the_library(words, expected):
     """As bash asks for them."""
-    asked = {"_RAILGRIP_COMPLETE": "complete_bash", "COMP_WORDS": " ".join(words), "COMP_CWORD": str(len(words) - 1)}
+    variables = {
+        "_RAILGRIP_COMPLETE": "complete_bash",
+        "COMP_WORDS": " ".join(words),
+        "COMP_CWORD": str(len(words) - 1),
+    }
     command = [sys.executable, "-c", COMPLETE]
-    done = subprocess.run(command, env=os.environ | asked, capture_output=True, text=True, check=False)
+    done = subprocess.run(command, env=os.environ | variables, capture_output=True, text=True, check=False)
     assert done.stdout.split() == [expected], done.stderr
     if words == ["railgrip", "camp"]:  # of the program itself: no command is imported
         assert HEAVY.isdisjoint(done.stderr.split())

@@ -22,6 +22,8 @@ from railgrip.studies.type_test.judge import Measured
 
 _OF_THE_CASE: Final = ("variants", "speed")
 """Follow from the name of the case."""
+_FILE: Final = "results_{}_{}.csv"
+"""Of a set, by its number of cases and its seed."""
 _TEXTS: Final = ("case", "controller", "outcome")
 
 
@@ -39,7 +41,7 @@ def write_shipped(stops: Iterable[Measured], design: Sequence[Case], train: Mapp
     writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(asdict(stop) for stop in sorted(stops, key=lambda stop: (stop.case, stop.controller)))
-    path = folder / _file_of(design[0])
+    path = folder / _FILE.format(*_set_of(design[0]))
     write_text(path, content.getvalue())
     return path
 
@@ -54,13 +56,13 @@ def shipped(
         train: Tables of the train, `train_of`.
         folder: Of the files.
     """
-    sets: dict[str, list[Case]] = {}
+    sets: dict[tuple[int, int], list[Case]] = {}
     for case in design:
-        sets.setdefault(_file_of(case), []).append(case)
+        sets.setdefault(_set_of(case), []).append(case)
     stops: list[Measured] = []
     sentences: list[str] = []
-    for file, of_the_set in sets.items():
-        count, seed = map(int, re.findall(r"\d+", file))
+    for (count, seed), of_the_set in sets.items():
+        file = _FILE.format(count, seed)
         if not (folder / file).exists():
             sentences.append(
                 f"No results of railgrip's controllers come with these {count} cases; they come with those of --quick."
@@ -80,9 +82,10 @@ def shipped(
     return stops, sentences
 
 
-def _file_of(case: Case) -> str:
+def _set_of(case: Case) -> tuple[int, int]:
+    """Return the number of cases and the seed of the set that the name of a case is of."""
     count, seed = case.name.partition("of")[2].split("-")
-    return f"results_{count}_{seed}.csv"
+    return int(count), int(seed)
 
 
 def _stop(row: Mapping[str, str], case: Case) -> Measured:
