@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from itertools import accumulate
-from typing import Literal, Protocol
+from typing import Literal
 
 import casadi as ca
-import numpy as np
 
 from railgrip.controllers import law as laws
 from railgrip.controllers.brake import pressure_for
 from railgrip.controllers.law import Law
-from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
 from railgrip.vehicle.brake import Brake
 
@@ -23,24 +21,6 @@ PAD_FRICTION = 0.35
 
 T_REDISTRIBUTION = 0.3
 """Time constant [s] of the demand on other groups: longer than a pulse of a slip controller."""
-
-
-class _Controller(Protocol):
-    def decide(self, observation: Observation) -> Sequence[float]: ...
-
-
-class OverTheTrain:
-    """A controller of any kind, with what is decided for the train as a whole over its demands."""
-
-    def __init__(self, controller: _Controller, over: Law) -> None:
-        """Take a controller of single groups, and `pass_through` with what is decided over it."""
-        self._controller, self._over = controller, over
-        self.needs: tuple[str, ...] = tuple(getattr(controller, "needs", ()))
-
-    def decide(self, observation: Observation) -> tuple[float, ...]:
-        """Return the demanded pressure of each group [Pa]."""
-        demands = np.array(self._controller.decide(observation))
-        return self._over.decide(observation._replace(pressure=demands))
 
 
 def pass_through(groups: Sequence[Brake]) -> Law:

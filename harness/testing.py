@@ -76,7 +76,8 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     limits_of = cache(DemandLimits)  # one for both runs: demands that were once in Pa are not judged again
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
-        controller, limits = CustomController(law, formation), limits_of(formation)
+        controller = CustomController(law, formation)
+        limits = limits_of(formation, controller.place)
         shown: list[Observation] = []
         for estimated in (with_ for with_ in (True, False) if (estimates if with_ else not controller.needs)):
             for observation in observations(formation, estimated=estimated):
@@ -84,6 +85,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                 shown.append(before)
                 try:
                     demands = controller.decide(observation)
+                    limits.require_finite(demands, observation)
                 except ControllerFailed as problem:
                     raise ControllerFailed(f"{problem}{_blamed(factory, formation, shown)}") from problem
                 _require_unchanged(law, before, observation)
@@ -220,11 +222,11 @@ def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequ
     rolling = _rolling(formation, estimated=True)
 
     def passes(names: Sequence[str]) -> bool:
-        law = CustomController(factory(), formation)
+        law, limits = CustomController(factory(), formation), DemandLimits(formation)
+        rolls = failed._replace(**{name: getattr(rolling, name) for name in names})
         try:
-            for observation in before:
-                law.decide(observation)
-            law.decide(failed._replace(**{name: getattr(rolling, name) for name in names}))
+            for observation in (*before, rolls):
+                limits.require_finite(law.decide(observation), observation)
         except ControllerFailed:
             return False
         return True

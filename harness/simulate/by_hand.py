@@ -1,6 +1,6 @@
 """A stop stepped by hand: the caller is the controller."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from types import TracebackType
@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from railgrip.base.errors import ControllerFailed, PlantFailed, ScenarioError
+from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.controllers.observation import Observation
 from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
@@ -48,6 +48,7 @@ class Bench:
         self._stack = ExitStack()
         self._parts: Assembled | None = None
         self._loop: Loop | None = None
+        self._decisions: Iterator[Observation] = iter(())
         self._observation: Observation | None = None
         self._end: Ending | None = None
         self._stop: Stop | None = None
@@ -95,7 +96,7 @@ class Bench:
         self.close()
         self._loop = self._observation = self._end = self._stop = None
         self._parts = self._stack.enter_context(assembled(self._scenario, objects=self._objects))
-        self._advance(None)
+        self._advance()
         if self._observation is None:
             reason = "" if self._end is None else self._end.reason
             raise ScenarioError(f"{self._scenario.name}: the stop ended before the first decision: {reason}")
@@ -118,26 +119,23 @@ class Bench:
             raise ScenarioError(
                 f"bench: step() wants the pressures [Pa] of {groups} groups, shape ({groups},); got {problem}"
             )
-        self._advance(np.asarray(pressures, dtype=np.float64).tolist())
+        assert self._loop is not None
+        self._loop.demand(np.asarray(pressures, dtype=np.float64))
+        self._advance()
         return self._observation
 
     def close(self) -> None:
         """Close plant and parts; a stop that has not ended is dropped."""
         self._stack.close()
 
-    def _advance(self, demands: Sequence[float] | None) -> None:
-        """Go on to the next decision with the demands for this one; None begins the stop."""
+    def _advance(self) -> None:
+        """Go on to the next decision, or to the end."""
         assert self._parts is not None
         try:
-            if self._loop is None or demands is None:
+            if self._loop is None:
                 self._loop = Loop(self._parts.parts)
-            else:
-                assert self._observation is not None
-                self._loop.demand(self._parts.limits.limit(demands, self._observation))
-            self._observation = self._loop.next_decision() or self._observation
+                self._decisions = self._loop.decisions()
+            self._observation = next(self._decisions, self._observation)
             self._end = self._loop.ending
-        except ControllerFailed as failed:
-            assert self._loop is not None
-            self._end = self._loop.fail(failed)
         except PlantFailed as problem:
             self._end = self._parts.failed(problem)

@@ -9,14 +9,13 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.controllers.law import GroupLaw, Law
 from railgrip.controllers.sampled import Sampled
-from railgrip.controllers.train_level import OverTheTrain, pass_through, with_redistribution, with_shared_valves
+from railgrip.controllers.train_level import pass_through, with_redistribution, with_shared_valves
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Description
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
-from railgrip.simulate.custom import DemandLimits, Limited
 from railgrip.simulate.files import description_of, units_of
 from railgrip.simulate.foreign_controller import foreign_controller
 from railgrip.simulate.loop.parts import Controller, LawStates
@@ -29,13 +28,12 @@ def controlling(
     vehicle: VehicleData,
     estimates: Collection[str],
     fmus: dict[str, Description],
-    limits: DemandLimits,
     notify: Callable[[str], None],
     stack: ExitStack,
 ) -> tuple[Controller, bool]:
     """Open the controller of a scenario; return also whether it commands the valves itself.
 
-    An FMU that takes part adds itself to `fmus`, and what it demands is limited by `limits`.
+    An FMU that takes part adds itself to `fmus`.
 
     Raises:
         ScenarioError: A parameter is wrong, or the controller asks for something that is not there.
@@ -51,14 +49,12 @@ def controlling(
     groups = vehicle.formation.groups
     context = foreign_controller(scenario, table, description, values, groups, estimates, notify)
     controller, commands_valves = stack.enter_context(context)
-    if not commands_valves:
-        return over_the_train(vehicle, Limited(controller, limits)), False
-    if table.redistribute:
+    if commands_valves and table.redistribute:
         raise ScenarioError(
             f"{scenario.name}: [controller] redistribute shares out pressures, but {name} commands the valves; "
             "leave it out, or let the FMU give demand [Pa]"
         )
-    return controller, True
+    return controller, commands_valves
 
 
 def controller_of(vehicle: VehicleData) -> Controller:
@@ -70,15 +66,15 @@ def controller_of(vehicle: VehicleData) -> Controller:
     return _decided_over_the_train(vehicle, _group_law(vehicle))
 
 
-def over_the_train(vehicle: VehicleData, controller: Controller) -> Controller:
-    """Return a controller that is no law of ours with what is decided for the whole train, if anything is.
+def over_the_train(vehicle: VehicleData) -> Law | None:
+    """Return what is decided for the whole train over a controller that is no law of ours, if anything is.
 
     Raises:
         ScenarioError: Redistribution has nothing to share out.
     """
     alone = pass_through(vehicle.nominal.formation.brakes)
     over = _decided_over_the_train(vehicle, alone)
-    return controller if over is alone else OverTheTrain(controller, over)
+    return None if over is alone else over
 
 
 def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:

@@ -6,7 +6,6 @@ import traceback
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
-from operator import le
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
@@ -154,10 +153,6 @@ _MOST_RATIO = 1.5
 """Above any adhesion, pad friction or slip: such an estimate is in percent."""
 
 
-class _Decides(Protocol):
-    def decide(self, observation: Observation) -> Sequence[float]: ...
-
-
 class CustomController:
     """A control law of the user's own in the loop."""
 
@@ -171,99 +166,104 @@ class CustomController:
         self._part, self._shape = controller, (formation.groups,)
         self.needs = _names(controller, "needs", PROVIDED)
         _called(ScenarioError, controller, "start", formation)
+        self._decide = controller.decide
 
-    def decide(self, observation: Observation) -> list[float]:
+    @property
+    def place(self) -> str:
+        """Class and method that decide, and where they are written."""
+        return _place(self._part, "decide")
+
+    def decide(self, observation: Observation) -> Array:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
             ControllerFailed: It raised an exception, or returned something else.
         """
-        demands = _called(ControllerFailed, self._part, "decide", observation, time=observation.time)
-        numbers = _numbers(demands)
-        if numbers is not None and numbers.shape == self._shape:
-            values: list[float] = numbers.tolist()
-            if math.isfinite(sum(values)):
-                return values
+        try:
+            demands = self._decide(observation)
+        except (KeyboardInterrupt, Interrupted):
+            raise
+        except BaseException as problem:
+            raise ControllerFailed(_failure(self._part, "decide", problem) + _when(observation.time)) from problem
+        if type(demands) is np.ndarray and demands.dtype == np.float64 and demands.shape == self._shape:
+            return demands
         wrong = problem_with(demands, self._shape)
         if wrong:
-            raise ControllerFailed(
-                f"{_place(self._part, 'decide')} returned {wrong}, not the demanded pressures [Pa] of {self._shape[0]} "
-                f"groups, shape {self._shape}.{_when(observation.time)}"
-            )
-        return np.asarray(demands, dtype=np.float64).tolist()
+            raise _no_demands(self.place, wrong, self._shape[0], observation.time)
+        return np.asarray(demands, dtype=np.float64)
+
+
+def _no_demands(place: str, found: str, groups: int, time: float) -> ControllerFailed:
+    return ControllerFailed(
+        f"{place} returned {found}, not the demanded pressures [Pa] of {groups} groups, shape ({groups},).{_when(time)}"
+    )
 
 
 class DemandLimits:
     """Limits demands from outside of this project to what cylinders take, and remembers how often.
 
     Attributes:
-        decisions: Number of decisions.
-        limited: Number of those that were lowered or raised.
+        most: Highest pressure of each group [Pa].
+        is_pascal: Whether the demands have been large enough to be in Pa.
+        limited: Number of decisions that were lowered or raised.
     """
 
-    def __init__(self, formation: Formation) -> None:
-        """Limit nothing yet."""
-        self.decisions = self.limited = 0
-        self._most: tuple[float, ...] = tuple(formation.pressure_max.tolist())
-        self._lowest = self._highest = 0.0
+    def __init__(self, formation: Formation, place: str = "The controller") -> None:
+        """Limit nothing yet; `place` says in messages whose demands they are."""
+        self.most, self.is_pascal, self.limited = formation.pressure_max, False, 0
+        self._place, self._lowest, self._highest = place, 0.0, 0.0
         self._share, self._since = 0.0, math.inf
 
     def limit(self, demands: Sequence[float], observation: Observation) -> Sequence[float]:
         """Return demands between none and the highest pressure of each cylinder [Pa]; count those that were outside.
 
         Raises:
-            ControllerFailed: All of them are too small to be Pa.
+            ControllerFailed: They are not finite, or all of them are too small to be Pa.
         """
-        self.decisions += 1
-        if self._share > _LEAST_SHARE and min(demands) >= 0.0 and all(map(le, demands, self._most)):
-            return demands  # without the rest: this is the law's own code in each communication step
-        if not math.isfinite(sum(demands)):
-            return demands  # what refuses them comes next
-        within = [0.0 if demand < 0.0 else min(demand, most) for demand, most in zip(demands, self._most, strict=True)]
-        pairs = zip(demands, within, self._most, strict=True)
+        self.require_finite(demands, observation)
+        highest: list[float] = self.most.tolist()
+        within = [0.0 if demand < 0.0 else min(demand, most) for demand, most in zip(demands, highest, strict=True)]
+        pairs = zip(demands, within, highest, strict=True)
         if any(abs(demand - inside) > _ROUNDING * most for demand, inside, most in pairs):
             self.limited += 1
             self._lowest, self._highest = min(self._lowest, *demands), max(self._highest, *demands)
-        if self._share <= _LEAST_SHARE:
+        if not self.is_pascal:
             self._refuse_another_unit(within, observation)
         return within
 
-    def sentence(self) -> str:
-        """Return what was limited, as a sentence after others; empty if nothing was."""
+    def require_finite(self, demands: Sequence[float], observation: Observation) -> None:
+        """Refuse demands that are infinite or no numbers.
+
+        Raises:
+            ControllerFailed: Some of them are.
+        """
+        if not math.isfinite(sum(demands)):
+            raise _no_demands(self._place, str(np.asarray(demands).tolist()), len(demands), observation.time)
+
+    def sentence(self, decisions: int) -> str:
+        """Return what was limited in a number of decisions, as a sentence after others; empty if nothing was."""
         if not self.limited:
             return ""
         return (
-            f" In {self.limited} of {self.decisions} decisions the controller demanded pressures beyond what cylinders "
+            f" In {self.limited} of {decisions} decisions the controller demanded pressures beyond what cylinders "
             f"take, between {self._lowest:.6g} and {self._highest:.6g} Pa; they were limited to 0 and "
-            f"{max(self._most):.6g} Pa."
+            f"{self.most.max():.6g} Pa."
         )
 
     def _refuse_another_unit(self, demands: Sequence[float], observation: Observation) -> None:
         """Refuse demands that brake nothing although the driver asks for it, for a second after the first of them."""
-        shares = [demand / most for demand, most in zip(demands, self._most, strict=True)]
-        self._share = max(self._share, *shares)
-        if self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * max(self._most):
+        full = float(self.most.max())
+        self._share = max(self._share, float(np.divide(demands, self.most).max()))
+        self.is_pascal = self._share > _LEAST_SHARE
+        if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * full:
             return
         self._since = min(self._since, observation.time)
-        if self._share <= _LEAST_SHARE and observation.time >= self._since + _PATIENCE:
+        if observation.time >= self._since + _PATIENCE:
             words = mistake(self._share) or "another unit than Pa, such as bar or a share of full brake"
             raise ControllerFailed(
-                f"The controller demands {self._share * max(self._most):.3g} Pa at most, and a full brake has "
-                f"{max(self._most):.6g} Pa; it looks like {words}. At {observation.time:.3f} s."
+                f"The controller demands {self._share * full:.3g} Pa at most, and a full brake has {full:.6g} Pa; it "
+                f"looks like {words}. At {observation.time:.3f} s."
             )
-
-
-class Limited:
-    """A controller whose demands are limited."""
-
-    def __init__(self, controller: _Decides, limits: DemandLimits) -> None:
-        """Take a controller that has been started."""
-        self.needs: tuple[str, ...] = tuple(getattr(controller, "needs", ()))
-        self._controller, self._limits = controller, limits
-
-    def decide(self, observation: Observation) -> Sequence[float]:
-        """Return the demanded pressure of each group [Pa]; see `DemandLimits.limit`."""
-        return self._limits.limit(self._controller.decide(observation), observation)
 
 
 class _UnitCheck:

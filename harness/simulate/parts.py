@@ -13,6 +13,7 @@ import numpy as np
 
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.registry import Role
+from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description
 from railgrip.report.stop import Stop
 from railgrip.scenario.kinds import Custom
@@ -125,7 +126,7 @@ class Assembled:
         return replace(
             stop,
             classes=self.classes,
-            reason=stop.reason + self.limits.sentence(),
+            reason=stop.reason + self.limits.sentence(-(-ending.samples // self.parts.clock.controller)),
             limited_demands=self.limits.limited,
         )
 
@@ -153,15 +154,17 @@ def assembled(
     fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, players, limits = _clock(scenario), _Players(objects), custom.DemandLimits(formation)
+    clock, players = _clock(scenario), _Players(objects)
     with ExitStack() as stack:
         plant = _plant(vehicle, players, stack, notify)
         filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
         if (law := players.part("controllers", scenario.controller, objects.controller)) is not None:
-            controller = custom.Limited(custom.CustomController(law, formation), limits)
-            controller, commands_valves = over_the_train(vehicle, controller), False
+            controller, commands_valves = custom.CustomController(law, formation), False
         else:
-            controller, commands_valves = controlling(vehicle, estimates, fmus, limits, notify, stack)
+            controller, commands_valves = controlling(vehicle, estimates, fmus, notify, stack)
+        place = controller.place if isinstance(controller, custom.CustomController) else "The controller"
+        limits = custom.DemandLimits(formation, place)
+        is_limited = not commands_valves and not isinstance(controller, Sampled)
         _require_estimates(scenario, controller, estimates)
         _require_demand(scenario, commands_valves=commands_valves)
         law = law_states(controller)
@@ -174,6 +177,8 @@ def assembled(
             sensors=_sensors(vehicle, players, radius[0]),
             estimator=filter_,
             controller=controller,
+            limits=limits if is_limited else None,
+            over=over_the_train(vehicle) if is_limited else None,
             valves=None if commands_valves else valve_logic_of(vehicle),
             driver=driver_of(vehicle),
             faults=faults_of(

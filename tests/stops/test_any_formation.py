@@ -1,4 +1,4 @@
-"""Trains of any number of wheelsets and groups run from their scenario to metrics and figures, with both engines."""
+"""Trains of any number of wheelsets and groups run from their scenario to metrics and figures."""
 
 import shutil
 from pathlib import Path
@@ -12,17 +12,22 @@ from pages import plots_of
 from PIL import Image
 
 from railgrip.base.errors import ScenarioError
+from railgrip.controllers.laws.slip_two_state import SlipTwoState
+from railgrip.controllers.observation import Observation
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.scenario.outcome import Outcome
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.by_hand import Bench
 from railgrip.simulate.export import controller_fmu
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.stop import Stop, read_stop
+from railgrip.vehicle.formation import Formation
 
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "harness" / "scenario" / "library"
@@ -255,13 +260,16 @@ PARTLY = {"demand": {"phases": [{"pressure": "2.3 bar"}]}, "start": {"speed": "5
 SHARED_VALVES = {"vehicle": {"formation": {"groups_per_valve": [2] * 8}}}
 
 
-def freight(*changes: dict[str, Any], controller: Any = None) -> Stop:
+def freight_scenario(*changes: dict[str, Any]) -> Scenario:
     path = Path(FREIGHT)
     table = read_toml(path)
     for change in changes:
         table = merged(table, change)
-    own = CustomParts(controller=controller)
-    return run_stop(scenario_of(table, directory=path.parent, origin=path.name), objects=own)
+    return scenario_of(table, directory=path.parent, origin=path.name)
+
+
+def freight(*changes: dict[str, Any], controller: Any = None) -> Stop:
+    return run_stop(freight_scenario(*changes), objects=CustomParts(controller=controller))
 
 
 def test_wheelsets_behind_give_what_those_in_front_cannot():
@@ -282,26 +290,30 @@ def test_wheelsets_of_a_valve_are_commanded_alike():
     assert shared.metrics.distance > alone.metrics.distance
 
 
-class Half:
-    """Vents wheelsets that slip by a tenth, and fills the others."""
+class InPython:
+    """The law of the freight train's file as a class of a user."""
 
-    def start(self, formation):
-        self.full = np.array([brake.pressure_max for brake in formation.brakes])
+    def start(self, formation: Formation) -> None:
+        self.law = SlipTwoState(formation.brakes, SlipTwoState.tuned_for("ideal", "read", "paper"))
 
-    def decide(self, observation):
-        return np.where(observation.slip > 0.1, 0.0, self.full)
+    def decide(self, observation: Observation) -> tuple[float, ...]:
+        return self.law.decide(observation)
 
 
-def test_a_controller_class_of_the_user_has_shared_valves_and_redistribution_too():
+@pytest.mark.parametrize("change", [SHARED_VALVES, PARTLY | {"controller": {"redistribute": True}}])
+def test_a_controller_class_of_the_user_has_shared_valves_and_redistribution_too(change: dict[str, Any]):
+    """To the last bit those of the same law compiled, also where the caller of `step` is the controller."""
     slow = {"start": {"speed": "30 km/h"}, "estimator": {"kind": "none"}}
-    shared = freight(SHARED_VALVES, slow, controller=Half()).trace["demand"].values
-    assert np.array_equal(shared[:, ::2], shared[:, 1::2])
-    assert shared.min() == 0.0
-    # Redistribution keeps to the driver's demand: a group that need not give more brakes with just that.
-    redistribute = {"controller": {"redistribute": True}}
-    together = freight(PARTLY, slow, redistribute, controller=Half()).trace["demand"].values
-    assert np.isclose(together, 2.3e5, rtol=1e-9).any()
-    assert 2.3e5 < together.max() <= 3.2e5
+    compiled = freight(change, slow)
+    in_python = freight(change, slow, controller=InPython())
+    assert np.array_equal(in_python.trace["demand"], compiled.trace["demand"])
+    law = InPython()
+    with Bench(freight_scenario(change, slow), CustomParts()) as bench:
+        observation = bench.reset()
+        law.start(bench.formation)
+        while not bench.ended:
+            observation = bench.step(law.decide(observation))
+        assert np.array_equal(bench.stop.trace["demand"], compiled.trace["demand"])
 
 
 @pytest.mark.parametrize(

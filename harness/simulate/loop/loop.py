@@ -2,7 +2,7 @@
 
 import ctypes
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -56,7 +56,7 @@ class Loop:
 
     The order of events in a sample is that of `kernel/cycle.c`. Where the parts have no controller, the caller is it:
 
-        while (observation := loop.next_decision()) is not None:
+        for observation in loop.decisions():
             loop.demand(pressures)
 
     Attributes:
@@ -89,8 +89,7 @@ class Loop:
         self.struct = struct = _cycle(parts, self._plausibility)
         self._cycle = struct.pointer
         self._truth, self._inputs, self._reading = (struct.view(name) for name in ("truth", "inputs", "reading"))
-        self._observation, self._demand = struct.view("observation"), struct.view("demand")
-        self._observed = _places_of_observed(layout.formation.groups)
+        self._demand = struct.view("demand")
         self._truth[:], self._inputs[:] = truth, inputs
         if np.isnan(truth[layout.output["slip"]]).any():
             struct.set(slip_radius=np.array(layout.formation.wheel_radius, dtype=np.float64))
@@ -102,19 +101,19 @@ class Loop:
             struct.set(read_of=sensors.places, gain=sensors.gain, bias=sensors.bias, noise=sensors.noise)
         elif isinstance(sensors, IdealSensors):
             struct.set(read_of=sensors.places)
-        self._provides = frozenset[str]()
-        estimate = self._advance_filter
+        provides, estimate = frozenset[str](), self._advance_filter
         if isinstance(estimator, StateEstimator):
-            self._provides = frozenset(("slip", "adhesion", "pad_friction"))
+            provides = frozenset(("slip", "adhesion", "pad_friction"))
             self._squared = _filter_from_c(struct, estimator, parts)
         elif estimator is not None:
-            self._provides, estimate = frozenset(estimator.provides), self._estimate
-            self._direct = _Direct(struct, estimator, parts)
+            provides, estimate = frozenset(estimator.provides), _Direct(struct, estimator, parts).step
+        self._observe = _observer(struct, parts, provides)
         self._steps = {
             functions.BLOCK_DUE: self._begin_block,
             functions.PLANT_DUE: self._step_plant,
             functions.SENSORS_DUE: self._read_sensors,
             functions.ESTIMATOR_DUE: estimate,
+            functions.LIMITS_DUE: self._limit,
         }
 
     def run(self) -> Ending:
@@ -123,47 +122,48 @@ class Loop:
         Raises:
             PlantFailed: The plant refused a step; the recorder holds the rows before.
         """
-        while (observation := self.next_decision()) is not None:
-            assert self._parts.controller is not None
+        decide = self._parts.controller.decide
+        for observation in self.decisions():
             try:
-                demands = self._parts.controller.decide(observation)
+                demands = decide(observation)
             except ControllerFailed as failed:
-                return self.fail(failed)
-            self.demand(demands)
+                return self._end(Outcome.CONTROLLER_FAILED, str(failed))
+            self._demand[:] = demands
         assert self.ending is not None
         return self.ending
 
-    def next_decision(self) -> Observation | None:
-        """Go on until a controller in Python is due, and return what it is shown; None at the end of the stop.
+    def decisions(self) -> Generator[Observation]:
+        """Run the stop; yield what a controller in Python is shown whenever it is due, and then wait for its demand.
 
         Raises:
             PlantFailed: The plant refused a step; the recorder holds the rows before.
         """
-        functions, cycle = self._functions, self._cycle
-        step, due_controller, steps = functions.cycle, functions.CONTROLLER_DUE, self._steps
-        try:
-            while (due := step(cycle)) != due_controller:
-                if due not in steps:
+        functions, cycle, steps, observe = self._functions, self._cycle, self._steps, self._observe
+        step, controller_due = functions.cycle, functions.CONTROLLER_DUE
+        while True:
+            try:
+                while (due := step(cycle)) in steps:
+                    steps[due]()
+                if due != controller_due:
                     self._end(*self._outcome(due))
-                    return None
-                steps[due]()
-        except (SensorsFailed, EstimatorFailed) as failed:
-            is_sensors = isinstance(failed, SensorsFailed)
-            reason = str(failed) if is_sensors else f"{failed} At {self._time:.3f} s."
-            self._end(Outcome.SENSORS_FAILED if is_sensors else Outcome.DIVERGED, reason)
-            return None
-        except BaseException:
-            self._finish()
-            raise
-        return self._observe(self._provides)
+                    return
+            except SensorsFailed as failed:
+                self._end(Outcome.SENSORS_FAILED, str(failed))
+                return
+            except EstimatorFailed as failed:
+                self._end(Outcome.DIVERGED, f"{failed} At {self._time:.3f} s.")
+                return
+            except ControllerFailed as failed:
+                self._end(Outcome.CONTROLLER_FAILED, str(failed))
+                return
+            except BaseException:
+                self._finish()
+                raise
+            yield observe()
 
     def demand(self, demands: Sequence[float]) -> None:
         """Demand a brake cylinder pressure of each group [Pa], for the decision that is due."""
         self._demand[:] = demands
-
-    def fail(self, failed: ControllerFailed) -> Ending:
-        """End the stop where its controller failed."""
-        return self._end(Outcome.CONTROLLER_FAILED, str(failed))
 
     @property
     def _time(self) -> float:
@@ -183,6 +183,12 @@ class Loop:
         assert isinstance(self._parts.sensors, Sensors)
         self._reading[:] = self._parts.sensors.read(self._cycle.sample // self._parts.clock.sensors, self._truth)
 
+    def _limit(self) -> None:
+        limits = self._parts.limits
+        assert limits is not None
+        self._demand[:] = limits.limit(self._demand.tolist(), self._observe())
+        self._cycle.is_pascal = limits.is_pascal
+
     def _advance_filter(self) -> None:
         estimator = self._parts.estimator
         assert isinstance(estimator, StateEstimator)
@@ -191,26 +197,6 @@ class Loop:
         except ArithmeticError as diverged:
             raise EstimatorFailed(str(diverged)) from diverged
         self._squared[0] = estimator.filter.squared_innovation
-
-    def _estimate(self) -> None:
-        self._direct.step(self._observe(frozenset()))
-
-    def _observe(self, provides: frozenset[str]) -> Observation:
-        """Return what was observed last, with quantities of each group that an estimator provides."""
-        values = np.frombuffer(self._observation.tobytes())  # read-only, for several parts see it
-        slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = self._observed
-        return Observation(
-            self._time,
-            values.item(0),
-            values.item(1),
-            values[wheelset_speed],
-            values[slip],
-            "slip" in provides,
-            values[adhesion] if "adhesion" in provides else None,
-            values[pad_friction] if "pad_friction" in provides else None,
-            values[pressure],
-            values[driver_demand],
-        )
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
         """Return how the stop ended, and why, from what the cycle returned."""
@@ -270,7 +256,7 @@ class _Direct:
 
     def __init__(self, struct: Struct, estimator: DirectEstimator, parts: Parts) -> None:
         provided = [signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimator.provides]
-        self._step = estimator.step
+        self._step, self._observe = estimator.step, _observer(struct, parts, frozenset())
         self._estimates = {
             name.removeprefix("estimate_"): place for name, place in places(provided, parts.layout.formation).items()
         }
@@ -284,12 +270,41 @@ class _Direct:
             estimates_at=parts.recorder.block(provided).start,
         )  # fmt: skip
 
-    def step(self, observation: Observation) -> None:
-        values = self._step(observation)
+    def step(self) -> None:
+        values = self._step(self._observe())
         for name, place in self._estimates.items():
             self._values[place] = values[name]
             if name in self._observed:
                 self._replaced[self._observed[name]] = values[name]
+
+
+def _observer(struct: Struct, parts: Parts, provides: frozenset[str]) -> Callable[[], Observation]:
+    """Return a function that returns what the cycle observed last, with what an estimator provides of each group.
+
+    It is called at each decision of a part in Python: what stays the same during a stop is looked up here.
+    """
+    cycle, observed, period = struct.pointer, struct.view("observation"), parts.clock.period
+    of_groups = np.dtype((np.float64, (parts.layout.formation.groups,)))
+    begin, count = 2 * observed.itemsize, len(_OBSERVED)
+    slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = range(len(_OBSERVED))
+    has_slip, has_adhesion, has_pad_friction = (name in provides for name in ("slip", "adhesion", "pad_friction"))
+
+    def observe() -> Observation:
+        rows = np.frombuffer(observed.tobytes(), of_groups, count, begin)  # read-only, for several parts see it
+        return Observation(
+            cycle.sample * period,
+            observed.item(0),
+            observed.item(1),
+            rows[wheelset_speed],
+            rows[slip],
+            has_slip,
+            rows[adhesion] if has_adhesion else None,
+            rows[pad_friction] if has_pad_friction else None,
+            rows[pressure],
+            rows[driver_demand],
+        )
+
+    return observe
 
 
 def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
@@ -297,10 +312,12 @@ def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
     layout, clock, driver, recorder, law = parts.layout, parts.clock, parts.driver, parts.recorder, parts.law
     free_wheel = parts.estimator.free_wheel if isinstance(parts.estimator, StateEstimator) else None
     groups = layout.formation.groups
+    observed = 2 + len(_OBSERVED) * groups
     struct = kernel(layout).struct("Cycle", plausibility=plausibility.struct, rail=parts.rail.struct,
         driver=driver.struct if driver.has_phases else None, full=np.array(driver.full, dtype=np.float64),
         faults=parts.faults and parts.faults.struct, radius=np.array(parts.wheel_radius, dtype=np.float64),
-        law=_formula(layout, parts.controller, 2 + len(_OBSERVED) * groups),
+        law=_formula(layout, parts.controller, observed), over=_formula(layout, parts.over, observed),
+        most=parts.limits and parts.limits.most,
         valves=_formula(layout, parts.valves, 2 * groups), free_wheel=_formula(layout, free_wheel, 1 + 2 * groups),
         period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
         sensors_every=clock.sensors, estimator_every=clock.estimator, controller_every=clock.controller,

@@ -137,6 +137,22 @@ class Controller(Protocol):
         ...
 
 
+class Limits(Protocol):
+    """What limits the demands of a controller from outside of this project.
+
+    Attributes:
+        most: Highest pressure of each group; demands between none and these are not looked at once `is_pascal` [Pa].
+        is_pascal: Whether the demands have been large enough to be in Pa.
+    """
+
+    most: Vector
+    is_pascal: bool
+
+    def limit(self, demands: Sequence[float], observation: Observation) -> Sequence[float]:
+        """Return demands that cylinders take [Pa]; ControllerFailed ends the stop."""
+        ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LawStates:
     """States of a law that are kept beside what it demanded.
@@ -181,7 +197,9 @@ class Parts:
         rail: Friction and force along the track.
         sensors: Instruments.
         estimator: None if the controller sees readings only.
-        controller: The law; None where the caller of the loop decides.
+        controller: The law; the caller of the loop may decide in its place.
+        limits: What its demands are limited by, if they are.
+        over: What is decided for the train as a whole over a law in Python, which it takes for the pressures read.
         valves: From demanded and read pressures to the commands of valves; None sends the demands themselves.
         driver: The most that may be demanded, and traction.
         faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
@@ -200,7 +218,9 @@ class Parts:
     rail: TabulatedRail
     sensors: Instruments
     estimator: StateEstimator | DirectEstimator | None
-    controller: Controller | None
+    controller: Controller
+    limits: Limits | None = None
+    over: Sampled | None = None
     valves: Sampled | None
     driver: Driver
     faults: Faults | None = None

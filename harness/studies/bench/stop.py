@@ -61,9 +61,7 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
                 cycle[name].append((process_time() - begin) / cycles * 1e6)
     alone = InPython()
     with assembled(scenario, objects=CustomParts(controller=alone)) as parts:
-        loop = Loop(parts.parts)
-        observation = loop.next_decision()
-        assert observation is not None
+        observation = next(Loop(parts.parts).decisions())
         law = microseconds(lambda: alone.decide(observation), rounds=5)
     compiled, python = (median(cycle[name]) for name in laws)
     figures = microseconds(lambda: run_stop(scenario), rounds=3, clock=process_time) / cycles

@@ -12,7 +12,7 @@
 #include "vectors.h"
 
 enum { SET_STEP_GET = 7 };
-enum { BEGIN, STEP, CHECK, SHOW, BELIEVE, COMMAND };     /* where a sample goes on */
+enum { BEGIN, STEP, CHECK, SHOW, BELIEVE, LIMIT, COMMAND };     /* where a sample goes on */
 
 static int step_plant(Cycle *c)
 {
@@ -47,6 +47,20 @@ static void keep(const Cycle *c, double *row)
         copy(row + c->driver_at, c->driver_demand, GROUPS);
     if (c->traction_at >= 0)
         row[c->traction_at] = c->driver->force;
+}
+
+static int within_limits(const Cycle *c)
+{
+    for (int g = 0; g < GROUPS; g++)
+        if (!(c->demand[g] >= 0.0 && c->demand[g] <= c->most[g]))
+            return 0;
+    return c->is_pascal;
+}
+
+static void decide_over_the_train(Cycle *c)
+{
+    copy(c->observation + OBSERVED_PRESSURE, c->demand, GROUPS);
+    c->over.call(c->over.state, c->observation, c->over.parameter, c->demand);
 }
 
 static void keep_belief(const Cycle *c, double *row)
@@ -127,7 +141,7 @@ EXPORT int cycle(Cycle *c)
                 look(c);
             keep_belief(c, row);
             c->written = k + 1;
-            c->stage = COMMAND;
+            c->stage = LIMIT;
             if (decides) {
                 observe_with_estimates(c);
                 if (!c->law.call)
@@ -135,7 +149,14 @@ EXPORT int cycle(Cycle *c)
                 c->law.call(c->law.state, c->observation, c->law.parameter, c->demand);
             }
             /* fall through */
+        case LIMIT:
+            c->stage = COMMAND;
+            if (decides && c->most && !within_limits(c))
+                return LIMITS_DUE;
+            /* fall through */
         case COMMAND:
+            if (decides && c->over.call)
+                decide_over_the_train(c);
             if (decides && !command(c))
                 return NO_COMMAND;
             if (c->faults)

@@ -14,11 +14,12 @@ typedef int Advance(double *);
 typedef void Call(double *, const double *, const double *, double *);
 
 /* Why `cycle` returned: a part in Python is due, or the stop has ended. */
-enum { BLOCK_DUE, PLANT_DUE, SENSORS_DUE, ESTIMATOR_DUE, CONTROLLER_DUE };
-enum { STANDING = CONTROLLER_DUE + 1, AT_HORIZON, NOT_PLAUSIBLE, PLANT_FAILED, DIVERGED, NO_COMMAND };
+enum { BLOCK_DUE, PLANT_DUE, SENSORS_DUE, ESTIMATOR_DUE, CONTROLLER_DUE, LIMITS_DUE };
+enum { STANDING = LIMITS_DUE + 1, AT_HORIZON, NOT_PLAUSIBLE, PLANT_FAILED, DIVERGED, NO_COMMAND };
 
 enum { NEGATIVE_VARIANCE = -1 };                 /* beside the failures of the filter */
 enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS, INNOVATION = 2, OBSERVATION = 2 + 6 * GROUPS };
+enum { OBSERVED_PRESSURE = OBSERVATION - GROUPS };
 
 typedef struct {
     Call *call;                                  /* null: it is not in C, or there is none */
@@ -47,6 +48,9 @@ typedef struct {
     const double *estimates;                     /* of an estimator in Python that gives quantities themselves; null: there is none */
     /* The law; a null function is a controller in Python, which writes `demand`. */
     Formula law, valves, free_wheel;
+    Formula over;                                /* over a law in Python: takes its demands for the pressures that were read */
+    const double *most;                          /* highest pressures, to which Python limits the demands of its law; null: it does not */
+    long long is_pascal;                         /* whether the demands have been large enough to be in Pa; until then Python judges all */
     const double *law_state;                     /* of those states `law_of` are kept */
     const long long *law_of;
     const double *radius;
