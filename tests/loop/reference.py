@@ -69,7 +69,12 @@ def brake(parts):
             recorder.rows[k, recorder.block(SPREAD)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
             recorder.rows[k, recorder.block(INNOVATION)] = innovation
         if k % clock.controller == 0:
-            demand = parts.controller.decide(observation(parts, k, latest, pressure))
+            seen = observation(parts, k, latest, pressure)
+            demand = parts.controller.decide(seen)
+            if parts.limits:
+                demand = np.clip(demand, 0.0, parts.limits.most)
+            if parts.over:
+                demand = parts.over.decide(seen._replace(pressure=demand))
             if not math.isfinite(sum(demand)):
                 return Outcome.CONTROLLER_FAILED, k + 1
             driver_demand = pressure.copy() if parts.driver.has_phases else driver_demand

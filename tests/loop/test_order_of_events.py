@@ -3,6 +3,8 @@
 Also where parts fail, and where blocks of samples end.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
@@ -16,6 +18,7 @@ from railgrip.controllers.law import Law, law
 from railgrip.controllers.laws.slip_three_state import SlipThreeState
 from railgrip.controllers.laws.slip_two_state import SlipTwoState
 from railgrip.controllers.sampled import choose
+from railgrip.controllers.train_level import pass_through, with_redistribution
 from railgrip.controllers.valves import ValveLogic, ValveModel
 from railgrip.scenario.adhesion import Profile
 from railgrip.scenario.demand import DemandedPhase
@@ -23,6 +26,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track.table import TrackForce
+from railgrip.simulate.custom import DemandLimits
 from railgrip.simulate.loop.driver import Driver
 from railgrip.simulate.loop.faults import CommandFault, Faults, ReadingFault
 from railgrip.simulate.loop.loop import Loop
@@ -288,6 +292,32 @@ def test_a_law_that_gives_no_number(calls, valves):
     outcome, reason, written = same(controller=lambda: law_that_ends(calls), valves=valves)
     assert (outcome, written) == (Outcome.CONTROLLER_FAILED, calls + 1)
     assert "is (nan, nan, nan, nan), not 4 numbers" in reason
+
+
+class Wild:
+    """Demands far below none and above what cylinders take."""
+
+    def __init__(self):
+        self.random = np.random.default_rng(5)
+
+    def decide(self, observation):
+        return self.random.uniform(-2e5, 6e5, 4)
+
+
+@pytest.mark.parametrize("every", [(1, 1), (2, 3)])
+def test_demands_of_a_law_in_python_are_limited_before_what_is_decided_over_the_train(every):
+    demands, limits = [], DemandLimits(replace(TWO_PART_TRAIN, brakes=GROUPS))
+    phase = DemandedPhase(pressures=(2e5,) * 4, slopes=(0.0,) * 4)
+    setup = dict(samples=BLOCK, sensors="ideal", valves=False, every=every, over_time=True, phases=(phase,))
+    for run in (by_the_loop, brake):
+        over = with_redistribution(pass_through(GROUPS), GROUPS, period=1e-3, adhesion_max=0.2)
+        parts = replace(parts_of(Plant(), Wild(), None, **setup), limits=limits, over=over)
+        run(parts)
+        demands.append(parts.recorder.rows[:, parts.recorder.columns["demand"]])
+    assert np.array_equal(*demands)
+    assert demands[0].min() >= 0.0
+    assert demands[0].max() <= 3.4e5
+    assert 0.9 < limits.limited / len(range(0, BLOCK + 1, every[1])) < 1.0  # 1 − (3.4/8)⁴ of them, 97 %
 
 
 @pytest.mark.parametrize("call", [1, 300, BLOCK - 1, BLOCK, BLOCK + 1])
