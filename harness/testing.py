@@ -90,7 +90,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                     raise ControllerFailed(f"{problem}{_blamed(factory, formation, shown)}") from problem
                 _require_unchanged(law, before, observation)
                 _require_pressures(law, formation, demands)
-                yield tuple(limits.limit(demands, observation))
+                yield tuple(limits.limit(demands, observation).tolist())
 
     _require_repeatable(factory, "decide", rows)
 
@@ -269,7 +269,7 @@ def _lock(*arrays: NDArray[np.float64]) -> None:
         values.flags.writeable = False
 
 
-def _require_pressures(law: object, formation: Formation, demands: Sequence[float]) -> None:
+def _require_pressures(law: object, formation: Formation, demands: NDArray[np.float64]) -> None:
     for demand, most in zip(demands, formation.pressure_max, strict=True):
         if not 0.0 <= demand <= most:
             raise ContractBroken(

@@ -4,7 +4,7 @@ import inspect
 import math
 import traceback
 import warnings
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
@@ -214,31 +214,29 @@ class DemandLimits:
         self._place, self._lowest, self._highest = place, 0.0, 0.0
         self._share, self._since = 0.0, math.inf
 
-    def limit(self, demands: Sequence[float], observation: Observation) -> Sequence[float]:
+    def limit(self, demands: Array, observation: Observation) -> Array:
         """Return demands between none and the highest pressure of each cylinder [Pa]; count those that were outside.
 
         Raises:
             ControllerFailed: They are not finite, or all of them are too small to be Pa.
         """
         self.require_finite(demands, observation)
-        highest: list[float] = self.most.tolist()
-        within = [0.0 if demand < 0.0 else min(demand, most) for demand, most in zip(demands, highest, strict=True)]
-        pairs = zip(demands, within, highest, strict=True)
-        if any(abs(demand - inside) > _ROUNDING * most for demand, inside, most in pairs):
+        within = np.clip(demands, 0.0, self.most)
+        if (np.abs(demands - within) > _ROUNDING * self.most).any():
             self.limited += 1
-            self._lowest, self._highest = min(self._lowest, *demands), max(self._highest, *demands)
+            self._lowest, self._highest = min(self._lowest, demands.min()), max(self._highest, demands.max())
         if not self.is_pascal:
             self._refuse_another_unit(within, observation)
         return within
 
-    def require_finite(self, demands: Sequence[float], observation: Observation) -> None:
+    def require_finite(self, demands: Array, observation: Observation) -> None:
         """Refuse demands that are infinite or no numbers.
 
         Raises:
             ControllerFailed: Some of them are.
         """
-        if not math.isfinite(sum(demands)):
-            raise _no_demands(self._place, str(np.asarray(demands).tolist()), len(demands), observation.time)
+        if not np.isfinite(demands).all():
+            raise _no_demands(self._place, str(demands.tolist()), demands.size, observation.time)
 
     def sentence(self, decisions: int) -> str:
         """Return what was limited in a number of decisions, as a sentence after others; empty if nothing was."""
@@ -250,10 +248,10 @@ class DemandLimits:
             f"{self.most.max():.6g} Pa."
         )
 
-    def _refuse_another_unit(self, demands: Sequence[float], observation: Observation) -> None:
+    def _refuse_another_unit(self, demands: Array, observation: Observation) -> None:
         """Refuse demands that brake nothing although the driver asks for it, for a second after the first of them."""
         full = float(self.most.max())
-        self._share = max(self._share, float(np.divide(demands, self.most).max()))
+        self._share = max(self._share, float((demands / self.most).max()))
         self.is_pascal = self._share > _LEAST_SHARE
         if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * full:
             return

@@ -161,7 +161,7 @@ class Loop:
                 raise
             yield observe()
 
-    def demand(self, demands: Sequence[float]) -> None:
+    def demand(self, demands: Sequence[float] | Vector) -> None:
         """Demand a brake cylinder pressure of each group [Pa], for the decision that is due."""
         self._demand[:] = demands
 
@@ -186,7 +186,7 @@ class Loop:
     def _limit(self) -> None:
         limits = self._parts.limits
         assert limits is not None
-        self._demand[:] = limits.limit(self._demand.tolist(), self._observe())
+        self._demand[:] = limits.limit(self._demand, self._observe())
         self._cycle.is_pascal = limits.is_pascal
 
     def _advance_filter(self) -> None:

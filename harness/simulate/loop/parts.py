@@ -132,7 +132,7 @@ class DirectEstimator(Protocol):
 class Controller(Protocol):
     """A control law; a `railgrip.controllers.sampled.Sampled` is called from C."""
 
-    def decide(self, observation: Observation) -> Sequence[float]:
+    def decide(self, observation: Observation) -> Sequence[float] | Vector:
         """Return the demanded brake cylinder pressure of each group [Pa]; ControllerFailed ends the stop."""
         ...
 
@@ -148,7 +148,7 @@ class Limits(Protocol):
     most: Vector
     is_pascal: bool
 
-    def limit(self, demands: Sequence[float], observation: Observation) -> Sequence[float]:
+    def limit(self, demands: Vector, observation: Observation) -> Vector:
         """Return demands that cylinders take [Pa]; ControllerFailed ends the stop."""
         ...
 
