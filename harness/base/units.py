@@ -81,6 +81,20 @@ class Unit:
         parts = [f"{b}{e if e != 1 else ''}" for b, e in zip(BASE, self.exponents, strict=True) if e]
         return ".".join(parts) or "1"
 
+    def __truediv__(self, divisor: "Unit") -> "Unit":
+        """Return the unit of a quotient, in which degrees are differences of temperature."""
+        kg, m, s, a, k, mol, cd, rad = (
+            ours - theirs for ours, theirs in zip(self.exponents, divisor.exponents, strict=True)
+        )
+        quotient = Unit(
+            name=f"{self.name}/{divisor.name}",
+            exponents=(kg, m, s, a, k, mol, cd, rad),
+            factor=self.factor / divisor.factor,
+            offset=0.0,
+        )
+        # A slash in front of a product or quotient would divide by its first factor only.
+        return quotient if divisor.name.isalnum() else replace(quotient, name=quotient.dimension)
+
     def leaves_the_angle_out_of(self, other: "Unit") -> bool:
         """Say whether `other` is this unit times an angle: rev/min, rad/min and deg/min, of 1/min."""
         *ours, angle = self.exponents

@@ -5,7 +5,7 @@ from functools import partial
 from pathlib import Path
 
 from railgrip.base.errors import EstimationError, InputError, UnitError
-from railgrip.base.units import conversion, unit
+from railgrip.base.units import unit
 from railgrip.estimation.run import by_name, model_of, start_by_reading, units_of
 from railgrip.estimation.spec import Specification, parameters_for, settings_for
 from railgrip.fmus.native import Model
@@ -136,7 +136,7 @@ def _check_data(specification: Specification) -> None:
         target = units.get(name.removeprefix(TRUTH))
         if target is not None and column.unit is not None:
             try:
-                conversion(unit(column.unit), unit(target))
+                column.conversion(unit(column.unit), target)
             except UnitError as problem:
                 problems.append(f"[data.columns] {name}: {problem}")
     if problems:

@@ -19,7 +19,7 @@ from railgrip.trace.files import Series, read_series, unit_at_end
 from railgrip.trace.flag import Flag, flags_of, summary
 from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
 from railgrip.trace.samples import recording_of
-from railgrip.trace.table import Column, DataTable
+from railgrip.trace.table import Column, DataTable, factor_for
 
 Vector = NDArray[np.float64]
 
@@ -191,24 +191,27 @@ def _converted(path: Path, name: str, column: Column, file_unit: str | None, tar
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
     where = f"{path.name}: {name} (column {short(column.column)})"
-    file_unit = file_unit or unit_at_end(column.column or "", target)
+    wanted = column.wanted(target)
+    file_unit = file_unit or unit_at_end(column.column or "", wanted.dimension)
     text = column.unit if column.unit is not None else file_unit
     if text is None:
-        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], the model wants '{target}'.")
+        raise EstimationError(f"{where} has no unit; write unit = '…' in [data.columns], '{wanted.name}' is wanted.")
     try:
         unit_of_column = unit(text)
-        gain, shift = conversion(unit_of_column, unit(target))
+        gain, shift = column.conversion(unit_of_column, target)
     except UnitError as problem:
         raise EstimationError(f"{where}: {problem}") from problem
-    if file_unit is not None and column.unit is not None and _contradict(file_unit, unit_of_column, target):
+    if file_unit is not None and column.unit is not None and _contradict(file_unit, unit_of_column, wanted):
+        stated = unit(file_unit)
+        is_same = stated.exponents == unit_of_column.exponents
+        advice = "" if is_same else f", or {factor_for(stated, target)}"
         raise EstimationError(
-            f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map. If the signal "
-            "follows from the column by a calculation, write the result into a column with its own unit."
+            f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map{advice}."
         )
-    return gain * column.factor, gain * column.offset + shift
+    return gain, shift
 
 
-def _contradict(text: str, other: Unit, target: str) -> bool:
+def _contradict(text: str, other: Unit, wanted: Unit) -> bool:
     """Say whether what a file says of a column is another unit than the map's.
 
     What stands in brackets need not be a unit, "p (front)", and may leave to the map what turns, "n [1/min]".
@@ -220,7 +223,7 @@ def _contradict(text: str, other: Unit, target: str) -> bool:
     if stated.leaves_the_angle_out_of(other):
         return False
     try:
-        ways = [conversion(each, unit(target)) for each in (stated, other)]
+        ways = [conversion(each, wanted) for each in (stated, other)]
     except UnitError:
         return True
     return not np.allclose(*ways, rtol=1e-9, atol=0.0)

@@ -12,6 +12,7 @@ separator = ";"                             # csv only, as is decimal = ","; bot
 speed = { column = "v_gps", unit = "km/h" }
 "wheelset_speed[1]" = { column = "n1", unit = "rev/min", range = ["0 rad/s", "120 rad/s"] }
 "cylinder_pressure[1]" = { column = "pC1", unit = "bar", offset = -1.013 }     # was absolute
+pad_force = { column = "p1", unit = "bar", factor = "8 kN/bar", offset = -4.0 }    # [kN], of a pressure
 track_force = { value = "0 N" }             # not measured, this value throughout
 """
 
@@ -19,6 +20,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, model_validator
 
+from railgrip.base import units
+from railgrip.base.errors import UnitError
+from railgrip.base.units import conversion, quantity, turning_of, unit
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.table import Period, Table, broken
 
@@ -42,8 +46,13 @@ class Column(Table):
     unit: str | None = Field(
         default=None, description="of the column; may be left out where the header or the file states it"
     )
-    factor: Number = Field(default=1.0, description="of the column's numbers")
-    offset: Number = Field(default=0.0, description="added after the factor, in the column's unit")
+    factor: Magnitude = Field(
+        default=Magnitude(1.0),
+        description="of the column's numbers; with a unit, '8 kN/bar', it turns the column into another quantity",
+    )
+    offset: Number = Field(
+        default=0.0, description="added after the factor, in the column's unit times that of the factor"
+    )
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")
     holds: StrictBool = Field(default=False, description="repeats its last value until a new one comes")
     may_rest: StrictBool = Field(default=False, description="standing still exactly is normal for this signal")
@@ -54,6 +63,47 @@ class Column(Table):
         if (self.column is None) == (self.value is None):
             raise broken("wants either column or value")
         return self
+
+    def wanted(self, target: str) -> units.Unit:
+        """Return a unit of the dimension that the column must have, which times the factor gives `target`."""
+        factor = self.factor.entry
+        return unit(target) / quantity(factor)[1] if isinstance(factor, str) else unit(target)
+
+    def conversion(self, source: units.Unit, target: str) -> tuple[float, float]:
+        """Return (gain, shift) so that a signal in `target` = gain · number in the column + shift.
+
+        Args:
+            source: Unit of the column.
+            target: Unit of the signal.
+
+        Raises:
+            UnitError: Column times factor has another dimension than the signal, or a factor with a unit multiplies
+                degrees Celsius or Fahrenheit.
+        """
+        factor, wanted, times = self.factor.entry, self.wanted(target), ""
+        number = float(factor) if not isinstance(factor, str) else quantity(factor)[0]
+        if isinstance(factor, str):
+            times = f" times factor '{factor}'"
+            if source.offset:
+                raise UnitError(f"'{source.name}'{times} depends on where the scale begins; write unit = 'K'.")
+        try:
+            gain, shift = conversion(source, wanted)
+        except UnitError as problem:
+            if turning_of(source, wanted):
+                raise
+            raise UnitError(
+                f"'{source.name}' ({source.dimension}){times} cannot become '{target}' ({unit(target).dimension}); "
+                f"map another column, or {factor_for(source, target)}."
+            ) from problem
+        return gain * number, gain * self.offset + shift
+
+
+def factor_for(source: units.Unit, target: str) -> str:
+    """Return how to write the factor that turns a column into another quantity, to end a sentence with."""
+    ratio = unit(target) / source
+    if ratio.dimension == "1":
+        return "write the factor without a unit"
+    return f"write a factor with its unit, such as factor = '2.5 {ratio.name}'"
 
 
 class DataTable(Table):

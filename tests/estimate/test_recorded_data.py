@@ -5,17 +5,21 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pint
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.io import savemat
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.units import unit
 from railgrip.scenario.load import validated
 from railgrip.trace.cleaning import spikes, standing
 from railgrip.trace.flag import Flag, summary
 from railgrip.trace.grid import input_on_grid, on_grid
 from railgrip.trace.read import FileRecording, recorded
 from railgrip.trace.samples import reading_of, unit_of
-from railgrip.trace.table import DataTable
+from railgrip.trace.table import Column, DataTable
 
 UNITS = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N", "disc_temperature": "K", "mu_b": "1"}
 INPUTS, OUTPUTS = ["pad_force"], ["speed", "wheelset_speed", "disc_temperature"]
@@ -70,10 +74,10 @@ def write_mf4(path: Path, frame: pd.DataFrame) -> None:
     time = frame["t"].to_numpy() / 1e3
     file = asammdf.MDF(version="4.10")
     units = {"v": "km/h", "n": "rev/min", "F": "kN", "T": "degC"}
-    for name, unit in units.items():  # a group of its own for each, the temperature ten times slower
+    for name, unit_of_channel in units.items():  # a group of its own for each, the temperature ten times slower
         every = 10 if name == "T" else 1
         samples = frame[name].to_numpy()[::every]
-        file.append(asammdf.Signal(samples=samples, timestamps=time[::every], name=name, unit=unit))
+        file.append(asammdf.Signal(samples=samples, timestamps=time[::every], name=name, unit=unit_of_channel))
     file.save(path, overwrite=True)
     file.close()
 
@@ -294,6 +298,39 @@ def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
     np.testing.assert_allclose(reading_of(result.recording, "pad_force"), 1e3 - 1e3 * frame["F"].to_numpy(), atol=1e-9)
 
 
+def test_a_factor_with_a_unit_turns_a_pressure_into_a_force(tmp_path):
+    """8 kN for each bar, less 0.5 kN; the unit of the column may also stand in its name."""
+    for column in ("p", "p [bar]", "p_bar"):
+        frame = stop().assign(**{column: np.linspace(0.0, 3.8, 1000)})
+        given_unit = {"unit": "bar"} if column == "p" else {}
+        force = {"column": column, "factor": "8 kN/bar", "offset": -0.5} | given_unit
+        result = taken(csv(tmp_path, frame), columns={"pad_force": force})
+        expected = 8e3 * frame[column] - 500.0
+        np.testing.assert_allclose(reading_of(result.recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
+
+
+PINT = pint.UnitRegistry()
+FACTORS = [
+    ("bar", "kN/bar", "N"), ("kPa", "cm**2", "N"), ("mbar", "kN/Pa", "N"), ("A", "N*m/A", "N*m"), ("mm", "kN/mm", "N"),
+    ("km/h", "1/m", "1/s"), ("rpm", "m/rad", "m/s"), ("1", "km/h", "m/s"), ("t", "m/s**2", "N"),
+    ("V", "percent/V", "1"), ("bar", "percent", "Pa"), ("K", "kJ/(kg*K)", "m**2/s**2"),
+]  # fmt: skip
+"""Units of column, factor and signal."""
+NUMBERS = st.floats(-1e6, 1e6).map(lambda number: round(number, 6))  # no product underflows
+
+
+@given(st.sampled_from(FACTORS), NUMBERS, NUMBERS, NUMBERS)
+def test_column_times_factor_plus_offset_is_what_pint_computes(units, reading, number, offset):
+    column, factor, target = units
+    entry = {"column": "x", "factor": f"{number!r} {factor}", "offset": offset}
+    gain, shift = Column(**entry).conversion(unit(column), target)
+    product = PINT.Quantity(reading, column) * PINT.Quantity(number, factor)
+    size = PINT.Quantity(abs(product.magnitude) + abs(offset), product.units).to(target).magnitude
+    expected = (product + PINT.Quantity(offset, product.units)).to(target).magnitude
+    # A dozen roundings of 1.1e-16, of the larger of product and offset.
+    assert gain * reading + shift == pytest.approx(expected, rel=0.0, abs=2e-15 * size)
+
+
 REFUSALS = [
     ({"speed": {"column": "w", "unit": "km/h"}}, r"has no column 'w'; it has t, v, n, F, T"),
     ({"speed": {"column": "?", "unit": "km/h"}}, r"fill in each '\?' in \[data.columns\]; it has t, v, n, F, T"),
@@ -301,6 +338,20 @@ REFUSALS = [
         {"speed": {"column": "v", "unit": "kN"}},
         r"speed \(column 'v'\): 'kN' \(kg.m.s-2\) cannot become 'm/s' \(m.s-1\)",
     ),
+    (
+        {"pad_force": {"column": "F", "unit": "bar"}},
+        r"^run.csv: pad_force \(column 'F'\): 'bar' \(kg.m-1.s-2\) cannot become 'N' \(kg.m.s-2\); map another "
+        r"column, or write a factor with its unit, such as factor = '2.5 N/bar'\.$",
+    ),
+    (
+        {"pad_force": {"column": "F", "unit": "km/h", "factor": "8 kN/bar"}},
+        r"'km/h' \(m.s-1\) times factor '8 kN/bar' cannot become 'N' \(kg.m.s-2\); .* factor = '2.5 kg.s-1'\.$",
+    ),
+    (
+        {"pad_force": {"column": "F", "unit": "kN", "factor": "8 kN/bar"}},
+        r"'kN' \(kg.m.s-2\) times factor '8 kN/bar' cannot become 'N' .*, or write the factor without a unit\.$",
+    ),
+    ({"pad_force": {"column": "F", "unit": "degC", "factor": "2 N/K"}}, r"'degC' times factor '2 N/K' .* unit = 'K'"),
     ({"speed": {"column": "v"}}, r"speed \(column 'v'\) has no unit; write unit = "),
     ({"wheelset_speed": {"column": "n", "unit": "Hz"}}, r"is written 'rev/s' or 'rad/s', which are 2π apart"),
     ({"wheelset_speed": {"column": "n", "unit": "1/min"}}, r"is written 'rev/min' or 'rad/min', which are 2π apart"),
@@ -319,7 +370,7 @@ def test_the_unit_of_the_header_is_used_and_must_agree_with_the_map(tmp_path):
     path = csv(tmp_path, stop().rename(columns={"v": "v [km/h]"}))
     speed = reading_of(taken(path, columns={"speed": {"column": "v [km/h]"}}).recording, "speed")
     assert speed[0] == pytest.approx(20.0, abs=0.05)
-    with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
+    with pytest.raises(EstimationError, match=r"the file says it is in 'km/h', the map says 'm/s'; correct the map\.$"):
         taken(path, columns={"speed": {"column": "v [km/h]", "unit": "m/s"}})
 
 
