@@ -10,6 +10,7 @@ import xarray
 from railgrip.base.errors import InputError
 from railgrip.base.files import remove, write_bytes, write_text
 from railgrip.cli.app import ImportFrom, Overrides, complete, fail
+from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
@@ -151,7 +152,8 @@ def inspect(
     if out is None:
         say(inspection.proposal)
     else:
-        write_text(out, inspection.proposal)
+        write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
+        write_schema("estimation", out)
         say(f"{out}; go on with: railgrip estimate {out} --data {run}")
     if inspection.unrecognised:
         remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")

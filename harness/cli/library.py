@@ -3,19 +3,20 @@
 import json
 import re
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
+from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import Table
 from railgrip.rolling_stock.schema import Train
-from railgrip.scenario.json_schema import campaign_schema, scenario_schema, schema_of
+from railgrip.scenario.json_schema import campaign_schema, extending_schema, scenario_schema, schema_of
 
-FileKind = Literal["scenario", "train", "campaign"]
+FileKind = Literal["scenario", "train", "campaign", "estimation"]
 
 
 def list_(
@@ -41,8 +42,28 @@ def schema(
 
 def text_of_schema(kind: FileKind) -> str:
     """Return the JSON schema of a kind of file."""
-    schemas = {"scenario": scenario_schema, "campaign": campaign_schema, "train": lambda: schema_of(Train)}
+    schemas = {
+        "scenario": scenario_schema,
+        "campaign": campaign_schema,
+        "train": lambda: schema_of(Train),
+        "estimation": _estimation_schema,
+    }
     return json.dumps(schemas[kind](), indent=1, ensure_ascii=False)
+
+
+def _estimation_schema() -> dict[str, Any]:
+    """Return the schema of an estimation, whose [noise] may name the file that holds it."""
+    schema = extending_schema(Specification, "estimation")
+    file = {
+        "type": "object",
+        "properties": {"file": {"type": "string", "description": "whose [noise] is taken"}},
+        "required": ["file"],
+        "additionalProperties": False,
+    }
+    for table in (schema, schema["$defs"][Specification.__name__]):
+        tables = [table["properties"]["noise"], file]
+        table["properties"]["noise"] = {"anyOf": tables, "description": "variances, or the file that has them"}
+    return schema
 
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -81,12 +102,13 @@ def new(
     text = template.read_text(encoding="utf-8").replace("CLASS", name_of_class).replace("NAME", file.stem)
     write_text(file, text)
     if kind in ("scenario", "train", "campaign"):
-        _write_schema(kind, file.with_name(f"{kind}.schema.json"))
+        write_schema(kind, file)
     say(f"{file}; go on with: {_NEXT[kind].format(file=file)}")
 
 
-def _write_schema(kind: FileKind, file: Path) -> None:
-    """Write the schema that the first line of the new file names, unless one is there."""
-    if not file.exists():
-        write_text(file, text_of_schema(kind) + "\n")
-        remark(f"{file}, by which editors check what you write")
+def write_schema(kind: FileKind, file: Path) -> None:
+    """Write the schema that the first line of a new file names beside it, unless one is there."""
+    schema_file = file.with_name(f"{kind}.schema.json")
+    if not schema_file.exists():
+        write_text(schema_file, text_of_schema(kind) + "\n")
+        remark(f"{schema_file}, by which editors check what you write")

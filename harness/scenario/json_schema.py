@@ -39,24 +39,30 @@ def schema_of(model: type[BaseModel]) -> dict[str, Any]:
     return {"$schema": _Generator.schema_dialect, **model.model_json_schema(schema_generator=_Generator)}
 
 
-def scenario_schema() -> dict[str, Any]:
-    """Return the schema of a scenario: whole, or what it changes of the one that it extends."""
-    schema = schema_of(Scenario)
+def extending_schema(model: type[BaseModel], kind: str) -> dict[str, Any]:
+    """Return the schema of a complete file, or of one that holds only its changes to the file that `extends` names."""
+    name, schema = model.__name__, schema_of(model)
     dialect, tables = schema.pop("$schema"), schema.pop("$defs")
-    schema["required"].remove("name")
-    changes = _any_key({**tables, "Scenario": schema})
-    change = changes.pop(f"{_CHANGE}Scenario")
+    changes = _any_key({**tables, name: schema})
+    change = changes.pop(f"{_CHANGE}{name}")
     change["properties"]["extends"] = {
         "type": "string",
-        "description": "scenario that this one is laid over: a name of ours, or a file from this one's folder",
+        "description": f"{kind} that this one is laid over: a name from the library, or a path from this file's folder",
     }
     return {
         "$schema": dialect,
         **change,
         "if": {"not": {"required": ["extends"]}},
-        "then": {"$ref": "#/$defs/Scenario"},
-        "$defs": {**tables, "Scenario": schema, **changes},
+        "then": {"$ref": f"#/$defs/{name}"},
+        "$defs": {**tables, name: schema, **changes},
     }
+
+
+def scenario_schema() -> dict[str, Any]:
+    """Return the schema of a scenario, which is named after its file unless it has a name."""
+    schema = extending_schema(Scenario, "scenario")
+    schema["$defs"]["Scenario"]["required"].remove("name")
+    return schema
 
 
 def campaign_schema() -> dict[str, Any]:

@@ -1,7 +1,10 @@
 """What `railgrip inspect` finds in a recording, and that what it proposes is read."""
 
+import json
+import tomllib
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pandas as pd
 import pytest
@@ -169,6 +172,10 @@ def test_the_command_writes_a_file_that_estimate_takes(tmp_path):
     assert result.exit_code == 0, result.output
     for fact in ("Drehzahl [U/min]", "wheelset_speed", "9.990", str(file)):
         assert fact in result.output
+    text = file.read_text(encoding="utf-8")
+    assert text.startswith("#:schema ./estimation.schema.json\n")
+    schema = json.loads((tmp_path / "estimation.schema.json").read_text(encoding="utf-8"))
+    jsonschema.Draft7Validator(schema).validate(tomllib.loads(text))
     estimates = rg.estimate(path, file)
     assert np.isfinite(estimates["mean"].values).all()
     with pytest.raises(InputError, match=r"mine\.toml"):

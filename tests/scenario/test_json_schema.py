@@ -9,7 +9,7 @@ import pytest
 from railgrip.base.registry import shelf
 from railgrip.cli.library import text_of_schema
 
-KINDS = {"scenarios": "scenario", "campaigns": "campaign", "trains": "train"}
+KINDS = {"scenarios": "scenario", "campaigns": "campaign", "trains": "train", "estimations": "estimation"}
 SCHEMAS = {kind: json.loads(text_of_schema(kind)) for kind in KINDS.values()}
 FILES = [(kind, name) for kind in KINDS for name in shelf(kind)]
 
@@ -66,8 +66,19 @@ BROKEN = {
         ("cars", None), ("cars", []), ("resistance.drag_coefficient", 0), ("resistance.rolling_arm", "long"),
         ("name", 3), ("bogies", {"a": {}}), ("command.kind", "wire"), ("sanders", 3), ("resistence", {}),
     ],
+    "estimation": [
+        ("model", None), ("model.class", "1"), ("noise", None), ("noise.kind", "white"), ("noise.readings", {"v": 0}),
+        ("noise", {"file": 3}), ("noise", {"file": "tuned.toml", "kind": "density"}), ("start.deviation", None),
+        ("gate.threshold", "high"), ("between", "none"), ("name", None), ("data", {"period": "10 ms"}),
+        ("source.scenario", 3), ("outlier_limit", -1),
+    ],
 }  # fmt: skip
-BASES = {"scenario": ("scenarios", "trapezoid"), "campaign": ("campaigns", "table1"), "train": ("trains", "emu387")}
+BASES = {
+    "scenario": ("scenarios", "trapezoid"),
+    "campaign": ("campaigns", "table1"),
+    "train": ("trains", "emu387"),
+    "estimation": ("estimations", "wagon"),
+}
 
 
 @pytest.mark.parametrize(
@@ -103,6 +114,22 @@ def test_a_file_that_extends_another_says_only_what_differs(table, good):
     assert (problems("scenario", table) == []) is good
 
 
+@pytest.mark.parametrize(
+    ("table", "good"),
+    [
+        ({"extends": "field"}, True),
+        ({"extends": "field", "noise": {"file": "tuned.toml"}}, True),
+        ({"extends": "field", "model": {"parameters": {"m": "25 t"}}, "noise": {"readings": {"speed": 1e-4}}}, True),
+        ({"extends": "field", "noise": {"reading": {"speed": 1e-4}}}, False),
+        ({"extends": "field", "data": {"columns": {"pad_force": {"column": "p", "factor": "8 kN/bar"}}}}, True),
+        ({"extends": "field", "data": {"columns": {"pad_force": {"column": "p", "factor": "eight"}}}}, False),
+    ],
+    ids=str,
+)
+def test_an_estimation_that_extends_another_says_only_what_differs(table, good):
+    assert (problems("estimation", table) == []) is good
+
+
 def descriptions(schema):
     """Yield table.key and its description, which may be that of its table."""
     defined = schema.get("$defs", {})
@@ -119,5 +146,5 @@ def descriptions(schema):
 @pytest.mark.parametrize("kind", SCHEMAS)
 def test_every_key_has_a_description(kind):
     found = dict(descriptions(SCHEMAS[kind]))
-    assert len(found) > {"scenario": 450, "campaign": 250, "train": 80}[kind]
+    assert len(found) > {"scenario": 450, "campaign": 250, "train": 80, "estimation": 100}[kind]
     assert [key for key, description in found.items() if not description.strip()] == []
