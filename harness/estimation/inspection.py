@@ -48,6 +48,8 @@ _NAMES = {
 }
 """Other names of signals in recordings, beside those of plants."""
 
+_NOT_MEASURED = {"cmd", "command", "demand", "setpoint", "target", "soll", "init", "initial"}
+"""Words of names of columns with commands and initial values, which are not measured."""
 _MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
 """Readings that stand still exactly when a train does, or a wheelset is locked."""
 _LEAST = 0.6
@@ -297,6 +299,8 @@ def _score(signal: str, target: str, stem: str, number: int | None, finding: Fin
         return 0.0
     words = (base, *OTHER_NAMES.get(base, "").split(), *_NAMES.get(base, "").split())
     parts = set(stem.split("_"))
+    if parts & _NOT_MEASURED and target != "1":  # that the train drives or brakes may well be recorded as a command
+        return 0.0
     score = max(likeness(stem, words), *(0.9 for word in words if set(word.split("_")) <= parts), 0.0)
     return score if _unit_of(finding, target) else 0.95 * score
 

@@ -15,10 +15,11 @@ from railgrip.fmi.description import Causality, Description, Variable
 from railgrip.fmi.mapping import Signal
 
 OTHER_NAMES = {
-    "pressure_command": "demand brake_demand cylinder_demand pressure_demand pressure_setpoint brake_command p_set",
+    "pressure_command": "demand brake_demand cylinder_demand pressure_demand pressure_setpoint brake_command p_set "
+    "bcp_cmd bcp_set",
     "mu0": "rail_grip grip friction rail_friction mu mu_rail friction_coefficient",
     "track_force": "drag resistance gradient_force",
-    "start_speed": "v0 v_0 v_start speed_start initial_speed initial_velocity",
+    "start_speed": "v0 v_0 v_start v_init speed_start initial_speed initial_velocity",
     "distance": "odometer position travelled travel way x s",
     "speed": "velocity v train_speed v_train vehicle_speed",
     "acceleration": "retardation deceleration a a_train",
@@ -26,7 +27,7 @@ OTHER_NAMES = {
     "slip": "creep slide",
     "adhesion": "used_grip used_adhesion",
     "wheelset_load": "axle_load wheel_load",
-    "cylinder_pressure": "cylinder brake_pressure pressure p_cyl p_cylinder brake_cylinder",
+    "cylinder_pressure": "cylinder brake_pressure pressure p_cyl p_cylinder brake_cylinder bcp",
     "brake_torque": "brake_moment moment",
     "locked": "blocked",
 }

@@ -73,6 +73,15 @@ def test_columns_of_a_train_are_recognised_by_name_number_and_unit(tmp_path):
     assert inspection.proposal.count("revolutions are assumed") == 4
 
 
+def test_pressures_of_brake_cylinders_are_recognised_and_commands_are_not(tmp_path):
+    """bcp is the usual abbreviation of brake cylinder pressure; a command or an initial value is not a reading."""
+    names = ["bcp_1 [bar]", "BCP_2_kPa", "axle3_bcp [bar]", "coach_bcp_4 [mbar]"]
+    others = ["bcp_cmd_1 [bar]", "p_setpoint_2 [bar]", "v_init [m/s]"]
+    frame = pd.DataFrame({"time_s": T} | {name: V + i for i, name in enumerate((*others, *names))})
+    inspection = inspect_recording(written(tmp_path, frame), Path("stop"))
+    assert inspection.signals == {f"cylinder_pressure[{i}]": name for i, name in enumerate(names, start=1)}
+
+
 def test_what_is_not_recognised_is_left_to_the_reader_and_then_runs(tmp_path):
     frame = rig().rename(columns={"Kraft_kN": "Kanal 7", "Geschwindigkeit (km/h)": "v"})
     path = written(tmp_path, frame)

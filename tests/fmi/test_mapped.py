@@ -71,6 +71,17 @@ def test_arrays_are_found_under_names_of_many_kinds(names, entry):
     assert sorted(bound.outputs.channels[0].variables) == sorted(names)
 
 
+def test_usual_abbreviations_are_recognised():
+    signals = {
+        "pressure_command": (Signal(name="pressure_command", unit="Pa", size=2, needed=True), "input"),
+        "cylinder_pressure": (Signal(name="cylinder_pressure", unit="Pa", size=2, needed=False), "output"),
+        "start_speed": (Signal(name="start_speed", unit="m/s", size=0, needed=False), "parameter"),
+    }
+    causalities = {"input": ["bcp_cmd_1", "bcp_cmd_2"], "output": ["bcp_1", "bcp_2"], "parameter": ["v_init", "r"]}
+    table = drafted(described(**causalities), signals)
+    assert table == {"pressure_command": "bcp_cmd_{i}", "cylinder_pressure": "bcp_{i}", "start_speed": "v_init"}
+
+
 def test_a_gap_in_the_numbers_is_no_array():
     names = {array.name for array in arrays_of(described(output=["omega_1", "omega_3"])) if not array.is_scalar}
     assert not names
