@@ -118,10 +118,13 @@ class NamedFile:
         directory = context.get(DIRECTORY, Path())
         path = (entry.folder if isinstance(entry, Elsewhere) else directory) / entry
         if not is_file(path):
+            is_recipe = path.suffix == ".fmu" and path.parent.parts[-2:] == ("build", "fmus")
+            hint = f"; `railgrip build {path.stem}` makes it" if is_recipe else ""
             raise PydanticCustomError(
                 "file",
-                "names '{entry}', but there is no file {path}; the path starts at the folder of the file it stands in",
-                {"entry": cut(entry), "path": place(path)},
+                "names '{entry}', but there is no file {path}; the path starts at the folder of the file it stands in"
+                "{hint}",
+                {"entry": cut(entry), "path": place(path), "hint": hint},
             )
         if isinstance(entry, Elsewhere):
             entry = _relative(path, directory)

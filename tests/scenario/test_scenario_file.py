@@ -166,6 +166,11 @@ def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overr
     )
 
 
+def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_makes_it():
+    with pytest.raises(ScenarioError, match=r"ForeignTrain\.fmu; .*; `railgrip build ForeignTrain` makes it\.$"):
+        load(TRAPEZOID, ["vehicle.plant=build/fmus/ForeignTrain.fmu"])
+
+
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
