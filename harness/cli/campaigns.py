@@ -16,13 +16,12 @@ from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, W
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.comparison import compare as compared
-from railgrip.report.console import complain, progress, say, show_all, show_table
-from railgrip.report.distances import documented, rows_of, tables_of
+from railgrip.report.console import complain, progress, say, show_all
+from railgrip.report.distances import documented, rows_of, shown
 from railgrip.report.index import write_report
 from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import by_compiler, read_results
-from railgrip.report.row import Row
 from railgrip.scenario.campaign import Panels, load_campaign
 from railgrip.trace.stop import require_no_result
 
@@ -69,7 +68,7 @@ def campaign(
     problem = run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
     for run, baseline in zip(runs, baselines, strict=True):
         results = read_results(run.directory)
-        _show_distances(rows_of(results))
+        show_all(shown(rows_of(results), hidden=_NOT_ON_SCREEN) or ["no results"])
         for sentence in by_compiler(results.stops):
             say(sentence)
         for sentence in [] if baseline is None else beyond_accepted(results, baseline):
@@ -157,14 +156,6 @@ def run_campaigns(
             job.notify("")
 
         return job.stops(runs, runner(import_from=import_from), on_complete=complete)
-
-
-def _show_distances(rows: Sequence[Row]) -> None:
-    draws, single = tables_of(rows)
-    if draws:
-        show_table(draws)
-    if single or not draws:
-        show_table(single.without(_NOT_ON_SCREEN), "no results")
 
 
 _NOT_ON_SCREEN = frozenset(

@@ -5,6 +5,7 @@ rich is used for tables and bars only: it would read markup and emoji in what us
 
 import logging
 import sys
+import textwrap
 import time
 from collections.abc import Callable, Generator, Iterable
 from contextlib import contextmanager
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 
 REMINDER: Final = 10.0
 """Time between two lines of progress without a terminal [s]."""
+
+_WORD: Final = 10
+"""Least width of a column with longer texts, and of a header in several lines [characters]."""
 
 
 def _console(**settings: Any) -> Console:
@@ -86,13 +90,25 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
     import rich.table
 
     screen = rich.table.Table(title=table.title or None, box=None, title_justify="left", header_style="bold")
-    for column in table.columns:
-        # A number is never cut; where the screen is narrow, texts take more lines.
+    texts = table.texts
+    longest = {column: max(len(row[column]) for row in texts) for column in table.columns}
+    is_narrow = sum(2 + max(len(column), size) for column, size in longest.items()) > _out.width
+    least = 0
+    for column, size in longest.items():
+        # A number is never cut; where the screen is narrow, headers and texts take more lines.
         number = column not in table.left
-        screen.add_column(column, justify="right" if number else "left", no_wrap=number, overflow="fold")
-    for row in table.texts:
+        header = textwrap.fill(column, max(size, _WORD), break_long_words=False) if is_narrow else column
+        width = max(map(len, header.split("\n"))) if number else min(len(column), _WORD)
+        width = max(width, size if number else min(size, _WORD))
+        screen.add_column(
+            header, justify="right" if number else "left", no_wrap=number, overflow="fold", min_width=width
+        )
+        least += 2 + width
+    for row in texts:
         screen.add_row(*row.values())
-    _out.print(screen)
+    # rich leaves out the columns of texts where the others fill the screen; beyond its edge they can still be read.
+    screen.width = least if least > _out.width else None
+    _out.print(screen, crop=False)
 
 
 def show_all(parts: "Iterable[Table | str]") -> None:

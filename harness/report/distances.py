@@ -3,7 +3,7 @@
 Stops that differ only in their draw are shown as distributions, by `railgrip.report.distribution`.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from types import MappingProxyType
@@ -16,7 +16,7 @@ from railgrip.report.reference import controller_of, label, references, setting_
 from railgrip.report.results import Result, Results, from_elsewhere, makers
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
-from railgrip.report.table import Form, Link, Table, change, names, percent, share
+from railgrip.report.table import Form, Table, change, names, percent, share
 from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import Repeated
 from railgrip.scenario.outcome import Outcome
@@ -68,21 +68,25 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
     return as_json, as_markdown
 
 
-def tables_of(rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({})) -> tuple[Table, Table]:
-    """Return the table of distributions over draws and that of all other rows, both without empty columns.
+def tables_of(rows: Sequence[Row]) -> tuple[Table, Table]:
+    """Return the table of distributions over draws and that of all other rows, both without empty columns."""
+    cells = [{name: of(row) for name, of in _COLUMNS.items()} for row in rows if row.draw is None]
+    return distribution_table(distributions_of(rows)).filled(), Table(cells, _FORMS).filled()
+
+
+def shown(
+    rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({}), hidden: Collection[str] = ()
+) -> list[Table | str]:
+    """Return the tables of a campaign for a reader, each below a sentence on what is the same in all of its rows.
 
     Args:
         rows: Of a campaign.
         pages: Stop → address of its page, to which its row is linked.
+        hidden: Columns that are left out.
     """
-    cells = [
-        {name: of(row) for name, of in _COLUMNS.items()}
-        | ({"scenario": Link(row.label, pages[row.stop])} if row.stop in pages else {})
-        for row in rows
-        if row.draw is None
-    ]
-    distances = Table(cells, _FORMS)
-    return distribution_table(distributions_of(rows)).filled(), distances.filled()
+    draws, single = tables_of(rows)
+    addresses = [pages.get(row.stop) for row in rows if row.draw is None]
+    return [*draws.parts(), *single.without(hidden).parts(addresses)]
 
 
 def documented(rows: Sequence[Row]) -> dict[str, Table]:

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from railgrip.base.errors import RecordError
 from railgrip.report import style
 from railgrip.report.baseline import beyond_accepted
-from railgrip.report.distances import rows_of, tables_of, write_table
+from railgrip.report.distances import rows_of, shown, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
@@ -144,9 +144,9 @@ def campaign_page(
         template="report/campaign.md.jinja",
         values={
             "references": " ".join(text for text, needs in _LEGEND.items() if any(map(needs, rows))),
-            "quantiles": quantile_table(distributions, results.permitted_distance),
-            "worst": worst_table(rows, pages),
-            "tables": [table for table in tables_of(rows, pages) if table],
+            "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
+            "worst": worst_table(rows, pages).parts(),
+            "tables": shown(rows, pages),
             "notes": [*from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},

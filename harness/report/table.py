@@ -12,8 +12,9 @@ from typing import Any, Self
 from railgrip.base.files import replacing
 
 TEXT_COLUMNS = frozenset(
-    {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "stop", "figure", "state", "unit"}
-)
+    {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "draws", "stop", "figure", "state",
+     "unit"}
+)  # fmt: skip
 """What is read from the left, unless a table says otherwise; all other columns are numbers."""
 
 Form = str | Callable[[Any], str]
@@ -89,6 +90,31 @@ class Table:
     def filled(self) -> Self:
         """Return the table without the columns that have nothing in them."""
         return self.without({column for column in self.columns if not any(row[column] for row in self.texts)})
+
+    def parts(self, addresses: Sequence[str | None] = ()) -> "list[Table | str]":
+        """Return a sentence on the columns of texts that are the same in all rows, and the table without them.
+
+        A table of one row keeps all columns; one without a row has no parts.
+
+        Args:
+            addresses: Page to which the first cell of each row is linked, or None; none of them when empty.
+        """
+        if not self:
+            return []
+        first, *others = self.texts
+        same = {
+            name: cell
+            for name, cell in first.items()
+            if name in self.left and others and all(row[name] == cell for row in others)
+        }
+        table = self.without(same)
+        if addresses:
+            column = table.columns[0]
+            pairs = zip(table.rows, addresses, strict=True)
+            linked = [{**row, column: Link(str(row[column]), to)} if to else row for row, to in pairs]
+            table = replace(table, rows=linked)
+        sentence = f"Same in all rows: {'; '.join(map(' '.join, same.items()))}."
+        return [sentence, table] if same else [table]
 
     def __str__(self) -> str:
         """Return the table as Markdown."""

@@ -38,6 +38,18 @@ def test_cells_of_a_table_are_shown_as_they_are(capfd):
     assert "[bold]:x:  [/]" in out
 
 
+@pytest.mark.parametrize("width", [180, 100, 30])
+def test_a_table_wider_than_the_screen_keeps_all_columns(monkeypatch, capfd, width):
+    """The numbers alone take more than 180 characters."""
+    numbers = {f"change against law {i}": f"−15.8 % [−15.8 %, −15.{i} %]" for i in range(8)}
+    row = {"scenario": "random", "controller": "SBC, three-state, searched"} | numbers
+    monkeypatch.setattr(console, "_out", console._console(width=width))
+    console.show_table(Table([row, row]))
+    out = capfd.readouterr().out
+    for text in ("scenario", "random", "controller", "SBC,", "searched", *numbers.values()):
+        assert text in out
+
+
 @pytest.mark.parametrize(
     ("settings", "line"),
     [

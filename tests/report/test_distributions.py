@@ -133,9 +133,12 @@ def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):
     assert '"worst_draw"' in as_json.read_text(encoding="utf-8")
     page = write_report(folder, panels="none")
     assert list(plots_of(page)) == [f"figures/{name}.png" for name in ("exceedance", "distributions", "friction")]
+    html = page.read_text(encoding="utf-8")
+    assert html.count('<td class="text">random</td>') == 1  # of the scenarios; the other tables say it above their rows
+    assert html.count("Same in all rows: scenario random; draws 4.") == 1  # quantiles
     assert (
-        page.read_text(encoding="utf-8").count('<td class="text">random</td>') == 4 + 4 + 1
-    )  # quantiles, distributions, scenarios
+        html.count("Same in all rows: scenario random; actuation ideal; sensors ideal; creep curve dry; draws 4.") == 1
+    )
 
 
 def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):

@@ -43,6 +43,18 @@ def test_a_table_is_html_in_a_page_of_html(tmp_path):
     assert 'id="plotly"' not in text  # without a figure there is nothing to draw
 
 
+def test_what_is_the_same_in_all_rows_is_said_once_above_the_table():
+    """A column of numbers stays: it is a result. Links are on the first column that is left."""
+    rows = [{"scenario": "dry", "actuation": "ideal", "controller": name, "distance": 12.34} for name in ("SBC", "ABC")]
+    sentence, table = Table(rows).parts(["sbc.html", None])
+    assert sentence == "Same in all rows: scenario dry; actuation ideal."
+    assert table.columns == ["controller", "distance"]
+    assert [getattr(row["controller"], "address", None) for row in table.rows] == ["sbc.html", None]
+    (single,) = Table(rows[:1]).parts()
+    assert single.columns == ["scenario", "actuation", "controller", "distance"]
+    assert Table([]).parts() == []
+
+
 def test_a_cell_links_to_a_page_and_is_text_elsewhere():
     table = Table([{"stop": Link("a & b", "a/index.html")}])
     assert '<td class="text"><a href="a/index.html">a &amp; b</a></td>' in table.__html__()
