@@ -12,6 +12,8 @@ from railgrip.base.errors import EstimationError, InputError
 from railgrip.campaign.work import work
 from railgrip.scenario.load import load
 from railgrip.studies import names, summary
+from railgrip.studies.bench import stop
+from railgrip.studies.bench.study import answer
 from railgrip.studies.study import study_named
 
 COUNT = itertools.count(1)
@@ -36,6 +38,33 @@ def counted(case):
 def study_work(own_cache):
     with one_process(), work("lateral") as own:
         yield own
+
+
+def test_the_bench_says_how_fast_a_stop_is_and_what_is_over_its_target():
+    rows = [
+        ("cold build of 9 FMUs", "9.8 s (16.1 s of processor)", "10 s"),
+        (f"{stop.ABC}{stop.CYCLE}", "8.1 µs", ""),
+        (stop.FASTER, "98", ""),
+        ("  with assembly, without a trace", "11.0 µs", "10 µs"),
+        (f"slip-based control{stop.CYCLE}", "3.0 µs", ""),
+        (stop.FASTER, "200", ""),
+        ("train of 4 four-axle cars", "0.03 ms", "25 µs for four cars"),
+        ("stops that two processes end, over one", "1.95", "at least 1.9"),
+        ("tuning", "40 ms", ""),
+        ("  both objectives", "29.0 min", "30 min"),
+    ]
+    first, second = answer(rows).split(". Of ")
+    assert first == (
+        "With adhesion-based control and a compiled law, a cycle of the loop takes 8.1 µs, and a stop with assembly "
+        "and figures runs 98 times faster than real time"
+    )
+    assert second == (
+        "5 durations and ratios with a target, 2 over target: adhesion-based control: a cycle, law compiled – with "
+        "assembly, without a trace: 11.0 µs, target 10 µs; train of 4 four-axle cars: 0.03 ms, target 25 µs for four "
+        "cars."
+    )
+    assert "none is over it." in answer([row for row in rows if row[1] not in ("11.0 µs", "0.03 ms")])
+    assert "1.80, target at least 1.9." in answer([*rows, ("two processes", "1.80", "at least 1.9")])
 
 
 def test_a_case_is_run_once_whatever_its_values_are(study_work):
