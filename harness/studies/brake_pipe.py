@@ -31,7 +31,8 @@ PAGE = Path("docs/train_models.md")
 """From the folder of the project, where the command runs."""
 
 GRIDS = (1, 3, CELLS_OF_A_CAR, 9, 17)
-"""Cells of the pipe in a car; the last is what grid errors are taken against."""
+"""Cells of the pipe in a car; grid errors are differences from the last."""
+QUICK_GRIDS = (CELLS_OF_A_CAR, 9)
 LITRES = (0.0, 1.5, 3.0, 4.5)
 """Volume of the branch of each car [l]."""
 CONDUCTANCES = {"none": 0.0, "in each car": 2e-7}
@@ -146,7 +147,7 @@ class BrakePipe(Study):
 
     def page(self, work: Work) -> Page:
         """Return the speed of the front in each case; the small form has two grids."""
-        grids = (1, CELLS_OF_A_CAR) if self.quick else GRIDS
+        grids = QUICK_GRIDS if self.quick else GRIDS
         speeds = dict(zip(grids, work.map(fronts, grids), strict=True))
         table, of_trains = table_of(speeds), speeds[CELLS_OF_A_CAR].values()
         rows = [] if self.quick else work.map(stop_row, EQUIPMENT)

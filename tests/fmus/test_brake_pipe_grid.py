@@ -1,5 +1,7 @@
 """The front in the brake pipe, against a solver of its own on finer grids."""
 
+from types import SimpleNamespace
+
 import pytest
 from pipe_by_hand import SOUND, Pipe
 
@@ -38,3 +40,12 @@ def test_the_table_states_the_error_of_the_grid_of_trains():
     speeds = {1: {(0.0, "none"): 280.0}, CELLS_OF_A_CAR: {(0.0, "none"): 270.0}, 17: {(0.0, "none"): 266.0}}
     (row,) = brake_pipe.table_of(speeds).texts
     assert (row["1 cell"], row["17 cells"], row["grid error"]) == ("280.0 m/s", "266.0 m/s", "+1.5%")
+
+
+def test_the_quick_form_has_an_error_against_a_finer_grid():
+    """A front that is faster by 1 % with every cell: the error is that of the cells between both grids."""
+    work = SimpleNamespace(map=lambda function, grids: [{(0.0, "none"): 250.0 * 1.01**cells} for cells in grids])
+    (row,) = brake_pipe.BrakePipe(quick=True).page(work).screen[0].rows
+    finest = int(list(row)[-2].removesuffix(" cells"))
+    assert finest > CELLS_OF_A_CAR
+    assert row["grid error"] == pytest.approx(1.01 ** (CELLS_OF_A_CAR - finest) - 1)
