@@ -15,7 +15,7 @@ for axes, curve in zip(panels, ("wet", "soap"), strict=True):
     for share in shares:
         laws = [{"kind": "slip_two_state", "parameters": {"low": share * s, "high": s}} for s in highs]
         distances = [rg.run(scenario, controller=law).metrics.distance for law in laws]
-        axes.semilogx([100 * high for high in highs], distances, "o-", label=f"{share:.0%} of it")
+        axes.semilogx([100 * high for high in highs], distances, "o-", label=f"{100 * share:.0f} % of it")
     axes.set(title=f"creep curve {curve}", xlabel="slip that releases [%]")
     axes.set_xticks([100 * high for high in highs], [f"{100 * high:g}" for high in highs])
     axes.minorticks_off()

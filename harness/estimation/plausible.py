@@ -84,7 +84,7 @@ def _sentences(
     unit = f" {unit}" if unit not in ("", "1") else ""
     return (
         f"{what} {values[worst]:.4g}{unit} at {of['time'].values[worst]:.3f} s and beyond {bounds.low:g} to "
-        f"{bounds.high:g}{unit} in {np.mean(beyond):.0%} of its samples ({bounds.reason}); {question}",
+        f"{bounds.high:g}{unit} in {100 * np.mean(beyond):.0f} % of its samples ({bounds.reason}); {question}",
     )
 
 

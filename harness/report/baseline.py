@@ -272,7 +272,7 @@ def beyond_accepted(results: Results, path: Path) -> list[str]:
     findings = findings_of(replace(results, stops=tuple(known)))
     return [
         f"{comparison.name}: {comparison.value:.2f} m by FMUs of another compiler, {accepted.value:.2f} m is accepted, "
-        f"{comparison.value / accepted.value - 1:+.1%}."
+        f"{100 * (comparison.value / accepted.value - 1):+.1f} %."
         for comparison in compare(baseline.across_compilers(), findings)
         if comparison.state == "moved" and comparison.value is not None
         for accepted in (baseline.accepted[comparison.name],)

@@ -208,7 +208,9 @@ class _Lines:
         if self._total is None:
             return text
         return f"{text}, " + (
-            f"{self._amount:.0f} of {self._total:.0f}" if self._is_count else f"{self._amount / self._total:.0%}"
+            f"{self._amount:.0f} of {self._total:.0f}"
+            if self._is_count
+            else f"{100 * self._amount / self._total:.0f} %"
         )
 
 

@@ -19,7 +19,7 @@ from railgrip.report.statistics import (
     relative_change,
     share_interval,
 )
-from railgrip.report.table import Link, Table, percent, text
+from railgrip.report.table import Link, Table, percent, share, text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,10 +140,10 @@ def quantile_table(distributions: Sequence[Distribution], permitted: float | Non
             "controller": distribution.controller_label,
             "draws": len(values),
         }
-        for share in QUANTILES:
-            interval = order_interval(values, share)
+        for level in QUANTILES:
+            interval = order_interval(values, level)
             ends = "" if interval is None else f" [{_metres(interval[0], '')}, {_metres(interval[1], '')}]"
-            row[f"P{100 * share:.0f}"] = _metres(quantile(values, share)) + ends
+            row[f"P{100 * level:.0f}"] = _metres(quantile(values, level)) + ends
         if permitted is not None:
             count = sum(value > permitted for value in values)
             low, high = share_interval(count, len(values))
@@ -166,7 +166,7 @@ def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) 
         }
         for row in sorted(drawn, key=lambda row: -endless(row.distance_m))[:count]
     ]
-    return Table(cells, {"distance": "{:.1f} m", "adhesion used": "{:.1%}", "longest lock": "{:.2f} s"})
+    return Table(cells, {"distance": "{:.1f} m", "adhesion used": share, "longest lock": "{:.2f} s"})
 
 
 def _paired_texts(name: str, paired: Paired | None) -> dict[str, str]:

@@ -258,8 +258,8 @@ def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
             draw(panel, time, trace, group)
             shares = outside.get(quantity)
             if shares is not None and isfinite(shares[group]):
-                panel.text(0.98, 0.96, f"{shares[group]:.0%} outside ±2σ", transform=panel.transAxes, ha="right",
-                           va="top", fontsize=8)  # fmt: skip
+                panel.text(0.98, 0.96, f"{100 * shares[group]:.0f} % outside ±2σ", transform=panel.transAxes,
+                           ha="right", va="top", fontsize=8)  # fmt: skip
             panel.grid(visible=True, color="#DDDDDD", linewidth=0.6)
             panel.spines[["top", "right"]].set_visible(False)
             if panel.get_subplotspec().is_first_col():

@@ -180,6 +180,11 @@ def share(value: float) -> str:
     return percent(value, sign=False)
 
 
+def whole_percent(value: float) -> str:
+    """Return a share in whole percent, without a sign."""
+    return text(100 * value, "{:.0f} %")
+
+
 def yes_no(value: bool) -> str:
     """Return a truth value for people."""
     return "yes" if value else "no"

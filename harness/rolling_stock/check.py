@@ -83,7 +83,8 @@ def _masses(train: Train) -> Iterator[Finding]:
     if not _ROTATING[0] <= rotating <= _ROTATING[1]:
         yield Finding(
             "[bogies] inertia",
-            f"what turns adds {rotating:.1%} to the mass; {_ROTATING[0]:.0%} to {_ROTATING[1]:.0%} are usual",
+            f"what turns adds {100 * rotating:.1f} % to the mass; {100 * _ROTATING[0]:.0f} % to "
+            f"{100 * _ROTATING[1]:.0f} % are usual",
             wrong=False,
         )
 
@@ -175,7 +176,7 @@ def _stops(train: Train) -> Iterator[Finding]:
         if reference.limit and off > 0:
             yield Finding(f"[reference[{number}]] distance", f"{what} are allowed ({reference.source})")
         elif not reference.limit and abs(off) > _CLOSE:
-            words = f"{what} published: {off:+.1%} ({reference.source})"
+            words = f"{what} published: {100 * off:+.1f} % ({reference.source})"
             yield Finding(f"[reference[{number}]] distance", words, wrong=False)
 
 

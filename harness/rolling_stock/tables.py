@@ -57,8 +57,8 @@ def sentence_of_equipment(train: Train) -> str:
     for kind, count in Counter(car.distributor for car in train.cars if car.distributor).items():
         stages = train.distributors[kind]
         words.append(
-            f"{kind} in {count} of {len(train.cars)} cars: {stages.low_share:.0%} of the pressure once slower than "
-            f"{3.6 * stages.speed_down:g} km/h, all of it from {3.6 * stages.speed_up:g} km/h on"
+            f"{kind} in {count} of {len(train.cars)} cars: {100 * stages.low_share:.0f} % of the pressure once slower "
+            f"than {3.6 * stages.speed_down:g} km/h, all of it from {3.6 * stages.speed_up:g} km/h on"
         )
     for kind, count in Counter(car.accelerator for car in train.cars if car.accelerator).items():
         vent = train.accelerators[kind]
@@ -72,7 +72,7 @@ def sentence_of_equipment(train: Train) -> str:
 def sentence_of_stop(train: Train, speed: float, stop: HandCalculation) -> str:
     """Return how a train stops by hand calculation."""
     return (
-        f"{train.name}: {train.mass / 1e3:.1f} t, {stop.rotating_mass / train.mass:.1%} more by what turns; from "
-        f"{3.6 * speed:g} km/h {stop.distance:.1f} m in {stop.duration:.1f} s by hand (EN 14531-1), "
+        f"{train.name}: {train.mass / 1e3:.1f} t, {100 * stop.rotating_mass / train.mass:.1f} % more by what turns; "
+        f"from {3.6 * speed:g} km/h {stop.distance:.1f} m in {stop.duration:.1f} s by hand (EN 14531-1), "
         f"{stop.deceleration:.2f} m/s² after {stop.equivalent_time:.2f} s, adhesion up to {stop.adhesion.max():.3f}"
     )

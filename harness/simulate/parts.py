@@ -315,8 +315,8 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
     if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
         ending = Ending(
             outcome=Outcome.IMPLAUSIBLE,
-            reason=f"The plant used {share:.1%} of the adhesion at the peak of the creep curve; more than 100 % cannot "
-            "be: its contact is not that of [adhesion] polach.",
+            reason=f"The plant used {100 * share:.1f} % of the adhesion at the peak of the creep curve; more than "
+            "100 % cannot be: its contact is not that of [adhesion] polach.",
             samples=ending.samples,
         )
     metrics = measure(

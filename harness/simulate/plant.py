@@ -186,7 +186,7 @@ def _refuse_steep_track(vehicle: VehicleData) -> None:
     most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
     if mass and abs(force) > most:
         raise ScenarioError(
-            f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {STEEPEST:.0%} only "
+            f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {100 * STEEPEST:.0f} % only "
             f"{most:.6g} N; correct force, gradient, curve or train_mass."
         )
 

@@ -180,7 +180,8 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
     near = abs(rolling / radius - 1) <= _WEAR
     hint = "" if near else _hint(radius / rolling)
     if not near and not hint:
-        hint = f": a constant slip of {1 - radius / rolling:.0%}; give the controller and the estimator this r_wheel"
+        slipping = f"{100 * (1 - radius / rolling):.0f} %"
+        hint = f": a constant slip of {slipping}; give the controller and the estimator this r_wheel"
     yield Finding(signal=f"wheelset_speed[{g + 1}]", good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}")
     if not math.isnan(slip):
         braking = trial.output("slip")[-1, g]

@@ -18,7 +18,7 @@ from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import Table, percent
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
 from railgrip.rolling_stock.stopping import by_hand
@@ -111,7 +111,7 @@ def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> Table:
         | {"grid error": speeds[CELLS_OF_A_CAR][litres, name] / speeds[finest][litres, name] - 1}
         for litres, name in speeds[finest]
     ]
-    return Table(rows, {"grid error": "{:+.1%}"}, ("branch", "accelerators"), title="Front through ten coaches")
+    return Table(rows, {"grid error": percent}, ("branch", "accelerators"), title="Front through ten coaches")
 
 
 def stop_row(equipment: str) -> dict[str, object]:

@@ -15,7 +15,7 @@ from railgrip.estimation.judge import rms
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import Table, whole_percent
 from railgrip.scenario.load import read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.simulate.run import run_stop
@@ -159,7 +159,7 @@ LADEN = (0.8, 1.0, 1.05)
 """Loads under which faults are compared: those of the type test."""
 
 _FORMS = {
-    "load": "{:.0%}",
+    "load": whole_percent,
     **dict.fromkeys(("α RMSE", "α bias"), "{:.4f}"),
     **dict.fromkeys(("NEES 10 %", "NEES 50 %", "NEES 90 %"), "{:.2g}"),
 }

@@ -86,7 +86,7 @@ class Metrics:
                 f"{self.nis_ratio:.1f} times the expected one."
             )
         for what, shares in (("adhesion", self.adhesion_outside), ("pad friction", self.pad_friction_outside)):
-            groups = [f"{g + 1} ({share:.0%})" for g, share in enumerate(shares or ()) if share > MOSTLY]
+            groups = [f"{g + 1} ({100 * share:.0f} %)" for g, share in enumerate(shares or ()) if share > MOSTLY]
             if groups:
                 sentences.append(
                     f"The estimator is surer than it is right: the true {what} is outside ±2σ most of the time in "

@@ -68,7 +68,11 @@ class Stop:
         scenario, metrics, start = self.scenario, self.metrics, 3.6 * self.scenario.start.speed
         parts = {"controller": scenario.controller, "estimator": scenario.estimator, "sensors": scenario.sensors}
         kinds = [f"{name} {self.classes.get(name, {}).get('class', part.kind)}" for name, part in parts.items()]
-        used = f"{metrics.utilisation:.1%} of the possible adhesion used, " if isfinite(metrics.utilisation) else ""
+        used = (
+            f"{100 * metrics.utilisation:.1f} % of the possible adhesion used, "
+            if isfinite(metrics.utilisation)
+            else ""
+        )
         lines = (
             f"Stop of {scenario.name}, seed {scenario.seed}: {self.outcome.value}, {self.reason}",
             f"  {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s from {start:.1f} km/h, "

@@ -54,7 +54,7 @@ def test_a_table_wider_than_the_screen_keeps_all_columns(monkeypatch, capfd, wid
     ("settings", "line"),
     [
         ({"total": 8, "is_count": True}, "table1 :x:: drawing [a], 2 of 8, "),
-        ({"total": 8}, "table1 :x:: drawing [a], 25%, "),
+        ({"total": 8}, "table1 :x:: drawing [a], 25 %, "),
         ({}, "table1 :x:: drawing [a], "),
     ],
 )

@@ -99,7 +99,7 @@ def test_a_plant_that_never_stops_ends_at_the_horizon(railgrip: Railgrip, foundr
         ('distance = "-distance"', (), "'distance' shows -"),
         ('acceleration = "-acceleration"', (), "it looks like the other sign"),
         ('start_speed = { variable = "start_speed", scale = 3.6 }', (), "'speed' shows 2.77778 m/s at the start"),
-        ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', (), "a constant slip of 17%"),
+        ('wheelset_speed = { variable = "wheelset_speed[{i}]", scale = 0.826 }', (), "a constant slip of 17 %"),
         ('pressure_command = { variable = "pressure_command[{i}]", scale = 1e5 }', (), "full brakes slow the train by"),
         ('cylinder_pressure = { variable = "cylinder_pressure[{i}]", scale = 1e-5 }', (), "it looks like bar for Pa"),
         # Read with 0.38 m they would slide by 17 % all the time, and slip control would never brake.

@@ -39,7 +39,7 @@ def test_the_independent_solver_converges():
 def test_the_table_states_the_error_of_the_grid_of_trains():
     speeds = {1: {(0.0, "none"): 280.0}, CELLS_OF_A_CAR: {(0.0, "none"): 270.0}, 17: {(0.0, "none"): 266.0}}
     (row,) = brake_pipe.table_of(speeds).texts
-    assert (row["1 cell"], row["17 cells"], row["grid error"]) == ("280.0 m/s", "266.0 m/s", "+1.5%")
+    assert (row["1 cell"], row["17 cells"], row["grid error"]) == ("280.0 m/s", "266.0 m/s", "+1.5 %")
 
 
 def test_the_quick_form_has_an_error_against_a_finer_grid():

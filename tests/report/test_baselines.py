@@ -220,7 +220,7 @@ def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, t
 
     (sentence,) = beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), file)
     assert sentence.startswith(f"{SBC}: {distance(results, SBC):.2f} m by FMUs of another compiler")
-    assert sentence.endswith("-1.0%.")
+    assert sentence.endswith("-1.0 %.")
     assert beyond_accepted(made_by("railgrip (rumoca 0.10)"), file) == []
     assert beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
     assert by_compiler(made_by("OpenModelica v1.27.0").stops) == ["FMUs by OpenModelica v1.27.0: TwoPartTrain.fmu."]

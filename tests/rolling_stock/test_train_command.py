@@ -77,7 +77,7 @@ def test_distributors_and_accelerators_are_shown_and_said(railgrip, mine):
     assert row.split() == ["A", "R", "0.50", "50", "km/h", "70", "km/h", "quick", "0.7", "bar/s", "2.5", "bar"]
     code, out, err = railgrip("train", "check", "mine.toml")
     assert (code, err) == (0, "")
-    assert "R in 1 of 2 cars: 50% of the pressure once slower than 50 km/h, all of it from 70 km/h on" in out
+    assert "R in 1 of 2 cars: 50 % of the pressure once slower than 50 km/h, all of it from 70 km/h on" in out
     assert "quick in 1 of 2 cars vents the pipe where it falls by 0.7 bar/s, down to 2.5 bar" in out
 
 

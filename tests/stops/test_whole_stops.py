@@ -124,7 +124,7 @@ def test_an_overconfident_estimate_of_pad_friction_is_reported():
     assert 0.5 < metrics.nis_ratio < 1.5
     (sentence,) = metrics.doubts()
     assert "true pad friction" in sentence
-    assert "group 1 (99%)" in sentence
+    assert "group 1 (99 %)" in sentence
 
 
 def test_with_an_offset_in_the_pressure_it_is_the_brake_torque_that_is_known():
@@ -185,5 +185,5 @@ def test_a_plant_with_another_creep_curve_has_the_bound_of_that_curve(parameter)
 
 
 def test_a_track_that_holds_more_than_the_steepest_gradient_is_refused():
-    with pytest.raises(ScenarioError, match=r"\[track\] puts -900000 N on a train of .* kg, but a gradient of 20%"):
+    with pytest.raises(ScenarioError, match=r"\[track\] puts -900000 N on a train of .* kg, but a gradient of 20 %"):
         run_stop(load(LIBRARY / "plain.toml", ["estimator.kind=none", "track.force=-900 kN"]))

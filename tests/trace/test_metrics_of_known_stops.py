@@ -195,7 +195,7 @@ def test_a_truth_beyond_two_deviations_most_of_the_time_is_said_with_its_group()
     assert metrics.pad_friction_outside == (1.0, 0.0, 0.0, 1.0)
     (sentence,) = metrics.doubts()
     assert "true pad friction" in sentence
-    assert "1 (100%), 4 (100%)" in sentence
+    assert "1 (100 %), 4 (100 %)" in sentence
 
 
 def test_a_truth_that_a_plant_does_not_show_is_not_inside():

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgrip.estimation.run import prediction_of
 from railgrip.estimators.belief import Array
 from railgrip.estimators.observability import along
-from railgrip.report.table import Table
+from railgrip.report.table import Table, whole_percent
 from railgrip.studies.lateral.judge import WINDOW
 from railgrip.studies.lateral.run import CLASSES, EVERY, LITERAL_NOISE, Case, Trace, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
@@ -109,7 +109,7 @@ def observed(runs: Sequence[Information]) -> Table:
                 for name, a, b in zip(("creep", "friction", "force"), middle, most, strict=True)
             }
         )
-    return Table(rows, {"all five determined": "{:.0%}"}, ("condition",))
+    return Table(rows, {"all five determined": whole_percent}, ("condition",))
 
 
 def refused(runs: Sequence[Information]) -> Table:

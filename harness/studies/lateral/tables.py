@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.stats import binom
 
-from railgrip.report.table import Table
+from railgrip.report.table import Table, share
 from railgrip.studies.lateral.judge import QUANTITIES, adhesion, beliefs_about
 from railgrip.studies.lateral.run import NAMES, Case, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS
@@ -252,8 +252,8 @@ def observability_table(results: Sequence[Result]) -> Table:
                 "windows": len(pairs),
                 "σ(μ0), paper's sensors": f"{np.median(paper):.1e}",
                 "σ(μ0), service sensors: median [10 %, 90 %]": f"{np.median(service):.2g} [{low:.2g}, {high:.2g}]",
-                "σ < 0.02": f"{np.mean(service < 0.02):.0%}",
-                "σ < 0.05": f"{np.mean(service < 0.05):.0%}",
+                "σ < 0.02": f"{100 * np.mean(service < 0.02):.0f} %",
+                "σ < 0.05": f"{100 * np.mean(service < 0.05):.0f} %",
             }
         )
     return Table(rows, {"speed [m/s]": "{:g}"}, ("condition",))
@@ -269,7 +269,7 @@ def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
             shares = [
                 (condition.name, *(row / max(row.sum(), 1))) for condition, row in zip(CONDITIONS, counts, strict=True)
             ]
-            confusion = Table.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, "{:.1%}")
+            confusion = Table.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, share)
             tables.append((f"{TITLES[name]}, {title}", confusion, _delays(runs, name)))
     return tables
 

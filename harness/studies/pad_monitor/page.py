@@ -28,10 +28,10 @@ def health_table(history: History, names: Sequence[str]) -> Table:
         {
             "group": f"{g + 1} {name}",
             "health": f"{history.index[-1, g]:.3f} ± {history.index_sd[-1, g]:.3f}",
-            "trend per 100 stops": f"{100 * history.trend[g]:+.1%} ± {100 * history.trend_sd[g]:.1%}"
+            "trend per 100 stops": f"{1e4 * history.trend[g]:+.1f} % ± {1e4 * history.trend_sd[g]:.1f} %"
             if np.isfinite(history.trend_sd[g])
             else "too few stops",
-            "alarm": f"{alarm.kind} by {names[alarm.stop]}, {alarm.loss:.0%} below its reference"
+            "alarm": f"{alarm.kind} by {names[alarm.stop]}, {100 * alarm.loss:.0f} % below its reference"
             if (alarm := alarms.get(g))
             else "none",
         }

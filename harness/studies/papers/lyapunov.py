@@ -154,13 +154,13 @@ def inequalities(course: Course) -> dict[str, Mask | None]:
         "(3) g_s < 0, as printed": course.gain < 0,
         "(3) g_s > 0": course.gain > 0,
         "(9) u has the sign of σ": obeys,
-        f"(12) rest below {SMALL:.0%} of σ ṡ": np.abs(course.adhesion_rate - kept) < SMALL * np.abs(kept),
+        f"(12) rest below {100 * SMALL:.0f} % of σ ṡ": np.abs(course.adhesion_rate - kept) < SMALL * np.abs(kept),
         "(13) ṡ α̇ has the sign of σ": np.sign(course.slip_rate * course.adhesion_rate) == np.sign(sigma),
         "∂²α/∂s² < 0": at.curvature < 0,
         "(15) dV/dt < 0 with u of (9)": sigma * ideal < 0,
         "(15) dV/dt < 0": course.lyapunov_rate < 0,
         "(15) dV/dt < 0 where (9) holds": None if obeys is None else (course.lyapunov_rate < 0) | ~obeys,
-        f"α above {NEAR:.0%} of the greatest possible": course.used > NEAR,
+        f"α above {100 * NEAR:.0f} % of the greatest possible": course.used > NEAR,
     }
 
 
