@@ -1,6 +1,7 @@
 """Two results or more beside each other: what differs in the question, in the answer, and where along the track."""
 
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -350,9 +351,13 @@ def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
 
 def unit_of(key: str) -> str:
     """Return the SI unit of a key of a scenario, as `flat` writes it; empty for a ratio or text."""
-    bare = "".join(part.partition("]")[2] if i else part for i, part in enumerate(key.split("[")))
-    unit = units_of_keys().get(bare, "")
+    unit = units_of_keys().get(without_numbers(key), "")
     return "" if unit == "1" else unit
+
+
+def without_numbers(key: str) -> str:
+    """Return a key of a scenario, as `flat` writes it, without the numbers of tables in lists."""
+    return re.sub(r"\[[^\]]*\]", "", key)
 
 
 def _value(value: Any) -> str:

@@ -4,13 +4,14 @@ from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
-from railgrip.report.comparison import flat, unit_of
+from railgrip.report.comparison import flat, unit_of, without_numbers
 from railgrip.report.page import Page
 from railgrip.report.reference import label
 from railgrip.report.results import Result, provenance
 from railgrip.report.signals_plot import signals_plot
 from railgrip.report.stop import metrics_table, value_text
 from railgrip.report.table import Table
+from railgrip.scenario.keys import meanings_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.stop import StopRecord
 
@@ -72,10 +73,10 @@ def answer(record: StopRecord) -> str:
 
 
 def scenario_table(scenario: Mapping[str, Any]) -> Table:
-    """Return every key of a scenario, all in SI units."""
+    """Return every key of a scenario, all in SI units, with its meaning."""
     rows = [
         {"key": key, "value": ", ".join(map(value_text, value)) if isinstance(value, list) else value_text(value),
-         "unit": unit_of(key)}
+         "unit": unit_of(key), "meaning": meanings_of_keys().get(without_numbers(key), "")}
         for key, value in flat(scenario).items()
     ]  # fmt: skip
-    return Table(rows, left=("key", "value", "unit"))
+    return Table(rows, left=("key", "value", "unit", "meaning"))

@@ -1,4 +1,4 @@
-"""The SI units of a scenario's keys."""
+"""SI units and meanings of a scenario's keys."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
@@ -15,28 +15,42 @@ from railgrip.scenario.schema import Scenario
 @cache
 def units_of_keys() -> Mapping[str, str]:
     """Return key, as `start.speed`, → SI unit; none for a key whose unit depends on the kind of its table."""
-    units: dict[str, set[str]] = {}
-    for key, unit in _units(Scenario, ""):
-        units.setdefault(key, set()).add(unit)
-    return {key: unit for key, (unit, *others) in units.items() if not others}
+    return _unambiguous((key, entry.unit) for key, entry in _entries(Scenario, "") if isinstance(entry, Unit))
 
 
-def _units(table: type[BaseModel], path: str) -> Iterator[tuple[str, str]]:
+@cache
+def meanings_of_keys() -> Mapping[str, str]:
+    """Return key → description; none for a key whose description depends on the kind of its table."""
+    return _unambiguous(
+        (key, entry.description or "") for key, entry in _entries(Scenario, "") if isinstance(entry, FieldInfo)
+    )
+
+
+def _unambiguous(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    texts: dict[str, set[str]] = {}
+    for key, text in pairs:
+        texts.setdefault(key, set()).add(text)
+    return {key: text for key, (text, *others) in texts.items() if not others}
+
+
+def _entries(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | Unit]]:
+    """Yield the field and the units of each key."""
     for name, field in table.model_fields.items():
+        yield f"{path}{name}", field
         yield from _of_annotation(field.annotation, field.metadata, f"{path}{name}")
 
 
-def _of_annotation(annotation: Any, metadata: Iterable[Any], key: str) -> Iterator[tuple[str, str]]:
+def _of_annotation(annotation: Any, metadata: Iterable[Any], key: str) -> Iterator[tuple[str, FieldInfo | Unit]]:
     for entry in metadata:
         if isinstance(entry, FieldInfo):
             yield from _of_annotation(None, entry.metadata, key)
         elif isinstance(entry, Unit):
-            yield key, entry.unit
+            yield key, entry
         elif isinstance(entry, ByKind):
             for table in entry.ours().values():
-                yield from _units(table, f"{key}.")
+                yield from _entries(table, f"{key}.")
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        yield from _units(annotation, f"{key}.")
+        yield from _entries(annotation, f"{key}.")
     elif hasattr(annotation, "__metadata__"):
         yield from _of_annotation(annotation.__origin__, annotation.__metadata__, key)
     else:

@@ -81,9 +81,11 @@ def _change(trace: xarray.Dataset, name: str) -> float:
 def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     """Return ∫ F dt / ∫ F_ideal dt of the train and of each wheelset, F the braking force in the contact.
 
-    The trace is one of `with_bound`; 1 is a stop at the ideal bound. A wheelset may exceed it for a moment: inertia
-    releases force that no steady torque would hold. NaN where the trace has no bound, as of a plant that does not show
-    its brakes.
+    The trace is one of `with_bound`; 1 is a stop at the ideal bound. Both may exceed 1 where the bound is what
+    the brakes draw: the contact then also carries bearing and rolling resistance, and the inertia of a wheelset that
+    regains speed; or where it is alpha_max and more was used. A wheelset may exceed 1, too, where the slip is not the
+    best of its group, at which the shares are taken. NaN where the trace has no bound, as of a plant that does not
+    show its brakes.
     """
     unknown = float("nan"), (float("nan"),) * formation_in(trace).wheelsets
     if "ideal_share" not in trace:

@@ -36,7 +36,13 @@ class Metrics:
     jerk_rms: Annotated[float, "m/s3", "root mean square of the change of acceleration over 0.1 s"]
     energy_residual: Annotated[float, "1", "energy the plant left unexplained over kinetic energy at the start"]
     utilisation: Annotated[float, "1", "contact impulse of the train over that of the ideal bound"]
-    utilisation_wheelset: Annotated[Each, "1", "contact impulse of each wheelset over its share in the ideal bound"]
+    utilisation_wheelset: Annotated[
+        Each,
+        "1",
+        "contact impulse of each wheelset over its share in the ideal bound; may exceed 1 where the brakes set the "
+        "bound, which leaves out bearing and rolling resistance and the inertia of a wheelset that regains speed, "
+        "where more than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
+    ]
     time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
         tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {measures.SLIP_EDGES}"

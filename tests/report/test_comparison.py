@@ -12,6 +12,7 @@ from synthetic_runner import DECELERATION, run_stop
 import railgrip as rg
 from railgrip.base.errors import RecordError
 from railgrip.report.comparison import compare, flat
+from railgrip.report.stop_page import scenario_table
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
@@ -179,3 +180,11 @@ def test_keys_of_lists_of_tables_are_counted_from_1():
     table = {"a": {"b": 1}, "phases": [{"pressure": 2.0}, {"pressure": "full"}], "none": None, "list": [1, 2]}
     assert flat(table) == {"a.b": 1, "phases[1].pressure": 2.0, "phases[2].pressure": "full", "list": [1, 2]}
     assert units_of_keys()["demand.phases.traction.force"] == "N"
+
+
+def test_keys_of_a_scenario_have_meanings():
+    """The page of a stop shows all keys; those of tables of different kinds may mean different things."""
+    table = scenario_table(load(LIBRARY / "trapezoid.toml").resolved())
+    meanings = {row["key"]: row["meaning"] for row in table.rows}
+    assert meanings["limits.fmu.files"] == "most entries of the archive"
+    assert [key for key in meanings if key.startswith(("limits.", "periods.", "start.")) and not meanings[key]] == []

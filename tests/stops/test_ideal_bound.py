@@ -9,6 +9,7 @@ from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merged
 from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
+from railgrip.trace.metrics import meanings
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
 
@@ -24,6 +25,19 @@ def bound(name, period, *changes):
 def test_the_best_stop_hardly_hangs_on_the_grid(name, distance):
     """Against the distance at 1 ms; the end of the stop is known to a sample, a millimetre of travel at 0.1 m/s."""
     assert bound(name, "10 ms").metrics.distance == pytest.approx(distance, abs=2e-3)
+
+
+def test_a_braked_wheelset_exceeds_its_share_by_bearing_and_rolling_resistance():
+    """Under full brake on a good rail; the bound is what the brakes draw, without these resistances."""
+    overrides = ["controller.kind=full_brake", "adhesion.mu0=0.4", "limits.alpha_max=1", "start.speed=40 km/h"]
+    stop = run_stop(load(LIBRARY / "plain.toml", ["estimator.kind=none", *overrides]))
+    beyond = (stop.trace["group_adhesion"] - stop.trace["brake_limit"]).values
+    # Modelica's Components.Wheelsets: mu_bearing r_bearing/r + e_rolling/r.
+    resistance = (0.0018 * 0.065 + 0.0004) / 0.38
+    # 3 %: slip changes slowly, and a hundredth of the torque goes into that.
+    assert beyond[len(beyond) // 4 :: 100] == pytest.approx(resistance, rel=0.03)
+    assert max(stop.metrics.utilisation_wheelset) > 1.01
+    assert "bearing and rolling resistance" in meanings()["utilisation_wheelset"][1]
 
 
 def test_a_horizon_that_cuts_off_the_best_stop_is_its_outcome():
