@@ -282,7 +282,7 @@ class RollerRig(Study):
             figures={FIRST: figures[FIRST], **charts, **errors_of_tests},
             tables={"scores.csv": Table(rows), "sensitivity.csv": Table(sensitivity)},
             screen=(
-                tables["published"].without(("command",)),
+                tables["published"],
                 scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")),
                 fits,
             ),

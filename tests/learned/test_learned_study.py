@@ -39,7 +39,7 @@ def study():
 
 
 def report(study):
-    tables = tables_of(study) | {"compared": compared(study, "command")}
+    tables = tables_of(study) | {"compared": compared(study)}
     return rendered("studies/axle_box/report.md.jinja", **tables, figures={})
 
 
@@ -55,7 +55,7 @@ def test_the_error_beside_figure_13_is_that_of_the_network_drawn(study):
     for run in study.runs[60]:
         # The last fifth of 100 blocks, which training did not have.
         run_errors.append(study.networks[60](study.recipe.blocks(run)[80:]) - run.friction)
-    rows = {row["figure"]: row for row in compared(study, "command").texts}
+    rows = {row["figure"]: row for row in compared(study).texts}
     assert rows["Fig. 13"]["published"] == "0.0027"
     assert rows["Fig. 13"]["ours"] == f"{np.abs(run_errors).mean():.4f}"
     assert (rows["Fig. 9"]["published"], rows["Fig. 9"]["ours"]) == ("6", "6")

@@ -44,7 +44,7 @@ def tables_of(results: Results) -> dict[str, Any]:
     }
 
 
-def compared(results: Results, command: str) -> Table:
+def compared(results: Results) -> Table:
     """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
     levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
               for s, runs in results.runs.items()}  # fmt: skip
@@ -60,7 +60,7 @@ def compared(results: Results, command: str) -> Table:
         error = float(np.abs(np.concatenate([network(x) - y for x, y in late])).mean())
         quantity = f"MAE at {s} mph, one of the best networks"
         rows.append(Compared(f"Fig. {_ESTIMATES[s]}", quantity, PUBLISHED_BEST[s], error, _FORM))
-    return comparison(rows, command)
+    return comparison(rows)
 
 
 def tables_of_recordings(

@@ -80,7 +80,7 @@ class AxleBox(Study):
         size = QUICK if self.quick else FULL
         results = conducted(size, Recipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
         tables, figures = tables_of(results), draw(results)
-        tables["compared"] = compared(results, f"railgrip study {self.name}")
+        tables["compared"] = compared(results)
         if self.write:
             named = {name: tables[name] for name in ("compared", "table3", "apart", "honest", "general")}
             numbered = {

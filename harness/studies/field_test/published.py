@@ -40,7 +40,7 @@ SLIDING = 0.02
 """Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
 
 
-def compared(train: Train, run: Run, task: Task, estimate: Estimates, command: str) -> Table:
+def compared(train: Train, run: Run, task: Task, estimate: Estimates) -> Table:
     """Return the table of published quantities beside ours.
 
     Args:
@@ -48,9 +48,8 @@ def compared(train: Train, run: Run, task: Task, estimate: Estimates, command: s
         run: Case 6.
         task: Its braking.
         estimate: Of the filter over that braking.
-        command: That computes them.
     """
-    return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)], command)
+    return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)])
 
 
 def _of_track(train: Train, run: Run) -> Sequence[Compared]:

@@ -92,7 +92,7 @@ class FieldTest(Study):
         scores = {title: score(test, estimate) for title, estimate in estimates.items()}
         train = load_train(TRAIN)
         tables = {
-            "compared": compared(train, of_case[TEST], test, estimates[PUBLISHED], f"railgrip study {self.name}"),
+            "compared": compared(train, of_case[TEST], test, estimates[PUBLISHED]),
             "tracks": _tracks(of_case),
             "case": _case(scores, _worst(others, filter_, noises)),
             "pads": _pads(tasks, filter_, noises),

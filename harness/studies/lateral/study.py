@@ -96,11 +96,10 @@ def literal_runs(plan: Plan, work: Work) -> list[Information]:
     return work.map(information, cases)
 
 
-def page_of(plan: Plan, work: Work, command: str = "", *, write: bool = False) -> Page:
+def page_of(plan: Plan, work: Work, *, write: bool = False) -> Page:
     """Run a plan; return tables over its seeds, and a figure of each test.
 
     Args:
-        command: That does this, for the table of published quantities.
         write: Whether to write tables and figures into docs/papers.
     """
     # Compiled here once, so that no worker has to.
@@ -113,7 +112,7 @@ def page_of(plan: Plan, work: Work, command: str = "", *, write: bool = False) -
     files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in drawn}
     drawings = dict(zip(files, work.map(test_figure, files.values(), keep=False), strict=True))
     tables = {
-        "compared": compared(simulate(replace(drawn[len(plan.tests) - 1], prediction=plan.prediction)), command),
+        "compared": compared(simulate(replace(drawn[len(plan.tests) - 1], prediction=plan.prediction))),
         "skill": skill(results, speed),
         "friction": friction_errors(results, speed),
         "transition": innovation_table(
@@ -202,7 +201,7 @@ class Lateral(Study):
     def page(self, work: Work) -> Page:
         """Return the page of all runs."""
         plan = replace(QUICK if self.quick else FULL, prediction=self.prediction)
-        return page_of(plan, work, f"railgrip study {self.name}", write=self.write)
+        return page_of(plan, work, write=self.write)
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return errors of filters in one transition through all conditions, with softer contacts and other sensors."""

@@ -153,12 +153,11 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
     return {title: Table.of(columns, table, str, left=3) for title, table in tables.items()}
 
 
-def compared(trace: Trace, command: str) -> Table:
+def compared(trace: Trace) -> Table:
     """Return what the paper says of its figures beside a run of the transition; see `comparison`.
 
     Args:
         trace: Of all three filters.
-        command: That runs it.
     """
     creep = np.geomspace(1e-5, 0.1, 400)
     error = np.abs(beliefs_about(trace, "literal")["creep_force"].mean - trace.truth["creep_force"])
@@ -173,7 +172,7 @@ def compared(trace: Trace, command: str) -> Table:
         Compared("Fig. 23", "largest error of the creep force, literal filter", 2.0, instant, "at {:.1f} s",
                  f"{instant - 2.0:+.1f} s".replace("-", "−")),
     ]  # fmt: skip
-    return comparison(rows, command)
+    return comparison(rows)
 
 
 def skill(results: Sequence[Result], speed: float) -> Table:

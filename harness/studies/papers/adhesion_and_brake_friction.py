@@ -432,4 +432,4 @@ def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[Compared]:
 
 def table(found: Mapping[str, Any]) -> Table:
     """Return the table of the page; `found` are `measures`."""
-    return comparison(compared(found), "railgrip study roller_rig --write")
+    return comparison(compared(found))

@@ -40,8 +40,8 @@ class Compared:
     difference: str = ""
 
 
-def comparison(rows: Sequence[Compared], command: str) -> Table:
-    """Return the table of a page: figure, quantity, published, ours, difference, and the command that computes ours.
+def comparison(rows: Sequence[Compared]) -> Table:
+    """Return the table of a page: figure, quantity, published, ours and difference.
 
     The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
     its nearer bound.
@@ -56,11 +56,10 @@ def comparison(rows: Sequence[Compared], command: str) -> Table:
                 else text(row.published, row.form),
                 "ours": text(row.ours, row.form),
                 "difference": row.difference or _difference(row),
-                "command": f"`{command}`",
             }
             for row in rows
         ],
-        left=("figure", "quantity", "command"),
+        left=("figure", "quantity"),
     )
 
 

@@ -18,13 +18,12 @@ from railgrip.studies.papers.table1 import Fitted, read_fits, refined, search, w
 from railgrip.studies.study import Study
 
 PAGE = "adhesion_based.md"
-COMMAND = "railgrip study papers --write"
 
 
 def tables_of(fits: Sequence[Fitted], identified: Fitted, found: Mapping[str, Any]) -> dict[str, Table]:
     """Return the tables of the page on adhesion-based control by name; `found` are `measures` of the figures."""
     return {
-        "published": comparison(adhesion_based.compared(identified, found), COMMAND),
+        "published": comparison(adhesion_based.compared(identified, found)),
         "distances": adhesion_based.distances(identified),
         "parameters": adhesion_based.parameters(identified),
         "profile": adhesion_based.profile(fits),
@@ -69,7 +68,7 @@ class Papers(Study):
             template="studies/papers/papers.md.jinja",
             values=dict(tables),
             figures=figures | {"profile.png": adhesion_based.profile_figure(fits)},
-            screen=(tables["published"].without(("command",)), tables["lyapunov"], tables["alternatives"]),
+            screen=(tables["published"], tables["lyapunov"], tables["alternatives"]),
         )
 
 
