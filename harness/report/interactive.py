@@ -219,7 +219,7 @@ def _traces(axes: Axes) -> Iterator[Plot]:
             corners = _in_data(patch.get_transform().transform_path(patch.get_path()).to_polygons(), axes)
             yield {**_area(corners, patch.get_facecolor(), patch.get_edgecolor(), patch.get_linewidth()),
                    "label": patch.get_label()}  # fmt: skip
-    for line in axes.lines:
+    for line in sorted(axes.lines, key=lambda line: line.get_zorder()):  # later ones cover earlier ones
         points = np.column_stack([np.asarray(line.get_xdata(orig=False), float), line.get_ydata(orig=False)])
         if not len(points):  # a name for the legend, which draws it itself
             continue

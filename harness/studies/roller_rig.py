@@ -217,10 +217,10 @@ def fit_table(rows: Sequence[Row]) -> Table:
         [
             {"test": row["scenario"], "period": f"{1e3 * row['period']:g} ms"}
             | {name: f"{row[name]:.4f}, kept {row[f'{name}, kept']}" for name in ENCODERS}
-            | {"0.1 s of readings tell": row["known"]}
+            | {"bound of 0.1 s": row["known"]}
             for row in rows
         ],
-        {"0.1 s of readings tell": "±{:.1e}"},
+        {"bound of 0.1 s": "±{:.1e}"},
         left=("test",),
         title="Equation (20) as printed: adhesion error outside protection events",
     )
@@ -275,8 +275,8 @@ class RollerRig(Study):
         return Page(
             title="Roller rig: adhesion and pad friction estimated",
             question="How well do the filter of Schwarz and Keck (2020) and ours estimate adhesion on a roller rig?",
-            answer=f"In the tests with slides and with sand the RMSE of adhesion is {paper} with the covariances of "
-            f"the paper and {own} with those of sensors and physics. The figure shows the test with slides.",
+            answer=f"In the sliding and the sanding test the RMSE of adhesion is {paper} with Q and R of the paper, "
+            f"and {own} with noises that follow from sensors and physics. The figure shows the sliding test.",
             template="studies/roller_rig.md.jinja",
             values=tables,
             figures={FIRST: figures[FIRST], **charts, **errors_of_tests},
@@ -361,9 +361,14 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
             error = estimated["mean"].sel(state=state).values - truth_of(recording, state)
             spread = 2.0 * estimated["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
-            style.band(at, time, -spread, spread, palette.SKY, 0.35, label="± 2 sd claimed")
+            style.band(at, time, -spread, spread, palette.SKY, 0.35, label="±2σ claimed")
             at.plot(time, error, color=palette.VERMILION, lw=0.6, label="error")
             at.set_ylim(-reach, reach)
-            style.dress(at, x="time [s]" if row else "", y=f"error of {word}" if column == 0 else "", title=name)
+            style.dress(
+                at,
+                x="time [s]" if row else "",
+                y=f"error of {word}" if column == 0 else "",
+                title=published.NAMES[name],
+            )
             style.legend(at, loc="upper right")
     return drawing

@@ -3,7 +3,7 @@
 import platform
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from importlib import import_module, metadata
 from pathlib import Path
 
@@ -32,6 +32,13 @@ class Study(ABC):
     def place(self) -> str:
         """Folder inside the folder of results, so that a variant does not overwrite the whole study."""
         return ""
+
+    @property
+    def options(self) -> str:
+        """Name of the study with its options, for the provenance of its page."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}  # pyright: ignore[reportArgumentType]
+        given = (f"{name} {value}" for name, value in values.items() if value is not None and value is not False)
+        return ", ".join((self.name, *given))
 
     @abstractmethod
     def page(self, work: Work) -> Page:
@@ -77,7 +84,7 @@ def conduct(
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
         page = study.page(job)
-        origin = {"study": repr(study), "sources": sources_digest(), **_versions()}
+        origin = {"study": study.options, "sources": sources_digest(), **_versions()}
         page = replace(page, provenance={**origin, **page.provenance})
         job.notify("page")
         return page, page.write(folder, formats)

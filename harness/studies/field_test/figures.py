@@ -23,7 +23,7 @@ MB1, JTB1 = 0, 1
 NOMINAL = 0.35
 """Pad friction of new pads, which normalises the paper's figure."""
 
-NAMES = ("MB 1", "JTB, front wheelset", "JTB, rear wheelset", "MB 2")
+GROUP_NAMES = ("motor bogie 1", "Jacobs bogie, front", "Jacobs bogie, rear", "motor bogie 2")
 COLOURS = (palette.BLUE, palette.ORANGE, palette.GREEN, palette.PURPLE)
 
 
@@ -150,17 +150,19 @@ def readings_figure(braking: Braking) -> Figure:
     drawing, (upper, lower) = style.panels(9, 5, 2, 1, sharex=True)
     for group in (MB1, JTB1):
         pressure = reading_of(recording, f"cylinder_pressure[{group + 1}]") / 1e5
-        upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=NAMES[group])
+        upper.plot(time, pressure, color=COLOURS[group], linewidth=1.2, label=GROUP_NAMES[group])
     lower.plot(
         time, style.KMH * reading_of(recording, "speed"), color=palette.BLACK, linewidth=1.4, label="train, optical"
     )
     for group in (MB1, JTB1):
         rim = style.KMH * R_WHEEL * reading_of(recording, f"wheelset_speed[{group + 1}]")
-        lower.plot(time, rim, color=COLOURS[group], linewidth=1.0, label=f"{NAMES[group]}, rim")
+        lower.plot(time, rim, color=COLOURS[group], linewidth=1.0, label=f"{GROUP_NAMES[group]}, rim")
     for group, highest in zip((MB1, JTB1), PRESSURES, strict=True):
         upper.axhline(highest, color=COLOURS[group], linewidth=1.0, linestyle=":",
-                      label=f"{NAMES[group]}, published highest")  # fmt: skip
-    lower.axvline(OVERBRAKING, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published overbraking of MB 1")
+                      label=f"{GROUP_NAMES[group]}, published highest")  # fmt: skip
+    lower.axvline(
+        OVERBRAKING, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published slide of motor bogie 1"
+    )
     style.dress(upper, y="cylinder pressure [bar]")
     style.dress(lower, x="time [s]", y="speed [km/h]")
     upper.set_ylim(-0.1, 3.8)
@@ -182,9 +184,9 @@ def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
             sd = np.sqrt(estimate.variance[:, 1 + GROUPS + group]) / NOMINAL
             true = task.truth[:, 1 + GROUPS + group] / NOMINAL
             style.band(pads, time[window], (mean - 2 * sd)[window], (mean + 2 * sd)[window], COLOURS[group], 0.15)
-            pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=NAMES[group])
+            pads.plot(time[window], mean[window], color=COLOURS[group], linewidth=1.1, label=GROUP_NAMES[group])
             pads.plot(time[window], true[window], color=COLOURS[group], linewidth=1.1, linestyle="--",
-                      label=f"{NAMES[group]}, true")  # fmt: skip
+                      label=f"{GROUP_NAMES[group]}, true")  # fmt: skip
             # Below walking pace slip is mostly noise of the sensors.
             moving = window & (task.truth[:, 0] > 2.0)
             v, w = estimate.mean[:, 0], estimate.mean[:, 1 + group]
@@ -193,10 +195,10 @@ def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
             true_slip = 100 * (1 - R_WHEEL * task.truth[:, 1 + group] / task.truth[:, 0])
             curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
-            curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=NAMES[group])
+            curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=GROUP_NAMES[group])
         for number, level in enumerate(ADHESIONS):
             curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
-                          label=None if number else "published levels, MB 1")  # fmt: skip
+                          label=None if number else "published, motor bogie 1")  # fmt: skip
         widest = 2 * np.sqrt(estimate.variance[window, 1 + GROUPS + MB1].max()) / NOMINAL
         beyond = f" (up to ±{widest:.1f}, beyond the panel)" if widest > 1.0 else ""
         style.dress(pads, y="pad friction over 0.35", title=f"{title}: pad friction ±2σ{beyond}")
@@ -215,7 +217,7 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
     """Return equation (14) and the true errors over two ways to change noises."""
     drawing, panels = style.panels(11, 4, 1, 2)
     for panel, sweep, x, title in (
-        (panels[0], common, "factor on R, Q and P at the start", "equation (14) does not see the scale"),
+        (panels[0], common, "factor on R, Q and the first covariance", "a common factor does not change equation (14)"),
         (panels[1], trusted, "factor on R alone", "equation (14) rewards repeating the readings"),
     ):
         for name, colour, label in (
@@ -224,7 +226,9 @@ def degeneracy_figure(common: Sweep, trusted: Sweep) -> Figure:
             ("pad_friction", palette.ORANGE, "RMSE of pad friction"),
         ):
             panel.loglog(sweep["factor"], sweep[name], color=colour, marker="o", markersize=3, label=label)
-        panel.loglog(sweep["factor"], sweep["nees"], color=palette.VERMILION, linestyle="--", label="NEES, 1 wanted")
+        panel.loglog(
+            sweep["factor"], sweep["nees"], color=palette.VERMILION, linestyle="--", label="NEES, 1 if consistent"
+        )
         style.dress(panel, x=x, title=title)
     style.legend(panels[0])
     return drawing

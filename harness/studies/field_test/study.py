@@ -18,6 +18,7 @@ from railgrip.report.table import Table
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.track.table import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
+    GROUP_NAMES,
     degeneracy_figure,
     friction_figure,
     readings_figure,
@@ -171,7 +172,7 @@ def _conditions(test: Task) -> dict[str, Any]:
     recording = test.braking.recording
     return {
         "seconds": (recording.sizes["time"] - 1 - test.braking.brake) * test.data.period,
-        "force": -float(truth_of(recording, "track_force").mean()),
+        "force": float(truth_of(recording, "track_force").mean()),
         "bends": {name: float(curve_coefficient(1 / 600, law)) * 84e3 * GRAVITY for name, law in _LAWS.items()},
     }
 
@@ -190,7 +191,7 @@ def _groups(scores: Mapping[str, Figures]) -> Table:
         (title, *(f"{a:.4f} / {m:.4f}" for a, m in zip(s["adhesion_of"], s["pad_friction_of"], strict=True)))
         for title, s in scores.items()
     ]
-    return Table.of(("noises", "MB 1", "JTB front", "JTB rear", "MB 2"), rows)
+    return Table.of(("noises", *GROUP_NAMES), rows)
 
 
 def _pads(tasks: Mapping[str, Task], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> Table:
@@ -213,8 +214,9 @@ def _noises(noises: Mapping[str, Noise]) -> Table:
 def _answer(scores: Mapping[str, Figures]) -> str:
     errors = ", ".join(f"{measures['adhesion']:.4f} ({title})" for title, measures in scores.items())
     return (
-        f"In a case that no tuning saw, the RMSE of adhesion is {errors}, by the noises of the filter. The mean pad "
-        "friction is known better than that of single groups, because five rates stand against eight unknown frictions."
+        f"In case 6, which was not used for tuning, the RMSE of adhesion is {errors}, depending on the noises of the "
+        "filter. The mean pad friction is known better than that of single groups, because five accelerations do not "
+        "determine eight frictions."
     )
 
 

@@ -33,7 +33,7 @@ from railgrip.studies.k_factors.k_dry import (
     scenario_of_draw,
 )
 from railgrip.studies.k_factors.rare import estimates, pooled
-from railgrip.studies.k_factors.specification import Specification, load_specification
+from railgrip.studies.k_factors.specification import Normal, Specification, Uniform, load_specification
 from railgrip.studies.study import Study
 
 _LEVELS = (0, 3, 6, 9)
@@ -83,11 +83,11 @@ class KFactors(Study):
             write_tables(PAGE, {"K": "\n\n".join((str(shown), *lines))})
         return Page(
             title=f"K factors of {specification.name}",
-            question="Which share of its nominal deceleration does the train keep with the confidence that ETCS wants?",
-            answer=f"K_dry_rst for {brake.outputs[0]} falls from {_text(plain(result.k[0][0]))} at EBCL 0 to "
-            f"{_text(plain(result.k[0][-1]))} at EBCL {len(PROBABILITIES) - 1}. {lines[1]}",
+            question="Which share of its nominal deceleration does the train reach with the probability of each EBCL?",
+            answer=f"{brake.outputs[-1].capitalize()}: K_dry_rst is "
+            f"{', '.join(f'{result.k[-1][level].value:.3f} at EBCL {level}' for level in _LEVELS)}. {lines[1]}",
             template="studies/k_factors/k_factors.md.jinja",
-            values={"specification": specification, "table": shown, "sentences": lines},
+            values={"specification": specification, "table": shown, "sentences": lines, **assumptions(specification)},
             figures={"k_factors.png": draw(brake, result)},
             data={"k_factors.json": content(specification, scenario, brake, distance, result, loop)},
             screen=(shown, *lines, f"{result.seconds:.1f} s"),
@@ -116,7 +116,38 @@ def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
         ]
         for level, probability in enumerate(PROBABILITIES)
     ]
-    return Table.of(("EBCL", "P(less)", *brake.outputs), rows, left=0)
+    return Table.of(("EBCL", "P", *brake.outputs), rows, left=0)
+
+
+def assumptions(specification: Specification) -> dict[str, Table]:
+    """Return what disperses and what fails, each value with its source: tables `dispersion` and `failures`."""
+    dispersion = [
+        (one.quantity.replace("_", " "), one.per, f"{one.kind}, {_extent(one)}", one.source)
+        for one in specification.dispersion
+    ]
+    failures = [
+        (name.replace("_", " "), one.probability, one.error_factor, one.source, one.common_cause.beta,
+         one.common_cause.source)
+        for name, one in specification.failures
+    ]  # fmt: skip
+    return {
+        "dispersion": Table.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
+        "failures": Table(
+            [
+                dict(zip(("component", "probability", "error factor", "source", "β", "source of β"), row, strict=True))
+                for row in failures
+            ],
+            dict.fromkeys(("probability", "error factor", "β"), "{:g}"),
+            left=("component", "source", "source of β"),
+        ),
+    }
+
+
+def _extent(dispersion: Normal | Uniform) -> str:
+    """Return standard deviation or limits as the file has them."""
+    if isinstance(dispersion, Normal):
+        return f"σ {dispersion.deviation.entry}"
+    return f"{dispersion.lowest.entry} to {dispersion.highest.entry}"
 
 
 def sentences(
@@ -211,7 +242,7 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
     left.errorbar(
         [value.value for value in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3
     )
-    dress(left, x="K, deceleration over nominal", y="probability of less", title="EBCL 0 to 9, dry")
+    dress(left, x="K, deceleration over nominal", y="probability P of a smaller K", title="EBCL 0 to 9, dry")
     legend(left)
     runs = result.runs[-1]
     counts = np.arange(2, len(runs) + 1)

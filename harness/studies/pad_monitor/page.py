@@ -70,7 +70,7 @@ def draw(history: History, design: Design) -> Figure:
         reach = 2.0 * history.index_sd[:, g]
         style.band(left, number, history.index[:, g] - reach, history.index[:, g] + reach, palette.BLUE, 0.2)
         right.plot(number, history.chart[:, g], color=palette.BLUE)
-        right.axhline(history.threshold[g], color=palette.VERMILION, lw=1.0, label="alarm")
+        right.axhline(history.threshold[g], color=palette.VERMILION, lw=1.0, label="threshold")
         for alarm in history.alarms:
             if alarm.group == g:
                 for part in (left, right):
@@ -79,8 +79,8 @@ def draw(history: History, design: Design) -> Figure:
         left.set_ylim(0.3, 1.4)
         # Steps after an alarm go on; what matters is what led to it.
         right.set_ylim(0.0, 2.5 * history.threshold[g] if np.isfinite(history.threshold[g]) else 1.0)
-        style.dress(left, y="friction / nominal", title=f"{g + 1} {name}")
-        style.dress(right, y="cumulated sum [sd]")
+        style.dress(left, y="friction over nominal", title=f"group {g + 1}: {name}")
+        style.dress(right, y="cumulated sum [σ]")
     style.legend(axes[0, 0], loc="upper right", ncols=2)
     for part in axes[-1]:
         part.set_xlabel("stop")

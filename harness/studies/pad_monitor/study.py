@@ -67,9 +67,9 @@ class PadMonitor(Study):
             title="The brake monitor in simulated lives",
             question="How soon does the monitor find a group of wheelsets that has lost 20 % of its friction or no "
             "longer releases, and how often does it alarm without cause?",
-            answer=f"Lost friction is found after so many stops: {_delays(assessment.worn_delays)}; a brake that no "
-            f"longer releases: {_delays(assessment.stuck_delays)}. There are {assessment.false_alarms} false alarms in "
-            f"{assessment.healthy} healthy stops of a group.",
+            answer=f"Stops until the alarm: {_delays(assessment.worn_delays)} for lost friction, "
+            f"{_delays(assessment.stuck_delays)} for a brake that no longer releases. "
+            f"False alarms: {assessment.false_alarms} in {assessment.healthy} stops of healthy groups.",
             template="studies/pad_monitor/pad_monitor.md.jinja",
             values={"table": table},
             figures={"life.png": draw(watch(evidence[0], design), design)},
@@ -125,12 +125,12 @@ class Assessment:
         figures = {
             "lives": str(self.lives),
             "stops in all lives": str(self.stops),
-            "20 % of friction lost: stops until the alarm": _delays(self.worn_delays),
-            "brake that sticks: stops until the alarm": _delays(self.stuck_delays),
+            "stops until the alarm, 20 % of friction lost": _delays(self.worn_delays),
+            "stops until the alarm, brake no longer releases": _delays(self.stuck_delays),
             "alarms of the right kind": share(self.kinds_right),
-            "stops of a group while healthy": str(self.healthy),
+            "stops of healthy groups": str(self.healthy),
             "false alarms": str(self.false_alarms),
-            "false alarms per stop of a group": rate,
+            "false alarms per stop and group": rate,
         }
         return Table.of(("figure", "value"), list(figures.items()), left=2)
 
@@ -139,7 +139,7 @@ def _delays(delays: Sequence[int | None]) -> str:
     finite = [delay for delay in delays if delay is not None]
     if not finite:
         return f"none of {len(delays)} found"
-    return f"median {np.median(finite):.0f}, at most {max(finite)}; {len(finite)} of {len(delays)} found"
+    return f"median {np.median(finite):.0f}, at most {max(finite)} ({len(finite)} of {len(delays)} found)"
 
 
 def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Assessment:

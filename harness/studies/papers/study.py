@@ -62,9 +62,9 @@ class Papers(Study):
         error = tables["alternatives"].texts[0]["largest error"]
         return Page(
             title="Adhesion-based control: published figures and ours",
-            question="Which creep curve, levels and law of the paper on adhesion-based control give its Table 1?",
-            answer=f"The identified fit has all six distances within {error} of the published ones. It is refined from "
-            f"the best of {len(fits)} fits.",
+            question="Which creep curve, friction and parameters of the printed law reproduce Table 1 of the paper?",
+            answer=f"The numbers below reproduce all six distances within {error}; they are refined from the best of "
+            f"{len(fits)} fits. Other values do so within a few percent: six distances do not determine nine numbers.",
             template="studies/papers/papers.md.jinja",
             values=dict(tables),
             figures=figures | {"profile.png": adhesion_based.profile_figure(fits)},
