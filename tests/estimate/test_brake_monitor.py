@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from railgrip.report.style import save
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
-from railgrip.studies.pad_monitor.page import group_names
+from railgrip.studies.pad_monitor.page import draw, group_names
 from railgrip.studies.pad_monitor.study import Assessment, assessment_of
 from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
@@ -121,6 +122,13 @@ def test_after_an_alarm_the_index_stands_where_health_has_gone():
     level = history.index[40, 2] * 0.8
     # Ten stops of 3 % and of 5 % that the train's load moves: 0.02, taken twice.
     assert history.index[alarm.stop + 10, 2] == pytest.approx(level, abs=0.04)
+
+
+def test_the_figure_of_a_life_can_be_read(tmp_path):
+    """tests/conftest.py checks what is saved."""
+    history = watch(row(80, 0, loss=0.2, begin=50), DESIGN)
+    assert history.alarms
+    assert save(draw(history, DESIGN), tmp_path / "life.png").is_file()
 
 
 def test_drag_makes_it_a_brake_that_does_not_release():

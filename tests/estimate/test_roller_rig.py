@@ -8,9 +8,20 @@ import xarray
 
 from railgrip.estimation.judge import judge
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification
+from railgrip.report.style import save
 from railgrip.scenario.load import load
+from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.bench.filters import rig_step
-from railgrip.studies.roller_rig import ENCODERS, R_OF_SPEED, encoded, excursions, outside_events, recording_of_rig
+from railgrip.studies.papers import adhesion_and_brake_friction as published
+from railgrip.studies.roller_rig import (
+    ENCODERS,
+    R_OF_SPEED,
+    encoded,
+    excursions,
+    outside_events,
+    recording_of_rig,
+    tunings,
+)
 from railgrip.trace.samples import reading_of, recording_of, truth_of
 
 
@@ -50,6 +61,24 @@ def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
     assert alpha[deepest] == pytest.approx(0.052, abs=0.006)
     assert second.max() == pytest.approx(0.09, abs=0.01)
     assert second[np.argmax(second) :].min() < 0.005
+
+
+def test_figures_can_be_read(sand, tmp_path):
+    """tests/conftest.py checks what is saved. Time is stretched, because the text describes the tests up to 110 s."""
+    filters = [load_specification(LIBRARY / f"{name}.toml") for name in ("rig_paper", "rig_own")]
+    estimates = {filter_.name: estimate_of(filter_, sand) for filter_ in filters}
+    slide = published.points_of_slide(sand, VehicleData(load(Path("rig_sand"))).contact)
+    recording, *longer = (one.assign_coords(time=11 * one["time"].values) for one in (sand, *estimates.values()))
+    for name, drawing in {
+        "wagon": published.wagon_figure(),
+        "rig": published.rig_figure(),
+        "points": published.qualitative_figure(slide),
+        "slide": published.record_figure("rig_slide", recording, dict(zip(estimates, longer, strict=True))),
+        "sand": published.record_figure("rig_sand", recording, dict(zip(estimates, longer, strict=True))),
+        "over slip": published.over_slip_figure(sand, estimates),
+        "tunings": tunings(sand, estimates),
+    }.items():
+        assert save(drawing, tmp_path / f"{name}.png").is_file()
 
 
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])

@@ -1,5 +1,7 @@
 """The filter of the field test and its tuning, on case 1, which is the shortest."""
 
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,7 +12,9 @@ from railgrip.estimation.braking import braked, braking_of, driven
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of
-from railgrip.studies.field_test import filtering
+from railgrip.report.style import save
+from railgrip.rolling_stock.files import load_train
+from railgrip.studies.field_test import figures, filtering
 from railgrip.studies.field_test.filtering import NOISES, PHYSICAL, Noise, follow, load_noise, lost, save_noise, task_of
 from railgrip.studies.field_test.runs import cases
 from railgrip.studies.field_test.runs import run as run_case
@@ -167,6 +171,21 @@ def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
     honest, blind = (terms_of(task, follow(task, filter_, PHYSICAL.scaled(f, 1.0))) for f in (1.0, 1e-7))
     assert value("paper", [blind]) < 0.01 * value("paper", [honest])
     assert value("consistent", [blind]) > value("consistent", [honest])
+
+
+def test_figures_can_be_read(case, task, filter_, tmp_path):
+    """tests/conftest.py checks what is saved."""
+    estimates = {title: follow(task, filter_, PHYSICAL) for title in ("sensors and physics", "with consistency")}
+    sweep = {name: np.array([1e-8, 1e-4, 1e2]) for name in ("factor", "deviation", "adhesion", "pad_friction", "nees")}
+    for name, drawing in {
+        "train": figures.train_figure(load_train(Path("vt642"))),
+        "track": figures.track_figure(case),
+        "speed": figures.speed_figure(case.recording),
+        "readings": figures.readings_figure(case.braking),
+        "friction": figures.friction_figure(task, estimates),
+        "degeneracy": figures.degeneracy_figure(sweep, sweep),
+    }.items():
+        assert save(drawing, tmp_path / f"{name}.png").is_file()
 
 
 @pytest.mark.usefixtures("in_process", "own_cache")

@@ -5,12 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from railgrip.report.style import save
 from railgrip.simulate.run import run_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.papers import lyapunov
-from railgrip.studies.papers.adhesion_based import IDENTIFIED
+from railgrip.studies.papers.adhesion_based import (
+    FITS,
+    IDENTIFIED,
+    LAWS,
+    adhesion_figure,
+    block_diagram,
+    profile_figure,
+    rail_figure,
+)
+from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
 from railgrip.studies.papers.lyapunov import GROUP, course_of, inequalities, slopes_of, violations, violations_table
-from railgrip.studies.papers.table1 import read_fits, stop_of
+from railgrip.studies.papers.table1 import SCENARIOS, read_fits, stop_of
 
 
 def test_slopes_are_those_of_a_curve_whose_derivatives_are_known():
@@ -40,6 +50,19 @@ def stop():
 @pytest.fixture(scope="module")
 def course(stop):
     return course_of(stop)
+
+
+def test_figures_can_be_read(stop, tmp_path):
+    """tests/conftest.py checks what is saved; one stop stands for all, so that no further one is run."""
+    stops = dict.fromkeys([*SCENARIOS, *(f"library {name}" for name in SCENARIOS), *LAWS], stop)
+    for name, drawing in {
+        "rail": rail_figure(stops),
+        "adhesion": adhesion_figure(stops),
+        "profile": profile_figure(read_fits(FITS)),
+        "loop": block_diagram(),
+        "creep curves": figure_1(figure_1_curves()),
+    }.items():
+        assert save(drawing, tmp_path / f"{name}.png").is_file()
 
 
 def test_a_brake_that_obeys_equation_9_suffices_where_the_curve_is_concave(course):
