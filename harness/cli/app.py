@@ -121,7 +121,7 @@ class _Main(Commands):
         "Estimation and monitoring": {
             "inspect": Command("estimation:inspect", "Show what a recording holds, and propose its [data]."),
             "estimate": Command("estimation:estimate", "Run the filter of an estimation over its recording."),
-            "observability": Command("estimation:observability", "Show what a recording determines of each state."),
+            "observability": Command("estimation:observability", "Show which states a recording determines."),
             "ride": Command("monitoring:ride", "Run the instrumented car with a trained friction estimator."),
             "monitor": Command("monitoring:monitor", "Follow the pad friction of each brake group from stop to stop."),
         },

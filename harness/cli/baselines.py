@@ -181,5 +181,7 @@ def _numbers_of(
 def _baseline_files(folder: Path) -> list[Path]:
     files = sorted(folder.glob("*.toml"))
     if not files:
-        raise ScenarioError(f"{folder}: there is no baseline file (*.toml) in it")
+        raise ScenarioError(
+            f"{folder}: there is no baseline file (*.toml) in it; run in the folder of the project or name --baselines"
+        )
     return files

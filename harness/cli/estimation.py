@@ -1,4 +1,4 @@
-"""Estimates from recordings, and what a recording determines of each state."""
+"""Estimates from recordings, and the states that a recording determines."""
 
 import math
 from pathlib import Path
@@ -50,9 +50,9 @@ def observability(
     data: Data = None,
     import_from: ImportFrom = None,
 ) -> None:
-    """Show what a recording determines of each state.
+    """Show which states a recording determines.
 
-    Along the true states where they are known, else, from recorded data, along those that the filter estimates.
+    The model is linearised along the true states where they are known, otherwise along the estimates of the filter.
     """
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name

@@ -109,12 +109,16 @@ def _targets(names: Sequence[str]) -> tuple[str, ...]:
 
 def map_(
     file: Annotated[Path, typer.Argument(metavar="TRAIN.fmu", help="An FMU, by FMI 2.0 or 3.0.")],
-    speed: Annotated[float, typer.Option(min=1, max=150, help="Of the short run at its start [m/s].")] = 20.0,
+    speed: Annotated[float, typer.Option(min=1, max=150, help="Speed at the start of the short run [m/s].")] = 20.0,
     per_group: Annotated[
         list[int] | None,
-        typer.Option("--wheelsets-of-group", min=1, help="Of each group, leading first; as the FMU says."),
+        typer.Option(
+            "--wheelsets-of-group",
+            min=1,
+            help="Wheelsets of each group, leading first; those that the FMU declares unless given.",
+        ),
     ] = None,
-    period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of it [s].")] = 1e-3,
+    period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s].")] = 1e-3,
 ) -> None:
     """Print a draft of [vehicle.map] for the FMU of another tool."""
     try:

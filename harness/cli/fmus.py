@@ -40,7 +40,7 @@ def build_command(
     Copies are left in build/fmus.
     """
     if update and not check:
-        raise InputError("--update is for --check: it writes lock.toml instead of comparing.")
+        raise InputError("--update needs --check: both together write lock.toml instead of comparing with it.")
     choice = cast("Compiler", compiler)
     if listing:
         _list()
@@ -91,7 +91,7 @@ def survey_command(
 ) -> None:
     """Open and step the FMUs of a folder; write a table.
 
-    Each runs in a process of its own; of each that does not step the file says why.
+    Each FMU runs in a process of its own. The file gives the reason for each that does not step.
     """
     with progress("stepping"):
         rows = [*survey(folder)]

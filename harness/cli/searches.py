@@ -58,8 +58,8 @@ def tune_control(
 ) -> None:
     """Search the parameters of the control laws.
 
-    What is not searched of a law stays in its file as it is. What --cases finds of a law that the tables of the papers
-    hang on goes into a file of its own, `<law>.type_test.toml`.
+    Parameters that are not searched stay as they are in the file of the law. For a law of the published tables, --cases
+    writes `<law>.type_test.toml`, so that the accepted distances do not change.
     """
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:

@@ -94,6 +94,8 @@ def _command(name: str) -> Any:
 _COMMON: Final[Mapping[str, Any]] = {
     "overrides": Overrides,
     "import_from": ImportFrom,
-    "quick": Annotated[bool, typer.Option(help="A small form of it: shows that everything works, not what is true.")],
+    "quick": Annotated[
+        bool, typer.Option(help="A small form, which shows that the study runs; its results mean nothing.")
+    ],
 }
 """Options of many commands, by the name of the field."""

@@ -56,7 +56,7 @@ def show(
 
 @trains.command()
 def check(file: TrainFile) -> None:
-    """Say what of a train does not fit together, and how it stops by hand calculation."""
+    """List contradictions in a train, and compute its stop by hand calculation."""
     train = load_train(file)
     results = findings(train)
     name = located(file, "trains").name

@@ -90,8 +90,8 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
         )
     if specification.data is None:
         raise EstimationError(
-            f"{specification.name}: has no [data], which maps the columns of {path.name}; see "
-            "harness/trace/table.py for an example."
+            f"{specification.name}: has no [data], which maps the columns of {path.name}; "
+            f"`railgrip inspect {path.name} --for {specification.name}` proposes it."
         )
     units, inputs, outputs = signals_of(specification)
     return recorded(path, specification.data, units, inputs, outputs)

@@ -186,7 +186,9 @@ def compare(*results: Comparable) -> Comparison:
         RecordError: Fewer than two or more than 26, a folder without a result, or stops beside campaigns.
     """
     if not 2 <= len(results) <= len(ascii_uppercase):
-        raise RecordError(f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}")
+        raise RecordError(
+            f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}; name their folders"
+        )
     campaigns = [_is_campaign(result) for result in results]
     if any(campaigns) and not all(campaigns):
         stop = results[campaigns.index(False)]

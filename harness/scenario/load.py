@@ -167,8 +167,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         return parsed(content.decode("utf-8-sig").replace("\r\n", "\n"))
     except FileNotFoundError as problem:
         raise ScenarioError(
-            f"{name}: there is no such file; name a scenario or campaign file (*.toml), or one of ours, such as "
-            "trapezoid"
+            f"{name}: there is no such file; correct the path, or use a name that `railgrip list` shows"
         ) from problem
     except OSError as problem:
         raise ScenarioError(f"{name}: cannot be read: {problem.strerror}") from problem

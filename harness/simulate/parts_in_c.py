@@ -270,7 +270,8 @@ def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     law, valves = parts.controller, parts.valves
     if not isinstance(law, Sampled):
         raise ScenarioError(
-            f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is no law of this project"
+            f"{scenario.name}: [controller] kind '{scenario.controller.kind}' is no law of this project, and only "
+            "laws can be exported; choose another kind"
         )
     formulas["law"] = law
     parameters = variables(law.formula.parameters, law.parameters)

@@ -148,7 +148,8 @@ def train_of(argument: str | None) -> dict[str, Any]:
     if argument in read_recipes().recipes:
         return table | {"vehicle": {"plant": argument}}
     raise ScenarioError(
-        f"--train {cut(argument)}: is neither a scenario, an .fmu nor a recipe of this project, nor a train"
+        f"--train {cut(argument)}: is neither a scenario, a train, an .fmu nor a recipe; "
+        "`railgrip list` shows the names"
     )
 
 
