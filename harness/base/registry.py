@@ -75,8 +75,8 @@ SECTIONS: Final[Mapping[str, Section]] = MappingProxyType(
 
 ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "ideal_bound": "Shortest stop that adhesion and brakes allow: an analysis that is shown the truth, not a law.",
-        "ideal_tracking": "The same through the valves of the train: an analysis that is shown the truth, not a law.",
+        "ideal_bound": "Shortest stop that adhesion and brakes allow: an analysis with the true state, not a law.",
+        "ideal_tracking": "The same through the valves of the train: an analysis with the true state, not a law.",
     }
 )
 """Kinds of controllers that are shown the truth: what is possible, not a law; with their meanings."""

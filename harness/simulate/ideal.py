@@ -139,7 +139,7 @@ def _full_braking(
 
 
 class _Tracking:
-    """Control that is shown the truth: it holds the best slip of every group through the actuation that there is.
+    """Control by the true state: it holds the best slip of every group through the actuation that there is.
 
     From the torque balance of a group, J ω̇ = F r − T, with s = 1 − rω/v, slip goes to s* at the rate κ where
 
