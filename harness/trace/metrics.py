@@ -88,15 +88,19 @@ class Metrics:
             )
         elif self.nis_ratio is not None and self.nis_ratio > OVERCONFIDENT:
             sentences.append(
-                "The estimator is surer than its readings allow: its median squared innovation is "
+                "The estimator is overconfident: its median squared innovation is "
                 f"{self.nis_ratio:.1f} times the expected one."
             )
-        for what, shares in (("adhesion", self.adhesion_outside), ("pad friction", self.pad_friction_outside)):
+        offsets = " Offsets of the pressure transducers, which no reading shows, are not part of σ."
+        for what, shares, cause in (
+            ("adhesion", self.adhesion_outside, ""),
+            ("pad friction", self.pad_friction_outside, offsets),
+        ):
             groups = [f"{g + 1} ({100 * share:.0f} %)" for g, share in enumerate(shares or ()) if share > MOSTLY]
             if groups:
                 sentences.append(
-                    f"The estimator is surer than it is right: the true {what} is outside ±2σ most of the time in "
-                    f"group {', '.join(groups)}; 5 % is expected."
+                    f"The estimator is overconfident: the true {what} is outside ±2σ most of the time in group "
+                    f"{', '.join(groups)}; 5 % is expected.{cause}"
                 )
         return tuple(sentences)
 

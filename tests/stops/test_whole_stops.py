@@ -124,6 +124,7 @@ def test_an_overconfident_estimate_of_pad_friction_is_reported():
     assert 0.5 < metrics.nis_ratio < 1.5
     (sentence,) = metrics.doubts()
     assert "true pad friction" in sentence
+    assert "Offsets of the pressure transducers" in sentence
     assert "group 1 (99 %)" in sentence
 
 
