@@ -48,6 +48,8 @@ _NAMES = {
 }
 """Other names of signals in recordings, beside those of plants."""
 
+_FROM_ANOTHER = {"pad_force": 'a pressure becomes a force with unit = "bar", factor = "8 kN/bar"; '}
+"""How a column of another quantity becomes the signal."""
 _NOT_MEASURED = {"cmd", "command", "demand", "setpoint", "target", "soll", "init", "initial"}
 """Words of names of columns with commands and initial values, which are not measured."""
 _MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
@@ -345,9 +347,10 @@ def _columns(wanted: Mapping[str, _Wanted], recognised: Mapping[str, Finding]) -
         if finding is None:
             if is_needed:
                 unrecognised.append(signal)
+                instead = _FROM_ANOTHER.get(signal.partition("[")[0], "")
                 lines.append(
                     f'{key} = {{ column = "{_UNKNOWN}", unit = "{unit_of_signal}" }}  # needed, and not recognised; '
-                    f'{{ value = "{_zero(unit_of_signal)}" }} where it is constant'
+                    f'{instead}{{ value = "{_zero(unit_of_signal)}" }} where it is constant'
                 )
             continue
         text, remark = _unit_of(finding, unit_of_signal), ""

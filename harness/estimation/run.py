@@ -186,7 +186,7 @@ def filter_data(
         inputs=_inputs(recording, prediction, unit_of_name, settings.between),
         readings=readings[1:],
         mean=_start(settings.start, prediction.states, outputs, readings),
-        variance=by_name("start_deviation", settings.start_deviation, prediction.states) ** 2,
+        variance=by_name("[start] deviation", settings.start_deviation, prediction.states) ** 2,
         period=period_of(recording),
     )
 
@@ -217,8 +217,8 @@ def estimate(
         EstimatorError: Noises or start do not fit the model.
     """
     data = filter_data(recording, prediction, settings, units)
-    process = by_name("process", settings.process, prediction.states)
-    noise = by_name("readings", settings.readings, prediction.outputs)
+    process = by_name("[noise] process", settings.process, prediction.states)
+    noise = by_name("[noise] readings", settings.readings, prediction.outputs)
     filter_ = CompiledFilter(prediction, process, noise, data.period, settings.gate, settings.outlier_limit)
     first = filter_.start(data.mean, data.variance)
     beliefs, problem = _follow(filter_, first, data)
@@ -301,13 +301,24 @@ def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Mat
 
 
 def _start(start: Mapping[str, float], states: Sequence[str], outputs: Sequence[str], readings: Matrix) -> Matrix:
-    """Return the mean at the first sample."""
-    from_readings: dict[str, float] = {}
+    """Return the mean at the first sample.
+
+    Raises:
+        EstimationError: A state has neither a start value nor a reading.
+    """
+    first, problems = dict[str, float](), list[str]()
     for state, reading in start_by_reading(states, outputs).items():
+        if state in start or state.partition("[")[0] in start:
+            continue
         column = readings[:, outputs.index(reading)]
         finite = np.flatnonzero(np.isfinite(column))
         if finite.size:
-            from_readings[state] = float(column[finite[0]])
-    # An element or array in `start` takes precedence over the reading.
-    start_states = {state for state in states if state in start or state.partition("[")[0] in start}
-    return by_name("start", {**{s: x for s, x in from_readings.items() if s not in start_states}, **start}, states)
+            first[state] = float(column[finite[0]])
+        else:
+            problems.append(
+                f"{state} begins at the first reading of {reading}, and the recording has none; map {reading} in "
+                f"[data.columns], or write {state} in [start] mean."
+            )
+    if problems:
+        raise EstimationError("\n".join(problems))
+    return by_name("[start] mean", {**first, **start}, states)

@@ -162,12 +162,16 @@ def test_a_lost_filter_reports_the_instant(undragged, limit):
 
 
 def test_missing_and_unknown_names_are_refused(undragged):
-    with pytest.raises(EstimationError, match="process lacks alpha; it has w, v, mu_b"):
+    with pytest.raises(EstimationError, match=r"\[noise\] process lacks alpha; it has w, v, mu_b"):
         estimate(braked(), undragged, replace(SETTINGS, process={"w": 1.0, "v": 1.0, "mu_b": 1.0}))
-    with pytest.raises(EstimationError, match="readings has acceleration, the model has wheelset_speed, speed"):
+    with pytest.raises(EstimationError, match=r"\[noise\] readings has acceleration, the model has wheelset_speed"):
         estimate(braked(), undragged, replace(SETTINGS, readings=READINGS_20 | {"acceleration": 1.0}))
-    with pytest.raises(EstimationError, match="start lacks mu_b"):
+    with pytest.raises(EstimationError, match=r"\[start\] mean lacks mu_b"):
         estimate(braked(), undragged, replace(SETTINGS, start={"alpha": 0.0}))
+    unread = braked()
+    unread["reading_speed"][:] = np.nan
+    with pytest.raises(EstimationError, match=r"v begins at .* of speed, .* write v in \[start\] mean"):
+        estimate(unread, undragged, SETTINGS)
     with pytest.raises(EstimatorError, match="not positive definite"):
         estimate(braked(), undragged, replace(SETTINGS, readings={"wheelset_speed": 0.0, "speed": 1.0}))
     with pytest.raises(EstimationError, match="RollerRigPrediction has no parameter mass"):
