@@ -22,9 +22,8 @@ from railgrip.fmus.recipe import Cookbook, Recipe, read_recipes
 if TYPE_CHECKING:
     from railgrip.fmus.native.package import Source
 
-FOLDER = Path(__file__).parent
-OUTPUT = FOLDER.parent / "build" / "fmus"
-"""Where `railgrip build` leaves copies; nothing of ours is loaded from there."""
+OUTPUT = Path("build") / "fmus"
+"""Where `railgrip build` leaves copies, below the current folder; nothing of ours is loaded from there."""
 
 KIND = "fmus"
 """Their shelf in the user's cache."""

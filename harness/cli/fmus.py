@@ -37,7 +37,7 @@ def build_command(
 ) -> None:
     """Bring FMUs up to date, or build the plant of your own class.
 
-    Copies are left in build/fmus.
+    Copies are left in build/fmus of the current folder.
     """
     if update and not check:
         raise InputError("--update needs --check: both together write lock.toml instead of comparing with it.")

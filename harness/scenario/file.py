@@ -119,11 +119,11 @@ class NamedFile:
         path = (entry.folder if isinstance(entry, Elsewhere) else directory) / entry
         if not is_file(path):
             is_recipe = path.suffix == ".fmu" and path.parent.parts[-2:] == ("build", "fmus")
-            hint = f"; `railgrip build {path.stem}` makes it" if is_recipe else ""
+            hint = f"; `railgrip build {path.stem}` makes one in build/fmus of the current folder" if is_recipe else ""
             raise PydanticCustomError(
                 "file",
-                "names '{entry}', but there is no file {path}; the path starts at the folder of the file it stands in"
-                "{hint}",
+                "names '{entry}', but there is no file {path}; a path in a file starts at its folder, one of --set at "
+                "the current folder{hint}",
                 {"entry": cut(entry), "path": place(path), "hint": hint},
             )
         if isinstance(entry, Elsewhere):

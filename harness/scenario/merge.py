@@ -3,10 +3,12 @@
 import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, cast
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import cut, short
+from railgrip.scenario.file import Elsewhere
 
 _DEEPEST = 12
 """Levels of tables and lists; the deepest file of ours has five."""
@@ -121,7 +123,8 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     """Return `table.key=value` texts as one tree of tables.
 
     The value is read as TOML (`5`, `true`, `[1, 2]`, `"text"`), and as plain text where it is none, so that
-    `start.speed=80 km/h` needs no quotes. For keys see `parts_of`: `vehicle.parameters."r_wheel[2]"=0.37`.
+    `start.speed=80 km/h` needs no quotes. For keys see `parts_of`: `vehicle.parameters."r_wheel[2]"=0.37`. Paths start
+    at the current folder, as all others on a command line.
 
     Raises:
         ScenarioError: Not of that form.
@@ -135,7 +138,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
             _insert(tree, nested({key.strip(): _toml_value(value.strip())}))
         except ScenarioError as problem:
             raise ScenarioError(f"--set {cut(override)}: {problem}") from None
-    return tree
+    return Elsewhere.within(tree, Path.cwd())
 
 
 def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:

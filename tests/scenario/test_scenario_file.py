@@ -166,9 +166,20 @@ def test_a_wrong_scenario_is_refused_in_a_sentence_with_file_table_and_key(overr
     )
 
 
-def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_makes_it():
-    with pytest.raises(ScenarioError, match=r"ForeignTrain\.fmu; .*; `railgrip build ForeignTrain` makes it\.$"):
+def test_a_missing_copy_of_a_recipe_is_refused_with_the_command_that_makes_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ScenarioError, match=r"--set at the current folder; `railgrip build ForeignTrain` makes one"):
         load(TRAPEZOID, ["vehicle.plant=build/fmus/ForeignTrain.fmu"])
+
+
+def test_a_path_on_the_command_line_starts_at_the_current_folder(tmp_path, monkeypatch):
+    """Wherever the scenario is; in what is written it starts at the folder of the scenario as all others do."""
+    (tmp_path / "mine.fmu").write_bytes(b"")
+    monkeypatch.chdir(tmp_path)
+    vehicle = load(Path("foreign_train"), ["vehicle.plant=mine.fmu"]).vehicle
+    assert vehicle.plant is not None
+    assert vehicle.plant.path.resolve() == tmp_path / "mine.fmu"
+    assert (LIBRARY / vehicle.plant.entry).resolve() == tmp_path / "mine.fmu"
 
 
 @pytest.mark.parametrize(

@@ -189,10 +189,9 @@ equation
   end for;
 end Lean;
 """
-    (mine.parent / "SimpleTrain" / "Lean.mo").write_text(lacking)
-    estimator = (
-        "estimator={kind='python', model='SimpleTrain.Lean', library='SimpleTrain/package.mo', noise='train_ideal'}"
-    )
+    library = mine.parent / "SimpleTrain" / "package.mo"
+    library.with_name("Lean.mo").write_text(lacking)
+    estimator = f"estimator={{kind='python', model='SimpleTrain.Lean', library='{library}', noise='train_ideal'}}"
     with pytest.raises(ScenarioError, match=r"\[estimator\] model 'SimpleTrain\.Lean' has no state mu_b\[1\]"):
         run_stop(load(mine, [*SHORT, estimator]))
 
