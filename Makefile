@@ -103,7 +103,7 @@ suite: $(DEV)
 
 PORTABLE := tests/test_portability.py tests/test_containers.py tests/test_units.py tests/scenario tests/docs/test_code_blocks.py \
             tests/estimate/test_text_formats.py tests/estimate/test_inspection.py tests/estimate/test_specification.py \
-            tests/fmus/test_platforms.py
+            tests/fmus/test_platforms.py tests/fmus/test_under_wine.py
 
 portable: $(DEV)  ## what may depend on the platform: installation, compiler, files, a stop, the tutorials
 	$(PROGRAM) doctor
