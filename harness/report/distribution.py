@@ -103,11 +103,7 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
     """Return a row for each distribution."""
     rows = [
         {
-            "scenario": distribution.label,
-            "actuation": distribution.actuation,
-            "sensors": distribution.sensors,
-            "creep curve": distribution.polach,
-            "controller": distribution.controller_label,
+            **_question(distribution),
             "draws": str(distribution.draws)
             if distribution.stood == distribution.draws
             else f"{distribution.draws}, {distribution.draws - distribution.stood} without stop",
@@ -123,6 +119,17 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
     return Table(rows, {"longest lock, median": "{:.2f} s"})
 
 
+def _question(distribution: Distribution) -> dict[str, str]:
+    """Return what distinguishes a distribution from the others of a campaign."""
+    return {
+        "scenario": distribution.label,
+        "actuation": distribution.actuation,
+        "sensors": distribution.sensors,
+        "creep curve": distribution.polach,
+        "controller": distribution.controller_label,
+    }
+
+
 QUANTILES = (0.5, 0.95, 0.99)
 """Shares of the draws whose distance is shown: half, and what is rarely and hardly ever exceeded."""
 
@@ -135,11 +142,7 @@ def quantile_table(distributions: Sequence[Distribution], permitted: float | Non
     rows: list[dict[str, Any]] = []
     for distribution in distributions:
         values = list(distribution.distances_m.values())
-        row: dict[str, Any] = {
-            "scenario": distribution.label,
-            "controller": distribution.controller_label,
-            "draws": len(values),
-        }
+        row: dict[str, Any] = {**_question(distribution), "draws": len(values)}
         for level in QUANTILES:
             interval = order_interval(values, level)
             ends = "" if interval is None else f" [{_metres(interval[0], '')}, {_metres(interval[1], '')}]"

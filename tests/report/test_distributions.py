@@ -135,10 +135,8 @@ def test_a_page_of_draws_has_lines_of_controllers_not_of_stops(folder):
     assert list(plots_of(page)) == [f"figures/{name}.png" for name in ("exceedance", "distributions", "friction")]
     html = page.read_text(encoding="utf-8")
     assert html.count('<td class="text">random</td>') == 1  # of the scenarios; the other tables say it above their rows
-    assert html.count("Same in all rows: scenario random; draws 4.") == 1  # quantiles
-    assert (
-        html.count("Same in all rows: scenario random; actuation ideal; sensors ideal; creep curve dry; draws 4.") == 1
-    )
+    same = "Same in all rows: scenario random; actuation ideal; sensors ideal; creep curve dry; draws 4."
+    assert html.count(same) == 2  # of quantiles, and of distances
 
 
 def test_the_figure_has_a_point_for_each_draw_and_a_panel_for_each_reference(folder):
@@ -169,6 +167,13 @@ def test_a_table_of_many_missing_stops_names_a_few(folder):
     results = replace(read_results(folder), missing=tuple(f"stop{n}" for n in range(40)))
     text = write_table(results, folder)[1].read_text(encoding="utf-8")
     assert "Not run: stop0, stop1, stop2, stop3, stop4, stop5, stop6, stop7 and 32 more." in text
+
+
+def test_quantiles_of_a_controller_under_two_actuations_are_distinguished(folder):
+    (one, *_) = distributions_of(rows_of(read_results(folder)))
+    table = quantile_table([one, replace(one, actuation="pneumatic")], None)
+    assert [row["actuation"] for row in table.rows] == [one.actuation, "pneumatic"]
+    assert one.actuation != "pneumatic"
 
 
 def test_quantiles_and_exceedance_of_many_draws_agree_with_their_distribution(folder):
