@@ -1,35 +1,62 @@
-"""Stops the train of a campaign again and again, the plant's parameters moved in the seventh digit.
+"""Repeats the stops of a campaign: with the plant's parameters perturbed, and with other lots of sensors.
 
-A distance that this moves by a centimetre is a property of the controller; one that it moves by a tenth of itself is a
-draw. Where OpenModelica is on the PATH and so compiles the plants, those of the built-in compiler stop once, too.
+A distance that a perturbation of 1e-7 moves by a centimetre is a property of the controller; one that it moves by a
+tenth is a draw. All controllers have the same lots, so that their distances can be compared in pairs. If OpenModelica
+is on the PATH and so compiles the plants, those of the built-in compiler stop once, too.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from railgrip.fmus.build import choose, fmu
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import Conditioning, Repeated
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.vehicle import Nudge, Recipe
 from railgrip.trace.stop import StopRecord, read_stop
 
 _OTHER = "native"
 
 
-Repeats = tuple[list[PlannedStop], dict[str, PlannedStop]]
-"""What a stop is repeated as: with moved parameters, and with the plant of another compiler, by compiler."""
+@dataclass(frozen=True, slots=True)
+class Repeats:
+    """Stops as which one stop is repeated.
+
+    Attributes:
+        perturbed: With perturbed parameters of the plant.
+        lots: With lots 1, 2, … of the sensors; none if sensors have no errors.
+        compilers: Compiler → stop with the plant of that compiler.
+    """
+
+    perturbed: list[PlannedStop]
+    lots: list[PlannedStop]
+    compilers: dict[str, PlannedStop]
+
+    @property
+    def stops(self) -> list[PlannedStop]:
+        """All of them."""
+        return [*self.perturbed, *self.lots, *self.compilers.values()]
 
 
-def repeats_of(stop: PlannedStop, *, count: int, relative: float) -> Repeats:
-    """Return the repeats of a stop: `count` of them with parameters moved by up to `relative`.
+def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> Repeats:
+    """Return the repeats of a stop.
+
+    Args:
+        stop: Stop of a campaign.
+        count: Number of repeats with parameters perturbed by up to `relative`, as a share of their values.
+        lots: Number of lots of sensors.
+        relative: Largest perturbation.
 
     Raises:
         FmuError: The plant cannot be built by the other compiler.
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
-    nudged = [_changed(stop, f"{stop.name}-{nudge.seed}", nudge=nudge) for nudge in nudges]
-    return nudged, _other_compiler(stop)
+    return Repeats(
+        perturbed=[_with_vehicle(stop, str(nudge.seed), nudge=nudge) for nudge in nudges],
+        lots=[_with_lot(stop, seed) for seed in range(1, lots + 1)] if _has_lots(stop) else [],
+        compilers=_other_compiler(stop),
+    )
 
 
 def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
@@ -37,7 +64,7 @@ def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
     return replace(
         campaign,
         name=f"{campaign.name}-conditioning",
-        stops=tuple(stop for nudged, compiled in repeats.values() for stop in (*nudged, *compiled.values())),
+        stops=tuple(stop for each in repeats.values() for stop in each.stops),
         references=(),
         panels="none",
         conditioning=None,
@@ -45,21 +72,24 @@ def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
 
 
 def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: Path, relative: float) -> Conditioning:
-    """Return what the repeats in a folder say of the stops of a campaign.
+    """Return the conditioning of a campaign from the results of the repeats in a folder.
 
     Raises:
         RecordError: One of them has no result.
     """
     stops: dict[str, Repeated] = {}
     for stop in campaign.stops:
-        nudged, compiled = repeats[stop.name]
-        records = [read_stop(directory / nudge.name) for nudge in nudged]
+        repeated = repeats[stop.name]
+        records = [read_stop(directory / perturbed.name) for perturbed in repeated.perturbed]
         distances = [_distance(record) for record in records]
         figures = [record.metrics.beside_distance() for record in records]
         stops[stop.name] = Repeated(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
-            compilers={compiler: _distance(read_stop(directory / stop.name)) for compiler, stop in compiled.items()},
+            lots=tuple(_distance(read_stop(directory / lot.name)) for lot in repeated.lots),
+            compilers={
+                compiler: _distance(read_stop(directory / other.name)) for compiler, other in repeated.compilers.items()
+            },
             figures={
                 name: tuple(each[name] for each in figures)
                 for name in figures[0]
@@ -75,14 +105,26 @@ def _other_compiler(stop: PlannedStop) -> dict[str, PlannedStop]:
         return {}
     path = fmu(source.name, _OTHER)
     plant = NamedFile(entry=str(path), path=path)
-    return {_OTHER: _changed(stop, f"{stop.name}-{_OTHER}", plant=plant, trust=True)}
+    return {_OTHER: _with_vehicle(stop, _OTHER, plant=plant, trust=True)}
 
 
-def _changed(stop: PlannedStop, name: str, **vehicle: object) -> PlannedStop:
-    """Return a stop whose [vehicle] differs; of its result the figures are enough."""
-    vehicle_table = stop.scenario.vehicle.model_copy(update=vehicle)
-    scenario = stop.scenario.model_copy(update={"vehicle": vehicle_table})
-    return replace(stop, name=name, scenario=scenario, keep_trace=False)
+def _has_lots(stop: PlannedStop) -> bool:
+    return isinstance(stop.scenario.sensors, SampledSensors)
+
+
+def _with_lot(stop: PlannedStop, seed: int) -> PlannedStop:
+    sensors = stop.scenario.sensors.model_copy(update={"seed": seed})
+    return _repeat(stop, f"lot-{seed}", sensors=sensors)
+
+
+def _with_vehicle(stop: PlannedStop, suffix: str, **vehicle: object) -> PlannedStop:
+    return _repeat(stop, suffix, vehicle=stop.scenario.vehicle.model_copy(update=vehicle))
+
+
+def _repeat(stop: PlannedStop, suffix: str, **tables: object) -> PlannedStop:
+    """Return a stop with other tables of its scenario; its trace is not kept."""
+    scenario = stop.scenario.model_copy(update=tables)
+    return replace(stop, name=f"{stop.name}-{suffix}", scenario=scenario, keep_trace=False)
 
 
 def _distance(record: StopRecord) -> float | None:

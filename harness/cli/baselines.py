@@ -103,20 +103,22 @@ def validation(
     docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
 ) -> None:
     """Write the accepted distances into the documentation."""
-    for name, (page, table_of) in TABLES.items():
+    for name, (page, tables_of) in TABLES.items():
         path = baselines / f"{name}.toml"
         accepted = load_baseline(path)
         if accepted.campaign is None:
             raise ScenarioError(f"{path}: is the baseline of a study; the table is that of a campaign")
-        table = table_of(load_campaign(path.parent / accepted.campaign), accepted)
-        write_tables(docs / page, {"distances": table})
+        write_tables(docs / page, tables_of(load_campaign(path.parent / accepted.campaign), accepted))
         say(str(docs / page))
 
 
 def conditioning(
     file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
     repeats: Annotated[int, typer.Option(min=2, max=1000, help="Of each stop.")] = 20,
-    relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Most that a parameter moves by.")] = 1e-7,
+    relative: Annotated[float, typer.Option(min=1e-15, max=1e-2, help="Largest change of a parameter.")] = 1e-7,
+    lots: Annotated[
+        int, typer.Option(min=0, max=1000, help="Lots of sensors, for stops whose sensors have errors.")
+    ] = 20,
     stops: Annotated[
         str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
     ] = "*",
@@ -125,7 +127,7 @@ def conditioning(
     fresh: Fresh = False,
     import_from: ImportFrom = None,
 ) -> None:
-    """Repeat stops with the plant's parameters perturbed."""
+    """Repeat stops with the plant's parameters perturbed, and with other lots of sensors."""
     loaded = load_campaign(file)
     if loaded.conditioning is None:
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")
@@ -133,7 +135,7 @@ def conditioning(
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
     others = {} if stops == "*" else _repeated_before(loaded.conditioning, relative)
-    repetitions = {stop.name: repeats_of(stop, count=repeats, relative=relative) for stop in selection.stops}
+    repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
     directory = out / loaded.name
     problem = run_campaigns(
         [CampaignRun(campaign_of(selection, repetitions), directory)],
@@ -146,6 +148,7 @@ def conditioning(
     write_text(loaded.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
     rows = [
         {"stop": name, "shortest": stop.lowest, "median": stop.median, "longest": stop.highest, "spreads": stop.spreads}
+        | ({"lots": stop.lots_text} if lots else {})
         for name, stop in results.stops.items()
     ]
     metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")

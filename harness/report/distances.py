@@ -196,7 +196,8 @@ def spread_text(conditioning: Repeated | None, digest: str, distance: float | No
         f"; {compiler} {'no stop' if spread is None else f'{spread:.1f} m'}"
         for compiler, spread in conditioning.compilers.items()
     )
-    return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}"
+    lots = f"; {len(conditioning.lots)} lots of sensors {conditioning.lots_text}" if conditioning.lots else ""
+    return f"{conditioning.median:.2f} m ({conditioning.lowest:.2f} – {conditioning.highest:.2f} m){others}{lots}"
 
 
 def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:

@@ -49,7 +49,8 @@ class Row(Conditions):
         draw: Seed of a stop that is one draw of a distribution.
         reference: Whether the stop is that of the published or of the best tuned SBC, with which others are compared.
         distance_m: None without standstill.
-        repeated: Median and range of the distance if parameters of the plant change in the seventh digit, as text.
+        repeated: Median and range of the distance if parameters of the plant change in the seventh digit, and with
+            other lots of sensors, as text.
         reduction_vs_sbc: 1 − distance over that of the published SBC in the same conditions; None without either.
         reduction_vs_tuned: The same against the best tuned SBC.
         utilisation: Share of the adhesion that the ideal bound uses; None for a stop that has no such bound.

@@ -1,25 +1,42 @@
 """Tables of braking distances in docs/, written from the accepted distances so that both agree."""
 
+import itertools
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
+from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import Accepted, Baseline
 from railgrip.report.reference import label, references
-from railgrip.report.table import Table, percent
+from railgrip.report.statistics import median_interval
+from railgrip.report.table import Table, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
+from railgrip.scenario.conditioning import Repeated, read_conditioning
+from railgrip.scenario.sensors import SampledSensors
 
 _FIRST = "braking distance"
 
 
 @dataclass(frozen=True, slots=True)
 class _Cell:
-    """One planned stop with its accepted distance and those of the references."""
+    """One planned stop with its accepted distance.
+
+    Attributes:
+        stop: Planned stop.
+        scenario: Resolved scenario of the stop.
+        accepted: Accepted distance; None without one.
+        paper: Published distance [m]; None without one.
+        lots: Distances by lot of the sensors [m], the same lots for all stops; empty if sensors have no errors.
+    """
 
     stop: PlannedStop
     scenario: dict[str, Any]
     accepted: Accepted | None
-    paper: float | None
+    paper: float | None = None
+    lots: Sequence[float] = ()
 
     @property
     def column(self) -> str:
@@ -32,22 +49,36 @@ class _Cell:
 
     @property
     def distance(self) -> float | None:
+        """Median over the lots of sensors, or the accepted distance [m]."""
+        if self.lots:
+            return float(np.median(self.lots))
         return self.accepted.value if self.accepted else None
 
+    def change_against(self, other: "_Cell") -> float | None:
+        """Return the relative change of the distance, over lots the median of the changes in each lot."""
+        if self.lots and other.lots:
+            return float(np.median([own / reference - 1 for own, reference in zip(self.lots, other.lots, strict=True)]))
+        return self.distance / other.distance - 1 if self.distance and other.distance else None
 
-def table(campaign: Campaign, baseline: Baseline) -> str:
-    """Return the table: a line for each equipment and controller, a column for each scenario.
 
-    Brackets hold the change against the published SBC, followed by that against the best tuned SBC where there is one.
-    A distance that rounding decides is given as median and range. Lock and strokes are the worst of the line.
+_Lines = dict[tuple[str, str], dict[str, _Cell]]
+"""(equipment, controller) → scenario → cell."""
+
+
+def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
+    """Return the tables of accepted distances of a campaign with scenarios, equipment and controllers, by name.
+
+    `distances` has a row for each equipment and controller, and a column for each scenario. Brackets contain the change
+    against the published SBC, followed by the change against the best tuned SBC if there is one. A distance that
+    depends on rounding, or on the lot of sensors, is given as median and range. Lock and strokes are the maximum of the
+    row. `orders` compares controllers in pairs, lot by lot.
+
+    Raises:
+        ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.
     """
-    cells: list[_Cell] = []
-    for stop in campaign.stops:
-        reference = campaign.reference_for(stop)
-        paper = reference.distance if reference else None
-        cells.append(_Cell(stop, stop.scenario.resolved(), baseline.accepted.get(stop.name), paper))
+    cells = _cells(campaign, baseline)
     compared_with = references(cells, lambda cell: cell.scenario, lambda cell: cell.distance)
-    lines: dict[tuple[str, str], dict[str, _Cell]] = {}
+    lines: _Lines = {}
     texts: dict[tuple[str, str], dict[str, str]] = {}
     for cell, others in zip(cells, compared_with, strict=True):
         lines.setdefault(cell.line, {})[cell.column] = cell
@@ -63,26 +94,90 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
             | {column: texts[line].get(column, "") for column in columns}
             | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
         )
-    return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
+    distances = Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,))
+    return {"distances": distances, "orders": _orders(lines, columns)}
 
 
-def cases_table(campaign: Campaign, baseline: Baseline) -> str:
+def _cells(campaign: Campaign, baseline: Baseline) -> list[_Cell]:
+    """Return the stops of a campaign with their accepted distances and, if there are some, repeats with other lots."""
+    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
+    cells: list[_Cell] = []
+    stale: list[str] = []
+    for stop in campaign.stops:
+        accepted, reference, repeated = baseline.accepted.get(stop.name), campaign.reference_for(stop), None
+        if campaign.conditioning and isinstance(stop.scenario.sensors, SampledSensors):
+            repeated = repeats.get(stop.name)
+            if not _has_lots_of(stop, repeated, accepted):
+                stale.append(stop.name)
+        cells.append(
+            _Cell(
+                stop,
+                stop.scenario.resolved(),
+                accepted,
+                reference.distance if reference else None,
+                repeated.lot_distances if repeated else (),
+            )
+        )
+    if stale:
+        raise ScenarioError(
+            f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
+            "`railgrip maintain conditioning`"
+        )
+    return cells
+
+
+def _has_lots_of(stop: PlannedStop, repeated: Repeated | None, accepted: Accepted | None) -> bool:
+    """Return whether there are repeats with other lots of sensors of a stop with its accepted distance."""
+    return bool(repeated and repeated.lots and accepted and repeated.belongs(stop.scenario.digest(), accepted.value))
+
+
+def _orders(lines: _Lines, columns: Sequence[str]) -> Table:
+    """Return the paired differences between each controller and the next better one, lot by lot, with 95 % intervals.
+
+    A controller is called shorter only if the interval excludes 0.
+    """
+    known = {
+        line: [stops[column].lots for column in columns]
+        for line, stops in lines.items()
+        if all(column in stops and stops[column].lots for column in columns)
+    }
+    order = sorted(known, key=lambda line: sum(math.log(float(np.median(lots))) for lots in known[line]))
+    rows: list[dict[str, Any]] = []
+    for better, other in itertools.pairwise(order):
+        row: dict[str, Any] = {"controller": _name(better, lines), "compared with": _name(other, lines)}
+        for column, lots, other_lots in zip(columns, known[better], known[other], strict=True):
+            row[column] = _difference([a - b for a, b in zip(lots, other_lots, strict=True)])
+        rows.append(row)
+    return Table(rows, left=("controller", "compared with"))
+
+
+def _difference(differences: Sequence[float]) -> str:
+    """Return the median of paired differences [m] with its interval, and the order that the interval supports."""
+    interval = median_interval(differences)
+    if interval is None:
+        return ""
+    low, high = interval
+    order = "shorter" if high < 0 else "longer" if low > 0 else "not separated"
+    return text(float(np.median(differences)), "{:+.1f} m") + text(low, " [{:+.1f}, ") + text(high, "{:+.1f}] ") + order
+
+
+def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     """Return the accepted distances of a campaign with cases: a row for each case, a column for each controller."""
     rows: dict[str, dict[str, str]] = {}
     for stop in baseline.selection(campaign).stops:
         case, scenario = stop.variants["case"].replace("_", " "), stop.scenario.resolved()
-        cell = _Cell(stop, scenario, baseline.accepted.get(stop.name), None)
+        cell = _Cell(stop, scenario, baseline.accepted.get(stop.name))
         rows.setdefault(case, {})[label(scenario)] = _text(cell, [])
     columns = dict.fromkeys(column for row in rows.values() for column in row)
     table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
-    return str(Table(table, left=("case",)))
+    return {"distances": Table(table, left=("case",))}
 
 
-TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], str]]] = {
-    "table1": ("validation.md", table),
-    "adverse": ("rail_models.md", cases_table),
+TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, Table]]]] = {
+    "table1": ("validation.md", tables),
+    "adverse": ("rail_models.md", tables_of_cases),
 }
-"""Baseline → page of docs/ that shows it, and the table."""
+"""Baseline → page of docs/ that contains its tables, and the function that returns them by name."""
 
 
 def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
@@ -104,12 +199,15 @@ def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[st
 
 def _text(cell: _Cell, others: Sequence[_Cell | None]) -> str:
     """Return distance or median and range, with the changes against other stops."""
-    if cell.accepted is None:
+    if cell.accepted is None or cell.distance is None:
         return ""
-    accepted = cell.accepted
-    range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m" if accepted.is_range else ""
-    changes = [accepted.value / other.distance - 1 if other and other.distance else None for other in others]
-    return f"{accepted.value:.1f} m{range_}{_brackets(changes)}"
+    accepted, range_ = cell.accepted, ""
+    if cell.lots:
+        range_ = f", {min(cell.lots):.1f} – {max(cell.lots):.1f} m"
+    elif accepted.is_range:
+        range_ = f", {accepted.lowest:.1f} – {accepted.highest:.1f} m"
+    changes = [cell.change_against(other) if other else None for other in others]
+    return f"{cell.distance:.1f} m{range_}{_brackets(changes)}"
 
 
 def _brackets(changes: Sequence[float | None]) -> str:

@@ -1,11 +1,13 @@
-"""How well distances are conditioned: the stops of a campaign again, the plant's parameters moved in the 7th digit.
+"""Repeats of the stops of a campaign: with perturbed parameters of the plant, and with other lots of sensors.
 
-A file of this, written by `railgrip maintain conditioning`, belongs to a campaign, whose tables show it beside the
-distances.
+Perturbations in the seventh digit separate distances that rounding decides from those that it does not. A lot of
+sensors is one draw of their errors and noise; a distance with one lot is one draw, too. The file of a
+campaign is written by `railgrip maintain conditioning`.
 """
 
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -48,6 +50,9 @@ class Repeated(Table):
     )
     figures: dict[str, tuple[FiniteFloat, ...]] = Field(
         default={}, description="figure of `Metrics.beside_distance` → its value in each of the first repeats"
+    )
+    lots: tuple[NonNegativeFloat | None, ...] = Field(
+        default=(), description="[m], with lots 1, 2, … of the sensors; empty if sensors have no errors"
     )
 
     @property
@@ -109,8 +114,23 @@ class Repeated(Table):
         length = math.inf if distance is None else distance
         return digest == self.digest and self.lowest - self.margin <= length <= self.highest + self.margin
 
+    @property
+    def lots_text(self) -> str:
+        """Median and range of the distance over the lots of sensors; empty without lots."""
+        lots = self.lot_distances
+        return f"{np.median(lots):.1f} m ({min(lots):.1f} – {max(lots):.1f} m)" if lots else ""
+
+    @property
+    def lot_distances(self) -> list[float]:
+        """Distances by lot of the sensors [m], infinite without standstill."""
+        return _endless(self.lots)
+
     def _all(self) -> list[float]:
-        return [math.inf if distance is None else distance for distance in self.distances]
+        return _endless(self.distances)
+
+
+def _endless(distances: Sequence[float | None]) -> list[float]:
+    return [math.inf if distance is None else distance for distance in distances]
 
 
 class Conditioning(Table):

@@ -3,9 +3,12 @@
 from collections.abc import Collection
 from typing import Annotated, Any
 
+import numpy as np
+
 from railgrip.base import registry
 from railgrip.scenario.kinds import ByKind, Custom, by_kind
-from railgrip.scenario.table import Period, Table, optional
+from railgrip.scenario.seed import generator
+from railgrip.scenario.table import Period, Seed, Table, optional
 
 
 class SensorModel(Table):
@@ -44,12 +47,20 @@ class SensorModel(Table):
 
 
 class SampledSensors(SensorModel):
-    """Sensors with a period of their own."""
+    """Sensors with errors and a sampling period."""
 
     period: Period | None = optional(
         "at which all are sampled and their noise is drawn, a whole multiple of the communication step; without it "
         "that itself, or of service sensors 1 ms or what is nearest to it"
     )
+    seed: Seed | None = optional(
+        "seed of the lot and the noise of the sensors, to repeat a stop on the same rail with other sensors of the "
+        "same kind; without it the seed of the scenario"
+    )
+
+    def random(self, scenario: Any, purpose: str) -> np.random.Generator:
+        """Return the stream of random numbers for one purpose of these sensors."""
+        return generator(scenario.seed if self.seed is None else self.seed, f"sensors.{purpose}")
 
     def sampled_every(self, communication: float) -> int:
         """Return the communication steps [s] between two readings."""

@@ -4,11 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from railgrip.base.errors import RecordError
+from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.report.baseline import Accepted, Baseline, load_baseline, write_baseline
 from railgrip.report.marked import END, write_tables
-from railgrip.report.validation import TABLES, cases_table, table
+from railgrip.report.validation import TABLES, tables, tables_of_cases
 from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.conditioning import Conditioning, Repeated, text_of
 
 ROOT = Path(__file__).parents[2]
 BASELINES = ROOT / "tests" / "baselines"
@@ -37,11 +38,12 @@ BEGIN = "<!-- distances: written by `make validation` -->"
 @pytest.mark.parametrize("name", TABLES)
 def test_the_table_of_the_page_is_the_accepted_one(name):
     """Fails if a baseline was accepted without `make validation`, which writes the table."""
-    page, table_of = TABLES[name]
+    page, tables_of = TABLES[name]
     baseline = load_baseline(BASELINES / f"{name}.toml")
     campaign = load_campaign(BASELINES / baseline.campaign)
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
-    assert f"{BEGIN}\n{table_of(campaign, baseline)}\n{END}" in text
+    for name, table in tables_of(campaign, baseline).items():
+        assert f"{BEGIN.replace('distances', name)}\n{table}\n{END}" in text
 
 
 def test_a_baseline_of_some_stops_has_a_row_for_each_case(tmp_path):
@@ -65,7 +67,7 @@ controller.kind = "adhesion_based"
     accepted = {"random-light_train-sbc": stop(400), "random-as_believed-sbc": stop(310, lowest=290, highest=340)}
     some = Baseline(campaign="c.toml", stops=patterns, accepted=accepted)
     assert [one.name for one in some.selection(campaign).stops] == [*accepted]
-    assert cases_table(campaign, some).splitlines() == [
+    assert str(tables_of_cases(campaign, some)["distances"]).splitlines() == [
         "| case | SBC, two-state 10/15 % |",
         "|---|--:|",
         "| light train | 400.0 m |",
@@ -104,7 +106,7 @@ def baseline():
 
 
 def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ranges(campaign, baseline):
-    lines = table(campaign, baseline).splitlines()
+    lines = str(tables(campaign, baseline)["distances"]).splitlines()
     assert lines == [
         "| braking distance | random | longest lock | valve strokes |",
         "|---|--:|--:|--:|",
@@ -117,11 +119,82 @@ def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ran
     ]
 
 
+WITH_LOTS = """
+[axes.equipment]
+service = "../../harness/scenario/equipment/service.toml"
+[axes.controller]
+sbc = { controller.kind = "slip_two_state" }
+abc = { controller.kind = "adhesion_based" }
+seeking = { controller.kind = "slope_seeking" }
+"""
+
+
+@pytest.fixture
+def campaign_with_lots(tmp_path, write_lots):
+    """Three controllers with service sensors: SBC at 400 m, ABC 30 m and slope seeking another 0.1 m shorter."""
+    from synthetic import LIBRARY
+
+    equipment = WITH_LOTS.replace("../../harness/scenario/equipment", str(LIBRARY.parent / "equipment"))
+    path = tmp_path / "c.toml"
+    path.write_text(
+        f'name = "c"\nconditioning = "c.json"\nscenarios = ["{(LIBRARY / "random.toml").as_posix()}"]\n{equipment}',
+        encoding="utf-8",
+    )
+    campaign = load_campaign(path)
+    # Lots shift all controllers alike by up to ±9.5 m; the last pair differs by −0.1 ± 1.9 m.
+    shifts = [number - 9.5 for number in range(20)]
+    lots = {
+        "sbc": [400 + shift for shift in shifts],
+        "abc": [370 + shift for shift in shifts],
+        "seeking": [369.9 + 1.2 * shift for shift in shifts],
+    }
+    write_lots(campaign, {f"random-service-{name}": values for name, values in lots.items()})
+    accepted = {f"random-service-{name}": stop(values[0]) for name, values in lots.items()}
+    return campaign, Baseline(campaign="c.toml", accepted=accepted)
+
+
+@pytest.fixture
+def write_lots():
+    def write(campaign, lots):
+        repeats = {
+            one.name: Repeated(digest=one.scenario.digest(), distances=[lots[one.name][0]] * 20, lots=lots[one.name])
+            for one in campaign.stops
+        }
+        campaign.conditioning.write_text(text_of(Conditioning(relative=1e-7, stops=repeats)), encoding="utf-8")
+
+    return write
+
+
+def test_distances_with_erroneous_sensors_are_medians_over_lots_compared_in_pairs(campaign_with_lots):
+    """The accepted distance is that of one lot, here the shortest of the twenty."""
+    distances, orders = map(str, tables(*campaign_with_lots).values())
+    assert "| service: SBC, two-state 10/15 % | 400.0 m, 390.5 – 409.5 m |" in distances
+    # The median of 20 changes (370 + d)/(400 + d) − 1 is that of d = ±0.5: −30/399.5 and −30/400.5.
+    assert "| service: ABC | 370.0 m, 360.5 – 379.5 m (−7.5 %) |" in distances
+    assert orders.splitlines()[2:] == [
+        # 95 % order interval of a median of 20: 6th and 15th value (Conover): −0.1 ± 0.2 · 4.5 m.
+        "| slope-seeking control | ABC | −0.1 m [−1.0, +0.8] not separated |",
+        "| ABC | SBC, two-state 10/15 % | −30.0 m [−30.0, −30.0] shorter |",
+    ]
+
+
+def test_a_table_without_repeats_of_the_accepted_stops_is_refused(campaign_with_lots):
+    campaign, baseline = campaign_with_lots
+    moved = baseline.model_copy(update={"accepted": {name: stop(500) for name in baseline.accepted}})
+    with pytest.raises(
+        ScenarioError, match=r"no repeats with other lots of sensors of random-service-sbc.* as accepted"
+    ):
+        tables(campaign, moved)
+
+
 def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, baseline):
     path = tmp_path / "validation.md"
     path.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n", encoding="utf-8")
-    write_tables(path, {"distances": table(campaign, baseline)})
-    assert path.read_text(encoding="utf-8") == f"before\n{BEGIN}\n{table(campaign, baseline)}\n{END}\nafter\n"
+    write_tables(path, {"distances": tables(campaign, baseline)["distances"]})
+    assert (
+        path.read_text(encoding="utf-8")
+        == f"before\n{BEGIN}\n{tables(campaign, baseline)['distances']}\n{END}\nafter\n"
+    )
     path.write_text("no marks\n", encoding="utf-8")
     with pytest.raises(RecordError, match=r"validation\.md: lacks a line that encloses the table"):
         write_tables(path, {"distances": ""})

@@ -133,7 +133,7 @@ class Service(SampledSensors):
     def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
         """Return them at the begin of a stop; what is constant over it is drawn here."""
         period = scenario.periods.communication * self.sampled_every(scenario.periods.communication)
-        lot = generator(scenario.seed, "sensors.lot")
+        lot = self.random(scenario, "lot")
         instruments = ServiceInstruments(
             pulses=self.wheel.pulses,
             pitch_error=self.wheel.pitch_error,
@@ -142,7 +142,11 @@ class Service(SampledSensors):
             wheel_radius=wheel_radius,
             speed_noise=self.speed.noise,
             speed_factor=_speed_factor(
-                scenario, self.speed, self.speed.scale_error * float(lot.standard_normal()), period
+                self.speed,
+                self.speed.scale_error * float(lot.standard_normal()),
+                period,
+                scenario.limits.horizon,
+                self.random(scenario, "speed"),
             ),
             speed_every=max(round(self.speed.period / period), 1),
             speed_latency=round(self.speed.latency / period),
@@ -158,17 +162,19 @@ class Service(SampledSensors):
             gravity=_gravity(scenario) if self.acceleration.feels_gradient else None,
             rail=_rough_rail(scenario, self.deflection.irregularity, layout, period),
         )
-        return ServiceSensors(layout, instruments, period, generator(scenario.seed, "sensors.noise"))
+        return ServiceSensors(layout, instruments, period, self.random(scenario, "noise"))
 
 
-def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: float) -> NDArray[np.float64]:
-    """Return what a speed sensor makes of the speed at each of its readings; NaN in drop-outs."""
+def _speed_factor(
+    table: SpeedSensor, scale: float, period: float, horizon: float, random: np.random.Generator
+) -> NDArray[np.float64]:
+    """Return reading over speed at each reading of a speed sensor; NaN in drop-outs."""
     fixed = 1.0 + (table.scale_offset + scale)
     if not table.drift and not table.dropouts:
         return np.array([fixed])
     every = max(round(table.period / period), 1) * period
-    count = int(scenario.limits.horizon / every) + 2
-    factor, random = np.full(count, fixed), generator(scenario.seed, "sensors.speed")
+    count = int(horizon / every) + 2
+    factor = np.full(count, fixed)
     if table.drift_time is not None:
         factor += table.drift * markov(random.standard_normal(count), math.exp(-every / table.drift_time))
     if table.dropout_time is not None:

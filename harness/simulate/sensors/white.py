@@ -11,7 +11,6 @@ from pydantic import Field
 from railgrip.base.errors import ScenarioError, SensorsFailed
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Period, Table
 from railgrip.scenario.track.table import gravity_along, slope_of
@@ -96,30 +95,30 @@ class White(SampledSensors):
             source, at = layout.output[_SOURCE.get(name, name)], layout.reading[name]
             return source.start + np.arange(at.stop - at.start) % (source.stop - source.start)
 
-        lot = generator(scenario.seed, "sensors.lot")
+        lot = self.random(scenario, "lot")
         white = WhiteSensors(
             np.concatenate([shown(name) for name in layout.reading]),
             1.0 + each(self.scale) * lot.standard_normal(layout.readings),
             each(_deviations(scenario, "bias", self.bias)) * lot.standard_normal(layout.readings),
             each(_deviations(scenario, "noise", self.noise)),
-            generator(scenario.seed, "sensors.noise"),
+            self.random(scenario, "noise"),
         )
         every = self.sampled_every(scenario.periods.communication)
-        return OnTrack(white, layout, scenario, self.gnss, every) if _SOURCE.keys() & layout.reading.keys() else white
+        return OnTrack(white, layout, scenario, self, every) if _SOURCE.keys() & layout.reading.keys() else white
 
 
 class OnTrack:
     """White sensors, accelerometers that feel the gradient, and a GNSS receiver."""
 
-    def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, gnss: Gnss | None, every: int) -> None:
+    def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, sensors: White, every: int) -> None:
         """Add to `white`, read `every` so many communication steps, what the track of a scenario does."""
         self._white, self._slope = white, slope_of(scenario.track)
         self._distance = layout.output["distance"].start
         self._along, self._position = layout.reading.get("acceleration_along"), slice(0, 0)
         self._receiver = None
-        if gnss is not None:
+        if sensors.gnss is not None:
             self._position = slice(layout.reading[GNSS[0]].start, layout.reading[GNSS[-1]].stop)
-            self._receiver = _Receiver(gnss, scenario, every)
+            self._receiver = _Receiver(sensors.gnss, scenario, every, sensors.random(scenario, "gnss"))
 
     def read(self, sample: int, truth: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the reading of a sample; they come one after the other, from 0 on.
@@ -136,9 +135,9 @@ class OnTrack:
 
 
 class _Receiver:
-    def __init__(self, table: Gnss, scenario: Scenario, every: int) -> None:
+    def __init__(self, table: Gnss, scenario: Scenario, every: int, random: np.random.Generator) -> None:
         assert scenario.track.plan is not None  # the scenario has been checked
-        self._track, self._random = scenario.track.plan, generator(scenario.seed, "sensors.gnss")
+        self._track, self._random = scenario.track.plan, random
         self._plan = self._track.laid().plan()
         step = scenario.periods.communication
         self._every = max(round(table.period / (step * every)), 1)
