@@ -4,8 +4,11 @@
 
 Each mutant is a row of data: a file, its old text, the new text, and the meaning. It changes a copy of the sources in
 build/mutants, never the sources. A constant of the plant is moved as a parameter in the files of equipment: the same
-FMU with another value, which saves its compilation. The formation follows, and with it what control laws and
-predictions read of it; the declaration in Modelica stays. All other mutants change the text that a defect would change.
+FMU with another value, which saves its compilation. The formation follows, and with it the values that control laws
+and predictions take from it; the declaration in Modelica stays. All other mutants change the text that a defect would
+change. Mutants of equations (mutants.toml) have a wrong sign or factor, or lack a term: in plant, in prediction,
+or in a function that both share; such a function must also fail a test that does not need table 1. Besides table 1,
+the accepted responses of the control laws in open loop may notice a mutant.
 
 Copies stay in build/mutants, and stops of the same sources are not run again.
 """
@@ -17,18 +20,24 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Sequence
+import tomllib
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from fnmatch import fnmatch
 from functools import partial
+from importlib import import_module
 from pathlib import Path
+
+import pytest
 
 import railgrip
 from railgrip.campaign.one_stop import run
 from railgrip.campaign.run import kept_result, write_description
 from railgrip.report.baseline import compare, findings_of, load_baseline
+from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
+from railgrip.report.table import Table
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import run_stop
 
@@ -36,6 +45,8 @@ ROOT = Path(__file__).parents[1]
 PLACE = ROOT / "build/mutants"
 PACKAGES = ("estimators", "controllers", "fmus", "modelica")
 BASELINE = Path("tests/baselines/table1.toml")
+DATA = Path(__file__).with_suffix(".toml")
+PAGE = ROOT / "docs/regression.md"
 
 UNIFORM = "modelica/RailBraking/Vehicles/PartialUniformTrain.mo"
 TRAIN = "modelica/RailBraking/Vehicles/PartialTrain.mo"
@@ -120,6 +131,7 @@ MUTANTS: tuple[Mutant, ...] = (
     one("sensor: noise of deflection +10%", SERVICE, 'noise = "0.2 mm"', 'noise = "0.22 mm"'),
     one("sensor: lag of pressure 1 ms longer", SERVICE, 'lag = "10 ms"', 'lag = "11 ms"'),
     one("sensor: speed one sample later", SERVICE, 'latency = "50 ms"', 'latency = "60 ms"'),
+    one("sensor: speed 20 ms later", SERVICE, 'latency = "50 ms"', 'latency = "70 ms"'),
     one("filter: process noise of adhesion, service, +10%", NOISES, "alpha = 0.05 ", "alpha = 0.055 "),
     one("filter: process noise of adhesion, ideal, +10%", NOISES, "alpha = 0.1 ", "alpha = 0.11 "),
     one("filter: process noise of pad friction +10%", NOISES, "mu_b = 0.005", "mu_b = 0.0055", everywhere=True),
@@ -145,6 +157,14 @@ MUTANTS: tuple[Mutant, ...] = (
 )
 
 
+def equations() -> tuple[Mutant, ...]:
+    """Return the mutants of equations in mutants.toml."""
+    rows = tomllib.loads(DATA.read_text(encoding="utf-8"))["equations"]
+    return tuple(
+        one(meaning, f"modelica/RailBraking/{file}.mo", old, new, everywhere=True) for meaning, file, old, new in rows
+    )
+
+
 def copied(place: Path) -> None:
     """Copy the sources as they are imported, railgrip beside what a baseline file names."""
     shutil.rmtree(place / "sources", ignore_errors=True)
@@ -159,23 +179,54 @@ def copied(place: Path) -> None:
     shutil.copy(ROOT / BASELINE, sources / BASELINE)
 
 
+def _folder(mutant: Mutant) -> str:
+    return re.sub(r"\W+", "_", mutant.meaning)
+
+
 def noticed(mutant: Mutant | None, stops: str, *, only_first: bool = False) -> dict[str, str]:
     """Return which rows of the baselines did not keep, with their states; of the unchanged sources for None.
 
     With `only_first` the stops end with the first that notices.
     """
-    name = re.sub(r"\W+", "_", mutant.meaning) if mutant else "unchanged"
+    name = _folder(mutant) if mutant else "unchanged"
     place = PLACE / name
     copied(place)
     for edit in mutant.edits if mutant else ():
         edit.apply(place / "sources")
-    environment = os.environ | {"PYTHONPATH": str(place / "sources")}
+    environment = _environment(place)
     command = [sys.executable, __file__, "--stops", stops, "--child", str(place), *(["--first"] if only_first else [])]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, cwd=place / "sources", check=False)
     if done.returncode:
         # A copy that does not run says nothing of the baselines: the row is wrong.
         raise SystemExit(f"{name}: {done.stderr[-2000:]}")
     return json.loads(done.stdout.splitlines()[-1])
+
+
+def _environment(place: Path) -> dict[str, str]:
+    """Return the environment of a process that imports a copy; its FMUs stay out of the user's cache."""
+    return os.environ | {"PYTHONPATH": str(place / "sources"), "RAILGRIP_CACHE": str(PLACE / "cache")}
+
+
+def independent_check(mutant: Mutant) -> tuple[str, bool] | None:
+    """Run the test that must notice a wrong shared function without table 1.
+
+    Returns the arguments of pytest and whether the test failed, as it should; None for mutants of other files. Call it
+    after `noticed`, which makes the copy.
+    """
+    checks = tomllib.loads(DATA.read_text(encoding="utf-8"))["checks"]
+    file = mutant.edits[0].file.removeprefix("modelica/RailBraking/").removesuffix(".mo")
+    if file not in checks:
+        return None
+    place = PLACE / _folder(mutant)
+    tests = place / "sources/tests/modelica"
+    shutil.copytree(ROOT / "tests/modelica", tests, dirs_exist_ok=True)
+    test, *selection = checks[file].split()
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", str(tests / test), *selection]
+    done = subprocess.run(
+        command, env=_environment(place), capture_output=True, text=True, cwd=place / "sources", check=False
+    )
+    assert done.returncode in (0, 1), f"{mutant.meaning}: {checks[file]} does not run: {done.stdout[-2000:]}"
+    return checks[file], done.returncode == 1
 
 
 def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
@@ -203,14 +254,71 @@ def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
             moved = {each.name: each.state for each in comparisons if each.name in names and each.state != "kept"}
         if only_first and moved:
             break
-    return moved
+    return moved or moved_responses()
 
 
-def table(found: Iterable[tuple[str, dict[str, str]]]) -> str:
-    """Return a line for each mutant."""
-    return "\n".join(
-        f"{meaning:55}  {len(states):2}  {', '.join(f'{name} ({state})' for name, state in states.items()) or '—'}"
-        for meaning, states in found
+def moved_responses() -> dict[str, str]:
+    """Return the open-loop responses of control laws that are not the accepted ones."""
+    sys.path.insert(0, str(ROOT / "tests/controllers"))
+    responses = import_module("test_law_responses")
+    accepted = json.loads(responses.ACCEPTED.read_text(encoding="utf-8"))
+    present = {name: responses.response(*law) for name, law in responses.LAWS.items()}
+    return {name: "moved" for name, values in accepted.items() if present.get(name) != pytest.approx(values, rel=1e-6)}
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Result of one mutant.
+
+    Attributes:
+        mutant: The mutant.
+        moved: Name of each accepted stop or response that moved → its state.
+        check: Test of a shared function and whether it failed, as it should; None without one.
+    """
+
+    mutant: Mutant
+    moved: dict[str, str]
+    check: tuple[str, bool] | None
+
+    @property
+    def kind(self) -> str:
+        """Part of railgrip that the mutant is in."""
+        return self.mutant.meaning.partition(":")[0].partition(",")[0]
+
+    def __str__(self) -> str:
+        """Return a line for the terminal."""
+        names = ", ".join(f"{name} ({state})" for name, state in self.moved.items()) or "—"
+        check = "" if self.check is None else f"; {self.check[0]}: {'fails' if self.check[1] else 'PASSES'}"
+        return f"{self.mutant.meaning:55}  {len(self.moved):2}  {names}{check}"
+
+
+def result_of(mutant: Mutant, stops: str, *, only_first: bool) -> Result:
+    """Run one mutant."""
+    return Result(mutant, noticed(mutant, stops, only_first=only_first), independent_check(mutant))
+
+
+def write_page(results: Sequence[Result]) -> None:
+    """Write the tables of docs/regression.md."""
+    kinds = dict.fromkeys(result.kind for result in results)
+    rows = [
+        (kind, len(here), sum(bool(result.moved) for result in here),
+         "; ".join(result.mutant.meaning.partition(": ")[2] for result in here if not result.moved))
+        for kind in kinds
+        for here in [[result for result in results if result.kind == kind]]
+    ]  # fmt: skip
+    total = ("all", len(results), sum(bool(result.moved) for result in results), "")
+    checks = [
+        (result.mutant.meaning, Path(result.mutant.edits[0].file).stem, f"`{check}`", "yes" if fails else "no")
+        for result in results
+        if result.check
+        for check, fails in [result.check]
+    ]
+    write_tables(
+        PAGE,
+        {
+            "mutants": Table.of(("mutant in", "mutants", "noticed", "not noticed"), [*rows, total]),
+            "checks": Table.of(("mutant", "function", "independent test", "fails"), checks, left=4),
+        },
     )
 
 
@@ -220,6 +328,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--stops", default="*", help="patterns of names of stops, separated by commas")
     parser.add_argument("--only", default="", help="run only mutants whose meaning contains this")
     parser.add_argument("--first", action="store_true", help="end each mutant with the first stop that notices it")
+    parser.add_argument("--write", action="store_true", help="write the tables of docs/regression.md")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--child", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args(arguments)
@@ -229,14 +338,15 @@ def main(arguments: Sequence[str] | None = None) -> None:
     baseline_states = noticed(None, options.stops)
     if baseline_states:
         raise SystemExit(f"without any mutant the regression says {baseline_states}: accept or correct that first")
-    chosen = [mutant for mutant in MUTANTS if options.only in mutant.meaning]
-    find = partial(noticed, stops=options.stops, only_first=options.first)
-    found: list[tuple[str, dict[str, str]]] = []
+    chosen = [mutant for mutant in (*MUTANTS, *equations()) if options.only in mutant.meaning]
+    results: list[Result] = []
     with ThreadPoolExecutor(options.workers) as pool:
-        for mutant, states in zip(chosen, pool.map(find, chosen), strict=True):
-            found.append((mutant.meaning, states))
-            print(table(found[-1:]), flush=True)
-    print(f"{sum(bool(states) for _, states in found)} of {len(found)} mutants were noticed")
+        for result in pool.map(partial(result_of, stops=options.stops, only_first=options.first), chosen):
+            results.append(result)
+            print(result, flush=True)
+    print(f"{sum(bool(result.moved) for result in results)} of {len(results)} mutants were noticed")
+    if options.write:
+        write_page(results)
 
 
 if __name__ == "__main__":

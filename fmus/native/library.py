@@ -8,7 +8,8 @@ from pathlib import Path
 from railgrip.base import cache
 from railgrip.base.errors import InputError
 
-MODELICA = Path(__file__).parents[2] / "modelica"
+# Resolved: rumoca takes a library that it meets by two paths for two libraries.
+MODELICA = (Path(__file__).parents[2] / "modelica").resolve()
 LIBRARY = MODELICA / "RailBraking"
 
 

@@ -5,6 +5,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.estimators.consistency import loss_step, nis_ratio
+from railgrip.vehicle.signals import READINGS
 
 Array = NDArray[np.float64]
 
@@ -14,7 +15,8 @@ _DELAY_STEP = 0.005  # s
 
 
 _OF_ADHESION = (
-    "adhesion_rmse", "adhesion_bias", "adhesion_error_95", "adhesion_nees", "adhesion_delay", "adhesion_outside",
+    "adhesion_rmse", "adhesion_bias", "adhesion_error_95", "adhesion_sd", "adhesion_nees", "adhesion_delay",
+    "adhesion_outside",
 )  # fmt: skip
 """Fields of `Metrics` that `adhesion_errors` gives."""
 
@@ -23,8 +25,8 @@ def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None
     """Return the errors of the estimated adhesion of each group by their names in `Metrics`.
 
     They are estimate minus truth above 10 km/h; all are None of a stop without estimates, or that was never as fast.
-    Without a standard deviation there is no NEES, mean of (error/deviation)², which is 1 for an estimator as sure as it
-    is right, and no share outside ±2σ, which is 0.046 then. Delays are 0 to 0.5 s in steps of 5 ms.
+    Without a standard deviation there is no NEES, the mean of (error/deviation)², which is 1 for a consistent
+    estimator, and no share outside ±2σ, which is 0.046 then. Delays are 0 to 0.5 s in steps of 5 ms.
     """
     truth, estimate = _moving(trace, "group_adhesion"), _moving(trace, "estimate_adhesion")
     if truth is None or estimate is None or len(truth) < 2:
@@ -35,6 +37,7 @@ def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None
         _row(np.sqrt(np.mean(error**2, axis=0))),
         _row(np.mean(error, axis=0)),
         _row(np.quantile(np.abs(error), 0.95, axis=0)),
+        None if spread is None else _row(np.mean(spread, axis=0)),
         None if spread is None else _row(np.mean((error / spread) ** 2, axis=0)),
         _row(_delay(truth, estimate, period)),
         None if spread is None else _row(_outside(error, spread)),
@@ -96,6 +99,27 @@ def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
     nis, readings = trace["estimate_nis"].values, trace["estimate_readings"].values
     divergence = loss_step(nis, readings)
     return nis_ratio(nis, readings), None if divergence is None else float(trace["time"].values[divergence])
+
+
+def reading_errors(trace: xarray.Dataset) -> tuple[float, ...]:
+    """Return the RMS error of each reading over the RMS of the true value, in the order of `READINGS`.
+
+    Errors are means over the channels of a reading; missing readings are left out. NaN if the trace lacks the reading
+    or the true value, or the true value is always 0 and
+    the reading is not.
+    """
+    return tuple(_relative_error(trace, signal.name, signal.name.removeprefix("reading_")) for signal in READINGS)
+
+
+def _relative_error(trace: xarray.Dataset, reading: str, true: str) -> float:
+    if reading not in trace or true not in trace:
+        return float("nan")
+    truth = trace[true].values
+    error = trace[reading].values - truth
+    if np.isnan(error).all():
+        return float("nan")
+    error_rms, scale = np.sqrt(np.nanmean(error**2)), np.sqrt(np.mean(truth**2))
+    return float(error_rms / scale) if scale > 0 else 0.0 if error_rms == 0 else float("nan")
 
 
 def _row(values: Array) -> tuple[float, ...]:

@@ -10,6 +10,7 @@ import xarray
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace import estimation, measures
+from railgrip.vehicle.signals import READINGS
 
 Each = tuple[float, ...]
 
@@ -59,6 +60,9 @@ class Metrics:
     adhesion_rmse: Annotated[Each | None, "1", "RMS error of the estimated adhesion above 10 km/h, each group"]
     adhesion_bias: Annotated[Each | None, "1", "mean error of the estimated adhesion above 10 km/h, each group"]
     adhesion_error_95: Annotated[Each | None, "1", "bound of 95 % of the adhesion errors above 10 km/h, each group"]
+    adhesion_sd: Annotated[
+        Each | None, "1", "mean claimed standard deviation of the adhesion above 10 km/h, each group"
+    ]
     adhesion_nees: Annotated[Each | None, "1", "mean squared error over variance, above 10 km/h, each group"]
     adhesion_delay: Annotated[Each | None, "s", "shift of the estimated adhesion that fits best, each group"]
     pad_friction_rmse: Annotated[Each | None, "1", "RMS error of the estimated pad friction above 10 km/h, each group"]
@@ -73,6 +77,12 @@ class Metrics:
     ]
     estimator_lost: Annotated[float | None, "s", "when innovations said that the estimator's belief means nothing"]
     speed_rmse: Annotated[Each | None, "m/s", "RMS error of the estimated speed above 10 km/h"]
+    reading_errors: Annotated[
+        Each,
+        "1",
+        "RMS error over RMS of the true value, of the readings of speed, wheelset speed, deflection, acceleration and "
+        "cylinder pressure",
+    ]
 
     def doubts(self) -> tuple[str, ...]:
         """Return why the estimator's own claims should not be believed, a sentence each; none if they fit.
@@ -105,9 +115,10 @@ class Metrics:
         return tuple(sentences)
 
     def beside_distance(self) -> dict[str, float]:
-        """Return the figures that a regression compares beside the distance; without an estimator, none of one.
+        """Return the figures that a regression compares in addition to the distance.
 
-        Errors of the estimator are means over the groups, locks the longest of any, strokes the sum.
+        Errors of the estimator are means over the groups; the lock is the longest of any group, strokes are the sum.
+        Figures that do not exist are left out.
         """
         values = {
             "energy_residual": self.energy_residual,
@@ -115,8 +126,10 @@ class Metrics:
             "actuations": float(sum(self.actuations)),
             "air_used": self.air_used,
             "adhesion_rmse": _mean(self.adhesion_rmse),
+            "adhesion_sd": _mean(self.adhesion_sd),
             "adhesion_nees": _mean(self.adhesion_nees),
             "nis_ratio": self.nis_ratio,
+            **{f"error_of_{signal.name}": error for signal, error in zip(READINGS, self.reading_errors, strict=True)},
         }
         return {name: value for name, value in values.items() if value is not None and np.isfinite(value)}
 
@@ -185,6 +198,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         nis_ratio=nis_ratio,
         estimator_lost=divergence,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
+        reading_errors=estimation.reading_errors(trace),
         **estimation.adhesion_errors(trace),
     )
 

@@ -215,6 +215,17 @@ def test_a_short_pulse_keeps_its_length_through_the_dead_time(pneumatic_train: T
     assert stop["cylinder_pressure"][145, 0] == 0.0
 
 
+def test_pad_force_is_pressure_on_the_piston_less_the_spring_times_the_rigging(train: Train) -> None:
+    """F = η i (p A − F_S) at the full pressures of both kinds of bogie; 0 at 0.1 bar, which is less than F_S/A.
+
+    1e-3 for the rounding of the spring force; after 0.5 s a lag of 20 ms has passed.
+    """
+    stop = brake(train, 80, 0.3, WET, pressure=lambda t: [3.4e5, 2.0e5, 2.0e5, 1e4], until=0.5)
+    force = 0.95 * 6 * (np.array([3.4e5, 2.0e5, 2.0e5]) * 0.0324 - 1200)
+    assert stop["pad_force"][-1, :3] == pytest.approx(force, rel=1e-3)
+    assert stop["pad_force"][-1, 3] < 1e-3 * force[0]
+
+
 def test_ideal_cylinders_follow_and_keep_their_bounds(train: Train) -> None:
     stop = brake(train, 80, 0.3, WET, pressure=lambda t: [9e5, -1e5, 1e5, 2e5], until=1.0, keep=1)
     at_time_constant = stop["cylinder_pressure"][20]

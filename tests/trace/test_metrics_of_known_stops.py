@@ -11,6 +11,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.trace import estimation, measures
 from railgrip.trace.bound import brake_limit, with_bound
 from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
+from railgrip.vehicle.signals import READINGS
 
 
 def test_uniform_braking_has_the_textbook_figures():
@@ -129,7 +130,8 @@ def test_time_over_the_limit_counts_each_group():
 
 
 def test_a_perfect_estimator_has_no_error_and_no_delay():
-    errors = estimation.adhesion_errors(uniform_stop())
+    errors = estimation.adhesion_errors(uniform_stop(estimate_adhesion_sd=0.02))
+    assert errors.pop("adhesion_sd") == pytest.approx((0.02,) * 4)
     assert len(errors) == 6
     assert set(errors.values()) == {(0.0,) * 4}
 
@@ -143,6 +145,21 @@ def test_bias_spread_and_nees_of_a_known_error():
     assert errors["adhesion_rmse"] == pytest.approx((np.sqrt(5e-4),) * 4, rel=1e-3)
     assert errors["adhesion_nees"] == pytest.approx((5e-4 / 4e-4,) * 4, rel=2e-3)
     assert errors["adhesion_error_95"] == pytest.approx((0.03,) * 4)
+
+
+def test_errors_of_readings_are_relative_to_the_true_values():
+    """A speed of v0 to 0 at constant deceleration has the RMS v0/√3."""
+    trace = uniform_stop()
+    speed = trace["speed"].values
+    alternating = np.where(np.arange(len(speed)) % 2, 0.2, -0.2)
+    trace["reading_speed"] = ("time", speed + alternating)
+    gaps = trace["acceleration"].values * 1.05
+    gaps[::3] = np.nan
+    trace["reading_acceleration"] = ("time", gaps)
+    errors = dict(zip((signal.name for signal in READINGS), estimation.reading_errors(trace), strict=True))
+    # The samples of a trace end at standstill: rel covers the one sample by which sum and integral differ.
+    assert errors["reading_speed"] == pytest.approx(0.2 * np.sqrt(3) / speed[0], rel=1e-3)
+    assert errors["reading_acceleration"] == pytest.approx(0.05)
 
 
 def test_an_estimate_that_comes_late_is_late_by_that_much():
