@@ -29,7 +29,7 @@ MODEL_FAILED = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Estimates:
-    """What a filter believed over many steps.
+    """Estimates of a filter over many steps.
 
     Attributes:
         mean: After every step, shape (k, n).
@@ -87,14 +87,14 @@ class StepInC:
         """Move the belief on by one period, from the arrays `inputs` and `readings`.
 
         Raises:
-            FilterDiverged: As `ExtendedKalmanFilter.step`; the belief stays what it was.
+            FilterDiverged: As `ExtendedKalmanFilter.step`; the estimate is unchanged.
         """
         outcome = self._step(self._address)
         if outcome:
             raise FilterDiverged(self.failure(outcome))
 
     def failure(self, outcome: int) -> str:
-        """Return what it means when the function of `entry` gives this number, other than 0."""
+        """Return the error for a non-zero return value of the function of `entry`."""
         return DIVERGED[outcome]
 
 
@@ -165,7 +165,7 @@ class CompiledFilter(StepInC):
         self._last: Estimate | None = None
 
     def failure(self, outcome: int) -> str:
-        """Return what it means when a step ends with this number, other than 0."""
+        """Return the error for a non-zero return value of a step."""
         return self._prediction.failure() if outcome == MODEL_FAILED else super().failure(outcome)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:

@@ -19,17 +19,18 @@ class ConditionDetector:
     """Names the condition that a Gaussian belief about friction makes probable, and keeps the name until another is.
 
     Each condition owns the friction between the midpoints to its neighbours. A condition is announced when its
-    probability has been at least `confidence` for `hold` seconds on end; until another one is, it stays.
+    probability has been `confidence` or more for `hold` seconds without interruption, and remains until another one
+    is announced.
 
     Attributes:
         levels: Friction of each condition.
-        confidence: Probability wanted, between one half and one.
+        confidence: Required probability, between one half and one.
         hold: Seconds for which it must last.
         model_deviation: Standard deviation added to that of the belief, for errors of the model that no filter
             knows of.
 
     Raises:
-        EstimatorError: Fewer than two levels, equal ones, or a confidence or time that is none.
+        EstimatorError: Fewer than two levels, equal ones, or an invalid confidence or time.
     """
 
     levels: Mapping[str, float]
@@ -63,7 +64,7 @@ class ConditionDetector:
         """Return the condition announced at each sample, shape (k,): its number in `levels`, or `UNDECIDED`.
 
         Args:
-            mean: Of the belief about friction, shape (k,); NaN where there is none.
+            mean: Estimated friction, shape (k,); NaN without an estimate.
             deviation: Its standard deviation, shape (k,).
             period: Between samples [s].
         """

@@ -1,9 +1,9 @@
-"""Does a filter know what it does not know? Innovations measured in their own claimed spread.
+"""Consistency of a filter: innovations over their claimed standard deviation.
 
 Two questions to innovations, the same for every filter of this project. `nis_ratio` says how consistent a filter is: a
-figure. `loss_step` says whether its belief means anything: innovations ten times what the filter claims, for most of a
-hundred steps, are no matter of tuning. A belief can be lost and finite (a maximum friction of 1e42), so that finiteness
-alone does not tell.
+figure. `loss_step` returns when its estimate became meaningless: innovations ten times as large as claimed, for the
+majority of a hundred steps, are not a matter of tuning. A lost estimate may still be finite (a maximum friction of
+1e42).
 """
 
 import math
@@ -47,8 +47,8 @@ def loss_step(nis: ArrayLike, degrees: ArrayLike, readings: ArrayLike | None = N
     """Return the step at which a filter's belief is known to be meaningless, None while it is not.
 
     A step speaks against the filter if its NIS is beyond the 99.9 % bound of its chi-square even with deviations `FAR`
-    times as large, is no number, or if the filter left out most of what was read as outliers. A filter is lost at the
-    end of the first `WINDOW` steps (of all, where there are fewer) most of which speak against it.
+    times as large, is NaN, or if the filter rejected the majority of the readings as outliers. A filter is lost at the
+    end of the first `WINDOW` steps (of all steps if there are fewer) of which the majority speaks against it.
 
     Args:
         nis: Of each step, shape (k,).

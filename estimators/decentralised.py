@@ -1,4 +1,4 @@
-"""A Kalman filter whose cost is linear in the parts of a train: one for each bogie or group, around what they share."""
+"""A Kalman filter with a cost linear in the parts of a train: one for each bogie or group, and their shared states."""
 
 from functools import lru_cache
 from importlib.resources import files
@@ -29,9 +29,9 @@ class DecentralisedFilter(StepInC):
     Parts meet in the acceleration of the train only, a sum over all of them: by it each moves the speed and the others'
     frames, and its reading depends on the sum. In terms of x = ξ + U η, with ξ independent between parts and few
     unknowns η that all share, a reading in a part changes its own block, its own rows of U and the small C; the
-    acceleration adds columns to U. A step adds three, and the least are taken out again: seen in units of D, the
-    directions are orthogonal and each has one eigenvalue λ > −1. Of what is left out the positive goes into D, the
-    negative, which is knowledge about a sum, is forgotten: the covariance is never smaller than that of the full
+    acceleration adds columns to U. A step adds three, and the smallest are removed again: in units of D, the
+    directions are orthogonal and each has one eigenvalue λ > −1. Removed directions with positive λ are added to D;
+    those with negative λ, knowledge about a sum, are dropped: the covariance is never smaller than that of the full
     filter, and with as many columns as there are directions it is the same. Cost: linear in parts, cubic in `RANK`.
 
     A frozen state is a consider state as with `ExtendedKalmanFilter`, but for what frozen states of different parts
@@ -52,9 +52,9 @@ class DecentralisedFilter(StepInC):
         EstimatorError: The arguments do not fit each other.
         railgrip.base.errors.CompilerMissing: There is no C compiler on this machine.
 
-    Sources: Friedland, Treatment of Bias in Recursive Filtering, IEEE Trans. Automatic Control 14 (1969), for what is
-    common; Pnevmatikakis, Rahnama Rad, Huggins, Paninski, Fast Kalman Filtering and Forward–Backward Smoothing via a
-    Low-Rank Perturbative Approach, J. Computational and Graphical Statistics 23 (2014), for the truncation.
+    Sources: Friedland, Treatment of Bias in Recursive Filtering, IEEE Trans. Automatic Control 14 (1969), for the
+    shared unknowns; Pnevmatikakis, Rahnama Rad, Huggins, Paninski, Fast Kalman Filtering and Forward–Backward Smoothing
+    via a Low-Rank Perturbative Approach, J. Computational and Graphical Statistics 23 (2014), for the truncation.
     """
 
     def __init__(
@@ -130,7 +130,7 @@ def _width(consist: Consist) -> int:
 
 
 def _tables(consist: Consist, design: Design) -> dict[str, list[int]]:
-    """Return what stands where; part 0 is the body with its one state."""
+    """Return the places of the states of each part; part 0 is the body with its one state."""
     models = list(dict.fromkeys(part.model for part in consist.parts))
     starts = np.cumsum([0, 1, *(len(part.states) for part in consist.parts)]).tolist()
     state_of = [-1 if state is None else design.states.index(state) for _, state in consist.readings]

@@ -67,8 +67,8 @@ class Design:
         gating_inputs: Index of the input that decides, one for each of `gated_states`.
         gate_threshold: Frozen below this value, in the unit of the gating inputs.
         order: Of the discretisation.
-        outlier_limit: A reading further than this many standard deviations from what was expected is left
-            out, shape (m,); infinity where every reading counts.
+        outlier_limit: A reading that deviates from the expected one by more standard deviations is left out, shape
+            (m,); infinity to use every reading.
     """
 
     states: tuple[str, ...]
@@ -241,7 +241,7 @@ def positive_definite(matrix: Matrix) -> bool:
 
 
 def index(who: str, kind: str, name: str, names: tuple[str, ...]) -> int:
-    """Return where `name` stands in `names`.
+    """Return the index of `name` in `names`.
 
     Raises:
         EstimatorError: It does not; the message lists those that do.

@@ -18,7 +18,7 @@ from railgrip.estimators.prediction import Prediction
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Innovation:
-    """What the readings say beyond what was expected, for the r readings that are used.
+    """Innovation of the r readings that are used.
 
     Attributes:
         rows: Which readings are used, shape (r,): those that are there and no outliers.
@@ -72,7 +72,7 @@ class ExtendedKalmanFilter:
         return self.design.start(mean, covariance)
 
     def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:
-        """Predict over one period, then condition on what is seen at its end.
+        """Predict over one period, then condition on the readings at its end.
 
         Args:
             prior: Belief at the start of the period.
@@ -83,7 +83,7 @@ class ExtendedKalmanFilter:
         Raises:
             EstimatorError: `inputs` or `readings` has the wrong shape.
             FilterDiverged: The mean is no longer finite, or the covariance of the readings is not positive
-                definite, as happens only when that of the states no longer is.
+                definite, which happens only if the covariance of the states is not.
         """
         self.design.check(inputs, readings)
         forecast = self.predict(prior, inputs)
@@ -106,7 +106,7 @@ class ExtendedKalmanFilter:
         return seal(mean, 0.5 * (covariance + covariance.T))
 
     def innovation(self, forecast: Estimate, inputs: Vector, readings: Vector) -> Innovation:
-        """Return what the readings, but for missing ones and outliers, say beyond `forecast`."""
+        """Return the innovation of the readings against `forecast`, without missing readings and outliers."""
         residual = readings - self.prediction.output(forecast.mean, inputs)
         jacobian = self.prediction.output_jacobian(forecast.mean, inputs)
         noise = self.design.reading_noise
@@ -177,7 +177,7 @@ class Running:
         """Move the belief on by one period, from the arrays `inputs` and `readings`.
 
         Raises:
-            FilterDiverged: As the filter's steps; the belief stays what it was.
+            FilterDiverged: As the steps of the filter; the estimate is unchanged.
         """
         forecast = self._filter.predict(self._belief, self.inputs)
         innovation = self._filter.innovation(forecast, self.inputs, self.readings)

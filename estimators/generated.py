@@ -27,8 +27,8 @@ class Code:
     as `step.h` numbers it.
 
     Attributes:
-        sources: File name to text; every `.c` is to be compiled.
-        layout: Part of the block to where it lies: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, SPREAD,
+        sources: File name → text; every `.c` file is compiled.
+        layout: Part of the block → its offset: MEAN, COVARIANCE, INPUT, READING, PARAMETERS, SPREAD,
             READING_NOISE, PERIOD, THRESHOLD, LIMIT_SQUARED are read, MEAN, COVARIANCE, SQUARED, USED, EXPECTED written.
         width: Length of a row of COVARIANCE and SPREAD; numbers beyond the n-th are zero.
     """
@@ -89,7 +89,7 @@ def places(sizes: Mapping[str, int]) -> dict[str, slice]:
 
 
 def table(name: str, values: Iterable[int]) -> str:
-    """Return a constant C array; one element at least, since C knows no empty ones."""
+    """Return a constant C array of one or more elements, because C has no empty arrays."""
     return f"static const int {name}[] = {{{', '.join(map(str, values)) or '0'}}};"
 
 

@@ -1,4 +1,4 @@
-"""What every kind of filter says of itself, and what it is given."""
+"""Interface of the kinds of filters, and the data that they are given."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal

@@ -14,7 +14,7 @@ Pattern = tuple[tuple[int, ...], ...]
 class ModelInC:
     """A prediction of n states and m outputs as C, for a filter of one shape.
 
-    The text defines three functions of the states `x` and of the filter's memory, where the inputs stand at
+    The text defines three functions of the states `x` and of the filter's memory, with the inputs at
     `block + INPUT` and the prediction's parameters at `block + PARAMETERS`:
 
         static int slope(const double *block, const double *x, double *f);

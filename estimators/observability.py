@@ -25,7 +25,7 @@ precision; some Lie derivatives lose some three digits of sixteen, scaling of th
 
 
 LARGEST_ORDER = 6
-"""Derivatives to try at most; expressions of larger models grow fast."""
+"""Maximum order of derivatives; expressions of larger models grow fast."""
 
 
 def readings_and_rates(prediction: CasadiPrediction, order: int, x: Vector, u: Vector) -> tuple[Vector, Matrix]:
@@ -47,7 +47,7 @@ def readings_and_rates(prediction: CasadiPrediction, order: int, x: Vector, u: V
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observability:
-    """What readings and their derivatives tell about the states at one point.
+    """Observability of the states from readings and their derivatives at one point.
 
     Attributes:
         states: Names of the states.
@@ -76,7 +76,7 @@ def observability(
     scale: ArrayLike,
     tolerance: float = ROUNDING,
 ) -> Observability:
-    """Return what [y, ẏ, …] determines at a point, with as many derivatives as bring something new.
+    """Return the states that [y, ẏ, …] determines at a point, with derivatives as long as they raise the rank.
 
     Derivatives are added until every state is determined, or until one more adds no rank: at a regular point
     no later one will either.
@@ -86,8 +86,8 @@ def observability(
         x: The point, shape (n,).
         u: Inputs held there, shape (nu,).
         scale: Typical size of each state, shape (n,), positive: makes columns comparable.
-        tolerance: Share of the largest singular value below which one counts as zero. The default asks what
-            is determined in principle; a smoothed model, whose released pads still rub a little, wants more.
+        tolerance: Share of the largest singular value below which one counts as zero. The default is for
+            states that are determined in principle; a smoothed model, whose released pads still rub, needs more.
 
     Raises:
         EstimatorError: A size is not positive, or shapes do not fit the model.
@@ -102,7 +102,7 @@ def observability(
     rank, order, directions = 0, 0, np.eye(n)
     for order in range(LARGEST_ORDER + 1):
         jacobian = readings_and_rates(prediction, order, x, u)[1] * size
-        # Readings and their derivatives have units of their own: every row counts by its direction only.
+        # Readings and their derivatives have different units, so that only the direction of a row counts.
         lengths = np.linalg.norm(jacobian, axis=1, keepdims=True)
         rows = jacobian[lengths[:, 0] > 0.0] / lengths[lengths > 0.0][:, np.newaxis]
         _, values, directions = np.linalg.svd(rows) if rows.size else (None, np.zeros(0), np.eye(n))
@@ -161,11 +161,11 @@ def along(
     window: int,
     stride: int,
 ) -> tuple[NDArray[np.intp], Vector, Matrix]:
-    """Return how well noisy readings over windows of a trajectory tell the state at the start of each window.
+    """Return the accuracy with which noisy readings over windows of a trajectory determine the state at their start.
 
     First sample of each window, shape (k,); smallest singular value of its scaled Gramian, shape (k,): the square of
-    (size of the state over its uncertainty) in the worst direction, below 1 where the readings tell less than the
-    typical size; and the standard deviation to which each state is known from the window alone, shape (k, n), in its
+    (size of the state over its uncertainty) in the worst direction, below 1 if the uncertainty exceeds the typical
+    size; and the standard deviation to which each state is known from the window alone, shape (k, n), in its
     unit, infinity where the readings say nothing about it.
 
     Args:

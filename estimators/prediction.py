@@ -1,4 +1,4 @@
-"""The model inside a filter: what it must offer, and the one made from CasADi functions."""
+"""The model inside a filter: its interface, and an implementation by CasADi functions."""
 
 from collections.abc import Mapping
 from functools import cached_property, lru_cache
@@ -149,7 +149,7 @@ class _Evaluator:
         self._buffer.set_res(0, self._result.T.data)  # pyright: ignore[reportCallIssue]
 
     def __call__(self, x: Vector, u: Vector) -> Matrix:
-        """Return the value, shape of the expression, in an array of its own."""
+        """Return the value in a new array with the shape of the expression."""
         self._x[:] = x
         self._u[:] = u
         self._run()
@@ -164,7 +164,7 @@ class CasadiPrediction:
         parameters: A value for every parameter of the model, by name, in its SI unit.
 
     Raises:
-        EstimatorError: A parameter is missing or unknown, or the model is no prediction (see `Equations`).
+        EstimatorError: A parameter is missing or unknown, or the model is not a prediction (see `Equations`).
     """
 
     def __init__(self, model: Model, parameters: Mapping[str, float]) -> None:

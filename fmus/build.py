@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from railgrip.fmus.native.package import Source
 
 OUTPUT = Path("build") / "fmus"
-"""Where `railgrip build` leaves copies, below the current folder; nothing of ours is loaded from there."""
+"""Where `railgrip build` leaves copies, below the current folder; railgrip does not load FMUs from there."""
 
 KIND = "fmus"
 """Their shelf in the user's cache."""
@@ -78,7 +78,7 @@ def build_one(
 def build_class(
     class_name: str, library: Path, interface: Literal["me", "cs"] = "cs", compiler: Compiler = "auto"
 ) -> Artifact:
-    """Bring the FMU of a class of the user's own up to date; it is named after the last part of the class's name.
+    """Bring the FMU of a user's class up to date; its name is the last part of the name of the class.
 
     Args:
         class_name: Full name, such as `MyLib.MyTrain`.
@@ -87,7 +87,7 @@ def build_class(
         compiler: As for recipes.
 
     Raises:
-        InputError: There is no such library or class, or it does not compile.
+        InputError: The library or class does not exist, or does not compile.
         RailgripError: A compiler is missing or fails.
     """
     require_class_name(class_name)
@@ -137,7 +137,7 @@ def build(
     """Bring FMUs up to date, all of them when none is named, and yield each when it is; `directory` gets copies.
 
     Modelica is translated here, one class after the other in the order of recipes.toml; meanwhile `JOBS` C compilers
-    work on what is translated. So the library is read once and CasADi loaded once.
+    compile translated classes. So the library is read once and CasADi loaded once.
 
     Raises:
         RailgripError: The first one that could not be built; those begun before it still finish.
@@ -216,13 +216,13 @@ def _translation_of(order: _Order) -> _Translation | None:
 
 
 def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return what `translate` does for a recipe, all as JSON has it, for `confined`."""
+    """Return the result of `translate` for a recipe as JSON values, for `confined`."""
     source, interface = translate(Recipe.model_validate(recipe), library)
     return asdict(source) | {"units": list(source.units)}, interface
 
 
 def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:
-    """Compile what was translated, unless it was before, and leave a stamp under the digest of all that was read.
+    """Compile the translation unless that was done before, and store a stamp under the digest of all inputs.
 
     The stamp says under which digest of C code and XML the FMU is kept: the C compiler runs only when that moves.
     """
@@ -230,7 +230,7 @@ def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Ar
     if translation is None:
         kept_under, interface = inputs, dict[str, Any]()
         with scratch("build") as folder:
-            # Where it is still there when somebody reads the message that names it: beside the copy, else in the cache.
+            # The message names this file, so it must outlast the build: next to the copy, or in the cache.
             log = (order.directory or cache.folder() / KIND / inputs / "log") / f"{order.name}.log"
             content = openmodelica.export(order.recipe, order.library, folder / file, log).read_bytes()
         entry = cache.keep(KIND, kept_under, file, content)
@@ -264,8 +264,8 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
     """Return the compiler to use: OpenModelica when it is on the PATH, unless one is requested.
 
     Raises:
-        CompilerMissing: OpenModelica was requested and is not there.
-        InputError: There is no compiler of that name.
+        CompilerMissing: OpenModelica was requested and is not on the PATH.
+        InputError: The name of the compiler is unknown.
     """
     present = shutil.which("omc") is not None
     if compiler == "openmodelica" and not present:

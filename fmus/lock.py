@@ -19,7 +19,7 @@ Entry = dict[str, Any]
 
 
 def interface_of(recipe: Recipe, system: System, digest: str) -> Entry:
-    """Return what lock.toml records of an FMU.
+    """Return the entry of an FMU in lock.toml.
 
     Keys: class; digest of C code and XML; states, inputs, outputs as name = unit; nonlinear_loops as lists of
     their unknowns; parameters (public ones), event_indicators, time_events, clocks, discretes, assertions as counts.
@@ -46,7 +46,7 @@ def _units(scalars: list[Scalar]) -> dict[str, str]:
 
 
 def read_lock(file: Path = LOCK) -> Mapping[str, Entry]:
-    """Return the entries of a lock file by FMU, and `tools`; nothing when there is no file."""
+    """Return the entries of a lock file by FMU, and `tools`; empty without a file."""
     return tomllib.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
 
 
@@ -75,7 +75,7 @@ def _toml(value: object) -> str:
 
 
 def differences(name: str, lock: Mapping[str, Entry], entry: Entry) -> list[str]:
-    """Return what is not as locked.
+    """Return the differences from the lock file.
 
     The digest is compared only under the tool versions it was made with: another CasADi may write other C.
     """

@@ -70,16 +70,17 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
 def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -> Path:
     """Let omc build the FMU of a recipe.
 
-    omc packs the FMU last of all, so where there is one, it is whole; what omc reports beside it becomes a warning.
-    A parameter of a component without a value fails the build: omc takes its start value, as where a modifier is lost.
+    omc packs the FMU last, so that an existing one is complete; messages of omc next to it become a warning.
+    A parameter of a component without a value fails the build: omc would use its start value, as if a modifier were
+    lost.
     Directional derivatives are requested where a filter uses them: with model exchange alone. omc trips over them in
     some functions over arrays (1.28 still does), so it gets a second chance without.
 
     Args:
         recipe: What to export.
         library: Folder of the Modelica library, or its only file.
-        path: Where the FMU goes.
-        log: File for what omc says when it is long; beside the FMU unless given.
+        path: Of the FMU.
+        log: File for long messages of omc; next to the FMU unless given.
 
     Raises:
         CompilerMissing: There is no omc on the PATH.
@@ -122,7 +123,7 @@ def _excerpt(text: str, log: Path) -> str:
 
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
-    """Return the FMU that omc made of a script, if any, and what it complained of."""
+    """Return the FMU that omc made from a script, if any, and its complaints."""
     (folder / "export.mos").write_text(text, encoding="utf-8")
     process = subprocess.run(
         [_omc(), "export.mos"], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False
@@ -161,7 +162,7 @@ def _messages(output: str) -> list[tuple[str, str]]:
 
 @lru_cache(maxsize=1)
 def version_line() -> str:
-    """Return what `omc --version` prints.
+    """Return the output of `omc --version`.
 
     Raises:
         CompilerMissing: There is no omc on the PATH.

@@ -38,7 +38,7 @@ class Recipe(BaseModel):
 
     @classmethod
     def of_class(cls, class_name: str, interface: Literal["me", "cs"]) -> "Recipe":
-        """Return how a class of the user's own is made: a plant (cs) or a prediction (me), as ours are."""
+        """Return the recipe of a user's class: a plant (cs) or a prediction (me), like those of railgrip."""
         solver, tolerance = ("rodas3", 1e-5) if interface == "cs" else ("rodas4", 1e-6)
         table = {"class": class_name, "interfaces": (interface,), "solver": solver, "tolerance": tolerance}
         return cls.model_validate(table | {"step": 1e-3})
@@ -60,7 +60,7 @@ class Cookbook:
         """Return a recipe.
 
         Raises:
-            InputError: There is none of that name.
+            InputError: There is no recipe of that name.
         """
         if name not in self.recipes:
             near = get_close_matches(name, self.recipes, n=1)

@@ -38,7 +38,7 @@ int dispatch(double *block)
 }
 #endif
 
-/* Not called from within the library: the C library has a `step` of its own, which would be taken instead. */
+/* Not called from within the library: the C library also has a `step`, which would be called instead. */
 EXPORT int step(double *block)
 {
     return dispatch(block);

@@ -1,8 +1,8 @@
 /* One step of the decentralised Kalman filter of decentralised.py: cost linear in the parts of a train.
 
-   shape.h is generated beside this file: sizes, tables, the layout of `block`, and by CasADi the equations of each kind
-   of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) LENGTH; those beyond
-   what is used are zero. All sums run in the order written, so that two widths of vectors give the same bits; those of
+   shape.h is generated next to this file: sizes, tables, the layout of `block`, and by CasADi the equations of each kind
+   of part and of the body. Rows of `spread` (D of a part) have WIDTH numbers, rows of `shared` (U) LENGTH; unused
+   ones are zero. All sums run in the order written, so that two widths of vectors give the same bits; those of
    whole rows, nearly all the work, are kept in registers by `combine`. */
 
 #include <math.h>
@@ -24,7 +24,7 @@ typedef double mode[LENGTH];
 enum { LONGEST = WIDTH > LENGTH ? WIDTH : LENGTH };
 
 typedef struct {
-    row spread[PARTS][WIDTH];        /* D: what is known of each part by itself */
+    row spread[PARTS][WIDTH];        /* D: covariance of each part alone */
     mode shared[N];                  /* U: how the common unknowns move each state */
     mode common[LENGTH];             /* C: covariance of the common unknowns, may be negative */
     double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
@@ -405,7 +405,7 @@ static void eigen(mode *matrix, mode *vector)
 
 /* Write D + U C U' back with RANK common unknowns: those that matter most, seen in units of D.
 
-   What is left out and is positive goes into D; what is negative, knowledge that parts share, is forgotten. Both
+   Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped. Both
    leave the covariance at least as large as it was. */
 static int compress(double *block, Belief *b)
 {

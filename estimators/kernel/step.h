@@ -1,6 +1,6 @@
 /* One step of the extended Kalman filter: the filter of ekf.py, for one model and with its zeros left out.
 
-   shape.h is generated beside this file: sizes, sparsity tables, the layout of `block`, and the model itself as three
+   shape.h is generated next to this file: sizes, sparsity tables, the layout of `block`, and the model itself as three
    functions (model_in_c.py): `slope` -> f; `slope_and_jacobian` -> f, df/dx; `expected` -> h, dh/dx, Jacobians by rows.
 
    Every product of matrices here is a sum of rows with factors, and a row has the same length everywhere: WIDTH
@@ -45,7 +45,7 @@ static inline void combine(double *sum, const double *start, int count, const do
     combine_part(0, LANES, sum, start, count, factor, at, rows);
 }
 
-/* Where of a symmetric matrix one half is wanted: row i of it from column i on, or up to that, to the next quarter of a row. */
+/* Range of columns of row i in one half of a symmetric matrix, rounded to quarters of a row. */
 #define QUARTER(i) ((i) * 8 / LANE_BYTES * 4 / LANES)
 
 static void combine_from(int i, double *sum, const double *start, int count, const double *factor, const int *at,
@@ -195,7 +195,7 @@ static void spread(const double *block, const double *free, const row *phi, row 
     }
 }
 
-/* Lower Cholesky factor of the leading r x r of S, in place; 0 when it has none. */
+/* Lower Cholesky factor of the leading r x r of S, in place; returns 0 if S is not positive definite. */
 static int factorise(int r, double S[M][M])
 {
     for (int j = 0; j < r; j++) {

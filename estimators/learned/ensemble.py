@@ -55,7 +55,7 @@ class Ensemble:
     half_width: float
 
     def standardise(self, features: Array) -> Array:
-        """Return standardised features, clipped to ±4 standard deviations, beyond which there is no training data."""
+        """Return standardised features, clipped to ±4 standard deviations, the range of the training data."""
         return np.clip((features - self.centre) / self.spread, -4, 4) / 2
 
     def friction_of(self, first: Array) -> Array:

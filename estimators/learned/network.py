@@ -84,7 +84,7 @@ def train(
 def levenberg_marquardt(
     residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array], start: Array, steps: int
 ) -> Array:
-    """Return parameters that minimise the sum of squared residuals, after at most `steps` steps.
+    """Return parameters that minimise the sum of squared residuals, after `steps` steps or fewer.
 
     Normal equations: a few dozen parameters and thousands of residuals, for which MINPACK's factorisation of the whole
     Jacobian takes ten times as long and finds the same minimum.

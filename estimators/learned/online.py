@@ -124,7 +124,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
 def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
     """Return the estimator for all speeds: friction with its 90 % interval at the slow rate, held in between.
 
-    Inputs beside the axle boxes: `speed` [m/s] and `direction`, +1 when wheelset 1 leads, −1 when wheelset 4 does.
+    Further inputs: `speed` [m/s] and `direction`, +1 when wheelset 1 leads, −1 when wheelset 4 does.
     """
     memory = _Memory()
     sample = SX.sym("entry", len(BOXES) + 2)

@@ -2,7 +2,7 @@
 
 Uneven rails move a wheelset laterally and in yaw, and creep forces couple both motions: the slope of the creep curve
 and its saturation change the ratio and the phase of lateral and yaw acceleration. Ratios and phases do not depend on
-the roughness of the track; levels, which determine the saturation of the contact, are features beside them.
+the roughness of the track; levels, which determine the saturation of the contact, are additional features.
 
 All steps are causal: band filters with two outputs a quarter of a period apart, products of them, and their mean over
 the last metres travelled, weighted exponentially.

@@ -124,7 +124,7 @@ def load(file: Path) -> Trained:
     """Return the estimator that `save` wrote.
 
     Raises:
-        EstimatorError: There is no such file, or it is not a trained estimator.
+        EstimatorError: The file is missing, or is not a trained estimator.
     """
     try:
         content = json.loads(file.read_text(encoding="utf-8"))

@@ -50,7 +50,7 @@ class CLibrary:
         """Compile `sources`, file name to text, as for `shared_library`.
 
         Args:
-            headers: Those of the sources that declare what is used from here, in the order they need one another.
+            headers: Headers with the declarations that Python uses, in the order of their dependence.
             constants: Lines `#define NAME integer` that they use for sizes.
 
         Raises:
@@ -72,7 +72,7 @@ class CLibrary:
         return Struct(self._ffi, name, fields)
 
     def records(self, name: str, count: int) -> NDArray[np.void]:
-        """Return zeros as an array of so many structs of a type of the headers; pointers in it are addresses."""
+        """Return an array of zeroed structs of a type of the headers; pointers in it are addresses."""
         fields = self._ffi.typeof(name).fields
         dtype = np.dtype(
             {
@@ -108,8 +108,8 @@ class Struct:
     def set(self, **fields: Any) -> None:
         """Set fields.
 
-        A pointer takes a contiguous array of what it points to, a Struct, an address, or None; an array or a struct
-        within takes an array, a Struct or a list of these, which are copied; what is left takes a number.
+        A pointer takes a contiguous array of its type, a Struct, an address, or None; a nested array or struct takes an
+        array, a Struct or a list of these, which are copied; any other member takes a number.
         """
         for name, value in fields.items():
             self._fields[name] = value

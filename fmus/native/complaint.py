@@ -1,4 +1,4 @@
-"""Where a Modelica error stands: the front end names the thing, but for a library seldom the file and line."""
+"""Places of Modelica errors: the front end names the element, but in a library seldom file and line."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -14,7 +14,7 @@ _MOST = 3
 
 
 def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
-    """Return `file.mo:line: what stands there` for an error of the front end, as far as it can be found.
+    """Return `file.mo:line: text of the line` for an error of the front end, as far as it can be found.
 
     Args:
         message: The front end's words.

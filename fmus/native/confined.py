@@ -1,4 +1,4 @@
-"""Translation of a user's classes in a process of its own, with limits of time and memory.
+"""Translation of a user's classes in a separate process, with limits of time and memory.
 
 rumoca crashes where expressions are nested deeper than its stack, and a few characters of Modelica declare more
 variables than any machine can hold. Such a class ends in a sentence. Classes of this project are translated in the
@@ -45,7 +45,7 @@ _AT_A_LIMIT: Final = [-getattr(signal, name) for name in ("SIGXCPU", "SIGKILL") 
 
 
 def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
-    """Return the result of a task for a class of a library, computed in a process of its own.
+    """Return the result of a task for a class of a library, computed in a separate process.
 
     Raises:
         InputError: The class cannot be translated, or not within the limits.

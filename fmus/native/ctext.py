@@ -15,7 +15,7 @@ def table(type_: str, name: str, values: Sequence[float]) -> str:
 
 
 def number(value: float) -> str:
-    """Return a number that stands for itself in any C expression."""
+    """Return a number as text that is valid in any C expression."""
     text = repr(float(value)).replace("inf", "INFINITY").replace("nan", "NAN")
     return f"({text})" if text.startswith("-") else text
 
@@ -44,7 +44,7 @@ def in_parts(name: str, parameters: str, parts: Iterable[Sequence[str]]) -> list
 
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + string.punctuation + " ") - frozenset('"\\?')
-"""Characters that stand for themselves in a C string literal; `??` begins a trigraph."""
+"""Characters that need no escape in a C string literal; `??` begins a trigraph."""
 
 
 def string_literal(text: str) -> str:

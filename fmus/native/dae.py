@@ -127,7 +127,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
         path = path / "package.mo"
     if not path.is_file():
         raise InputError(f"{class_name}: there is no Modelica file {path}.")
-    # A name that no folder has: for a real one rumoca also reads whatever else lies beside the file.
+    # Not the name of a folder: for an existing one rumoca also reads the other files next to it.
     alias = f"single-file/{path.name}"
     if path.parent != LIBRARY:
         require_readable(path)
@@ -189,7 +189,7 @@ def _session(library: Path) -> rumoca.Session:
     """Return a session that knows a library as it is on disk now.
 
     Reading a library takes longer than flattening most of its classes, and a session does not look at a file twice.
-    What else lies beside the library is not read.
+    Other files next to the library are not read.
     """
     state = (library, sources_digest(library))
     if getattr(_last, "state", None) != state:

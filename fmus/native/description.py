@@ -184,7 +184,7 @@ def document(
         interfaces: Attributes of CoSimulation and ModelExchange, as far as they are offered.
         units: Modelica unit strings in use.
         categories: Of the log, with their descriptions.
-        experiment: Attributes of the default experiment beside its times.
+        experiment: Further attributes of the default experiment.
         rows: Lines of `Writer`.
         structure: Lines of each part of ModelStructure; a part without a line is left out.
         files: C files to compile, of those in `sources`; listed where there are any.
@@ -226,7 +226,7 @@ def _interface(kind: str, flags: dict[str, str], files: Sequence[str]) -> list[s
 
 def _variables(w: Writer, system: System, layout: Layout, solver: str, tolerance: float) -> None:
     def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
-        """Yield place, variable and value reference of what is shown: as in OpenModelica, whatever is not protected.
+        """Yield place, variable and value reference of all visible variables: as in OpenModelica, those not protected.
 
         States are shown whatever they are, for FMI lists them.
         """
@@ -301,7 +301,7 @@ def _units(layout: Layout) -> set[str]:
 
 
 def _unit_definitions(names: Iterable[str]) -> list[str]:
-    """Return the lines of UnitDefinitions for Modelica unit strings; what is not understood gets its name alone."""
+    """Return the lines of UnitDefinitions for Modelica unit strings; unknown units get their name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
         try:

@@ -66,7 +66,7 @@ class Discrete:
     hidden: frozenset[str] = field(default=frozenset())
 
     def __post_init__(self) -> None:
-        """Refuse a period that is none and functions that do not fit."""
+        """Validate the period and the functions."""
         if not self.period > 0:
             raise InputError(f"{self.name}: the period is a positive time, got {self.period} s.")
         names = [v.name for v in (*self.states, *self.inputs, *self.parameters, *self.outputs)]

@@ -37,7 +37,7 @@ class Elimination:
 def eliminate(n: int, pattern: list[tuple[int, int]]) -> Elimination:
     """Return the elimination for the nonzeros of J, given as (row, column) in the order of its values.
 
-    Pivot by pivot, `a` holds the pivot's inverse, what is right of it in U and what is below it in L.
+    Pivot by pivot, `a` has the inverse of the pivot, the row of U on its right and the column of L below it.
     """
     order, rows = _order(n, pattern)
     position = {v: k for k, v in enumerate(order)}

@@ -17,8 +17,8 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
         modelica_path: A `.mo` file or a library's folder; RailBraking when absent.
 
     Raises:
-        InputError: No such file or class, or Modelica has an error.
-        TranslationError: The class has events, discrete variables, nonlinear loops, or what is not translated.
+        InputError: The file or class is missing, or Modelica has an error.
+        TranslationError: The class has events, discrete variables, nonlinear loops, or another unsupported form.
     """
     require_class_name(class_name)
     library = LIBRARY if modelica_path is None else Path(modelica_path)
@@ -35,7 +35,7 @@ def lower(class_name: str, modelica_path: Path | None = None) -> Model:
 
 def lower_here(class_name: str, library: Path) -> str:
     """Return the text of `Model.to_bytes` for a class, translated in this process; errors are those of `lower`."""
-    # A process that finds what it needs does without rumoca and scipy's graphs, a quarter of a second of imports.
+    # If the result is cached, imports of rumoca and scipy's graphs are avoided, a quarter of a second.
     from railgrip.fmus.native.dae import read
     from railgrip.fmus.native.lowering import model_of
     from railgrip.fmus.native.system import explicit

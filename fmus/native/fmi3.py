@@ -1,4 +1,4 @@
-"""An FMU of ours by FMI 3.0: the same C below other function names, and its own modelDescription.xml."""
+"""FMUs by FMI 3.0: the same C under other function names, and another modelDescription.xml."""
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence

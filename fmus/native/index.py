@@ -129,7 +129,7 @@ class _Pantelides:
         raise TranslationError(f"{where}: {self.owner}: singular: differentiating this equation leads nowhere.")
 
     def _highest(self, equation: int) -> list[int]:
-        """Return the places of the symbols in an equation that are no state, in order."""
+        """Return the places of the symbols in an equation that are not states, in order."""
         return sorted(v for v in self.contains[equation] if v not in self.derivative_of)
 
     def _augment(self, root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:

@@ -1,7 +1,7 @@
 """Forms of Modelica that rumoca takes in another sense than the language, or that the language forbids.
 
-Sections are those of chapter 7 of the Modelica Language Specification, version 3.6. Where rumoca 0.10 is as strict as
-the language there is no rule here; tests/fmus/test_strict_modelica.py shows which rules those are.
+Sections are those of chapter 7 of the Modelica Language Specification, version 3.6. Rules that rumoca 0.10 enforces
+itself are not repeated here; tests/fmus/test_strict_modelica.py shows which rules those are.
 """
 
 import json
@@ -64,7 +64,7 @@ def require_values(class_name: str, variables: Mapping[str, Node], sources: Sour
         sources: Where its text is.
 
     Raises:
-        TranslationError: There is one that is no array of size zero.
+        TranslationError: A parameter without a value is not an array of size zero.
     """
     unset = (
         _located({"span": variable["source_span"]}, f"parameter {name} has no value", sources)
@@ -289,12 +289,12 @@ class _Checker:
     def _modifiers(
         self, scope: _Class, modifiers: Sequence[_Modifier], target: _Class, *, rank: int, outside: bool, depth: int
     ) -> Iterator[str]:
-        """Yield what is wrong with modifiers of the elements of a class.
+        """Yield errors in modifiers of the elements of a class.
 
         Args:
             scope: Class they are written in.
             rank: Dimensions of the arrays of the modified class that a modifier without `each` is spread over.
-            outside: They stand on a component, to which protected elements are closed.
+            outside: Whether they modify a component, whose protected elements cannot be modified.
             depth: Modifiers around these.
         """
         yield from self._duplicates(modifiers)
@@ -462,7 +462,7 @@ class _Checker:
         )
 
     def _simple(self, class_: _Class | None) -> tuple[bool, int]:
-        """Return whether a class stands for a simple type, and its array dimensions."""
+        """Return whether a class is a simple type, and its array dimensions."""
         if class_ is None:
             return False, 0
         if class_.definition["enum_literals"]:
@@ -477,7 +477,7 @@ class _Checker:
         return False, rank
 
     def resolve(self, name: str, scope: _Class) -> _Class | None:
-        """Return the class of a name that is written in a class, None when it is none that is known (section 5.3)."""
+        """Return the class of a name that is written in a class, None if it is unknown (section 5.3)."""
         first, *rest = name.split(".")
         place = scope.name
         while True:
@@ -571,7 +571,7 @@ def _extends_modifiers(clause: Node) -> tuple[_Modifier, ...]:
 
 
 def _modifiers(arguments: Sequence[Node], each: Sequence[bool], redeclare: Sequence[bool]) -> tuple[_Modifier, ...]:
-    """Return modifiers; the flags of what has none of them may be missing."""
+    """Return modifiers; flags may be missing if they are all false."""
     found: list[_Modifier] = []
     for i, argument in enumerate(arguments):
         modifier = _modifier(argument, i < len(each) and each[i], i < len(redeclare) and redeclare[i])
@@ -620,7 +620,7 @@ def _shape(node: Node) -> Any:
 
 
 def _plain(tree: Any) -> Any:
-    """Return a tree without places and counts of tokens, to compare what is written."""
+    """Return a tree without places and counts of tokens, to compare source texts."""
     if isinstance(tree, dict):
         skipped = ("span", "location", "token_number", "def_id")
         return {key: _plain(value) for key, value in tree.items() if key not in skipped}

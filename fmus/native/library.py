@@ -17,7 +17,7 @@ def require_class_name(name: str) -> None:
     """Refuse a class name that is not made of plain identifiers: it becomes part of file names and of omc's script.
 
     Raises:
-        InputError: It has a quoted identifier or anything else that is no letter, digit or underscore, or it is an
+        InputError: It has a quoted identifier or characters other than letters, digits and underscores, or it is an
             earlier name of a class of RailBraking.
     """
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name, flags=re.ASCII):
@@ -61,7 +61,7 @@ def library_digest(library: Path) -> str:
 
 
 def library_of(file: Path) -> Path:
-    """Return the library that a file stands for: the folder of a `package.mo`, else the file itself."""
+    """Return the library of a file: the folder of a `package.mo`, else the file itself."""
     return file.parent if file.name == "package.mo" else file
 
 

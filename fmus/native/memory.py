@@ -1,4 +1,4 @@
-"""The memory of C structs as C: what they hold and what they point to, for a program of its own."""
+"""The memory of C structs as C source: their values and the arrays behind their pointers, for a standalone program."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
@@ -26,7 +26,7 @@ static void point(unsigned long long *memory)
 
 @dataclass(frozen=True, slots=True)
 class _Region:
-    """A struct, or an array that one points to: where it lies in this process, its words, and pointers among them."""
+    """A struct, or an array behind a pointer: its address in this process, its words, and the pointers among them."""
 
     address: int
     words: NDArray[np.uint64]
@@ -38,8 +38,8 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
 
     It defines MEMORY, how many words there are, and
 
-        static void lay(unsigned long long *memory);      what they hold now, but for pointers
-        static void point(unsigned long long *memory);    pointers, which hold until the words are moved
+        static void lay(unsigned long long *memory);      their present values, without pointers
+        static void point(unsigned long long *memory);    pointers, valid until the words are moved
 
     Arrays that are reached only through pointers to constants are tables that all copies share. Pointers to functions
     are null.
@@ -75,7 +75,7 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
 
 
 def _regions(struct: Struct, known: set[int]) -> Iterator[_Region]:
-    """Yield a struct and what it points to, each once."""
+    """Yield a struct and all memory that it points to, each once."""
     if struct.address in known:
         return
     known.add(struct.address)

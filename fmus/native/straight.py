@@ -47,7 +47,7 @@ class _Step:
 def straight(function: ca.Function) -> str:
     """Return C of an expanded (SX) function NAME: `static void NAME(const double **arg, double **res)`.
 
-    The operations are CasADi's, in its order. A value that several parts need lies in `w` meanwhile, where CasADi's own
+    The operations are CasADi's, in its order. A value that several parts need is kept in `w`, where CasADi's own
     virtual machine would have it, so that places are used again as soon as they are free.
     """
     steps = list(_steps(function))

@@ -18,7 +18,7 @@ LARGEST_LOOP = 24
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """A scalar equation `residual = 0` and where it stands in the source."""
+    """A scalar equation `residual = 0` and its place in the source."""
 
     residual: SX
     where: str
@@ -166,7 +166,7 @@ def _eliminate(
     """Solve equations of a block that are linear in some unknown with a number as its coefficient.
 
     Returns:
-        (unknown, expression) in the order of elimination, each in terms of later ones; and what is left.
+        (unknown, expression) in the order of elimination, each in terms of later ones; and the remaining equations.
     """
     equations, unknowns = [e for e, _ in block], [u for _, u in block]
     if len(block) == 1:
@@ -207,7 +207,7 @@ def _eliminate(
 
 
 def _explicit(residual: SX, unknown: SX) -> SX | None:
-    """Return what the unknown equals when the residual is a difference with the unknown on one side alone.
+    """Return the expression for an unknown if the residual is a difference with the unknown alone on one side.
 
     Most equations are such, and this is a tenth of the work of finding the slope, with the same result.
     """

@@ -15,7 +15,7 @@ from railgrip.fmus.native.structure import Equation, Loops, solve
 from railgrip.fmus.native.variables import Scalar, Variables, declare, settle, vector
 
 Message = tuple[str | SX, ...]
-"""Text of an assertion, with the expressions whose values stand in it."""
+"""Text of an assertion, with the expressions whose values it contains."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -209,7 +209,7 @@ def _at_events(
         [*index_one.equations, *_with_numbers(v, event_equations)],
         [*index_one.unknowns, *(s.symbol for s in v.discretes)], targets[:4], loops, dae.class_name,
     )  # fmt: skip
-    # Assertions are judged between events, by discrete variables as they stand.
+    # Assertions are checked between events, with the present values of discrete variables.
     values = iter(solve(index_one.equations, index_one.unknowns, targets[4:], loops, dae.class_name))
     assertions = [
         replace(

@@ -75,10 +75,10 @@ class Compiler:
 def compiler() -> Compiler:
     """Return the compiler named by CC, else cc, gcc or clang on the PATH, else `python -m ziglang cc`.
 
-    On Windows only the first and the last: what is called gcc or clang there has headers of several kinds.
+    On Windows only the first and the last: programs called gcc or clang have different headers there.
 
     Raises:
-        CompilerMissing: There is none.
+        CompilerMissing: None was found.
     """
     usual = () if SUFFIX == ".dll" else ("cc", "gcc", "clang")
     for name in filter(None, (os.environ.get("CC"), *usual)):
@@ -160,7 +160,7 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
     """Return C sources as a static library for this machine; arguments and errors are those of `shared_library`.
 
     Raises:
-        CompilerMissing: There is no C compiler, or no `ar` beside it.
+        CompilerMissing: There is no C compiler, or it comes without `ar`.
     """
     cc = compiler()
     archiver = (*cc.command[:-1], "ar") if cc.command[-1:] == _ZIG[-1:] else (shutil.which("ar") or "",)
@@ -203,7 +203,7 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
     Raises:
         BuildFailed: It takes longer than `LONGEST`.
     """
-    # A session of its own: what the compiler starts ends with it.
+    # In a new session, so that child processes of the compiler end with it.
     with subprocess.Popen(
         command,
         cwd=folder,

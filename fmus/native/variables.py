@@ -150,7 +150,7 @@ def settle(
     values = _numbers(dae, numeric)
     constants = vector(numeric), ca.vertcat(*values) if values else SX(0, 1)
     parameters = [p for p in by_kind["parameter"] if not _is_structural(p)]
-    # One substitution for all: each has a cost of its own.
+    # One substitution for all, because each call has a fixed cost.
     symbolic = [p for p in parameters if p.expression is not None and not is_number(p.expression)]
     if symbolic and constants[0].numel():
         bindings = ca.substitute([p.binding for p in symbolic], [constants[0]], [constants[1]])
@@ -219,8 +219,8 @@ def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
 
 
 def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
-    """Return dependent parameters so that each comes after what it needs, with bindings in free ones only."""
-    if not dependent:  # CasADi could not tell of which type nothing is
+    """Return dependent parameters in the order of their dependence, with bindings in free parameters only."""
+    if not dependent:  # CasADi cannot infer the type of an empty list
         return [], []
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
     bindings = ca.vertcat(*[p.binding for p in dependent])

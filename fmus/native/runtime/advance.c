@@ -1,4 +1,4 @@
-/* Co-simulation: from one communication point to the next, with internal steps of their own size. */
+/* Co-simulation: from one communication point to the next, with adaptive internal steps. */
 
 /* Take work.x1 at time t as the state. */
 static void accept(Instance *m, double t) {
@@ -120,7 +120,7 @@ static int input_event(Instance *m, int *linear) {
     return crossed(s, w->z0);
 }
 
-/* Whether so many internal steps were taken that this may never end: the model chatters, or is far too stiff. */
+/* Whether the budget of internal steps is used up: the model chatters, or is far too stiff. */
 static int endless(Instance *m) {
     if (m->attempts > 0) return 0;
     return failure(m, "it takes more internal steps than make sense, %g in a second, at time = %.9g s: check the parameters",

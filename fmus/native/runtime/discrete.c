@@ -79,8 +79,8 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) {
     return fmi2OK;
 }
 
-/* Whether nothing has been called yet and all inputs that are waited for are zero: an importer may step what it has not
- * given anything yet. */
+/* Whether no function has been called yet and all awaited inputs are zero: an importer may step an instance before it
+ * has set any input. */
 static int waits(const State *s) {
     int count = s->calls == 0 ? WAITS : 0, i = 0;
     while (i < count && s->v[U + i] == 0) i++;

@@ -87,7 +87,7 @@ static int events(Instance *m, int initial, int *jumped) {
     return failure(m, "the event iteration does not end at time = %.9g s", now);
 }
 
-/* Whether an indicator lies strictly on the other side of what its relation remembers. */
+/* Whether the sign of an indicator contradicts the stored value of its relation. */
 static int crossed(const State *s, const double *z) {
     for (int i = 0; i < NZ; i++)
         if (s->r[indicator_relation[i]] > 0.5 ? z[i] < 0 : z[i] > 0) return 1;

@@ -41,8 +41,8 @@ enum { INSTANTIATED, INITIALIZING, RUNNING, FAILED, TERMINATED };
 #define LOOP_TOLERANCE 1e-10
 #define LOOP_ITERATIONS 50
 #define EVENT_ITERATIONS 200
-/* Internal steps, rejected ones and those that locate events too, that a communication step may take: so many for each
- * second, or at the least, and besides so many that were saved up before. Stops take three to thirty in a millisecond. */
+/* Internal steps, rejected ones and those that locate events too, that a communication step may take: a number for each
+ * second, a minimum, and those saved in earlier steps. Stops take three to thirty in a millisecond. */
 #define ATTEMPTS_PER_SECOND 300000
 #define ATTEMPTS_AT_LEAST 300
 #define ATTEMPTS_SAVED 20000

@@ -4,7 +4,7 @@
  * Sources: RODAS4 (order 4(3), 6 stages) Hairer and Wanner, Solving ODEs II (1996), §IV.7; RODAS3 (order 3(2),
  * 4 stages) Sandu et al., Atmospheric Environment 31 (1997) 3459. */
 
-/* Derivatives, their Jacobian, their partial derivative in time and indicators at (t, work.x0), sharing what they share. */
+/* Derivatives, their Jacobian, their partial derivative in time and indicators at (t, work.x0), with common subexpressions computed once. */
 static int linearise(Instance *m, double t) {
     State *s = &m->s;
     Work *w = &m->w;

@@ -1,4 +1,4 @@
-/* FMI 2.0 for Co-Simulation: questions about a step, and what is not offered. */
+/* FMI 2.0 for Co-Simulation: status of a step, and functions that are not supported. */
 
 fmi2Status fmi2CancelStep(fmi2Component c) { return refuse(M, "fmi2CancelStep: steps are never pending"); }
 
