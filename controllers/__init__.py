@@ -1,4 +1,4 @@
-"""What we do about it: wheel-slide control laws, from what is seen and believed to a brake cylinder pressure demand.
+"""Wheel-slide control laws: from observations and estimates to demanded brake cylinder pressures.
 
 Every law is an object with `decide(observation) -> demands`: one demanded pressure [Pa] per braked group. How a demand
 becomes valve commands is the business of `railgrip.controllers.valves`, so that the same law drives an ideal pressure

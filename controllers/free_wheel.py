@@ -47,7 +47,7 @@ class FreeWheel(Sampled):
 
 @cache
 def free_wheel(groups: int) -> Formula:
-    """Return the formula of `FreeWheel` for so many groups.
+    """Return the formula of `FreeWheel` for a number of groups.
 
     A wheel rolls whose brake has been off for `release` and whose speed does not rise by more than `spin_up`; of more
     the fastest, and none that is slower than a wheel that is braked: its sensor would be dead. Where no law releases

@@ -1,4 +1,4 @@
-"""What control laws share: what they see, what they give, and the groups' brakes among their parameters."""
+"""Common parts of control laws: observations, demands, and the brake data of the groups as parameters."""
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
@@ -19,7 +19,7 @@ NOT_SEEN = float("nan")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tuning:
-    """Parameters of a law: finite numbers that are not negative, each with its unit and meaning beside its type.
+    """Parameters of a law: finite numbers that are not negative, each with its unit and meaning in its type.
 
     A parameter that is not searched has its value as default here; the others are in the law's sets.
 
@@ -59,7 +59,7 @@ class Tuning:
 
 
 NO_PARAMETERS = Tuning()
-"""Of a law that has none."""
+"""Parameters of a law that has no parameters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,8 +110,9 @@ def law(name: str, description: str, groups: int, demand_with: Callable[[Draft],
     Args:
         name: Of the law.
         description: One line.
-        groups: How many there are.
-        demand_with: Asks the draft for parameters and states that all groups share, and returns what is done for one.
+        groups: Number of groups.
+        demand_with: Declares the parameters and states that all groups share in the draft, and returns the demand of
+            one group.
     """
     draft = Draft()
     numbers = range(1, groups + 1)
@@ -218,13 +219,13 @@ class GroupLaw(Law):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Ask the draft for states that all groups share, and return what is done for one; see `law`."""
+        """Declare states that all groups share in the draft, and return the demand of one group; see `law`."""
         raise NotImplementedError
 
     @classmethod
     @cache
     def formula_for(cls, groups: int) -> Formula:
-        """Return the formula for so many groups."""
+        """Return the formula for a number of groups."""
 
         def demand_with(draft: Draft) -> Demand:
             symbols = {name: draft.parameter(name, *meaning) for name, meaning in cls.tuning.meanings().items()}
@@ -240,7 +241,7 @@ class GroupLaw(Law):
             actuation: Kind of it.
             slip: How the law knows the slip.
             name: Of the set.
-            others: Values in place of those of the set; those that are no parameters of this law are left out.
+            others: Values in place of those of the set; names that are not parameters of this law are ignored.
 
         Raises:
             ValueError: The set is not for this actuation, or a value means nothing.

@@ -26,8 +26,8 @@ class Observation(NamedTuple):
         adhesion: Estimated F_x/F_z of each group, positive in braking [1]; None without an estimator of it.
         pad_friction: Estimated friction of pads on disc [1]; None without an estimator of it.
         pressure: Read brake cylinder pressure [Pa].
-        driver_demand: Brake cylinder pressure that the driver asks for [Pa]. A controller can only lower it: of its own
-            demand and this the lower is sent.
+        driver_demand: Brake cylinder pressure that the driver asks for [Pa]. A controller can only lower it: the
+            lower one of its demand and this is sent.
     """
 
     time: float

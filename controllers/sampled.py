@@ -1,6 +1,6 @@
 """A sampled function with memory: the form of every law here, as a CasADi graph.
 
-Written once, it runs in Python, in C beside a plant, and as an FMU in somebody else's tool, with the same results.
+Written once, it runs in Python, in C in the loop, and as an FMU in other tools, with the same results.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,8 +25,8 @@ class Quantity:
         unit: SI, "1" for ratios.
         description: One line.
         start: Of a state: before the first call.
-        visible: Of a state: whether it explains in a recording what the function does and why.
-        minimum, maximum: Of a parameter or output: beyond them it means nothing; None where there is no such limit.
+        visible: Of a state: whether traces record it, because it explains the outputs.
+        minimum, maximum: Of a parameter or output: limits of its validity; None without a limit.
     """
 
     name: str
@@ -107,7 +107,7 @@ class Draft:
         self._outputs[1].append(value)
 
     def formula(self, name: str, description: str) -> Formula:
-        """Return what was written."""
+        """Return the formula that was drafted."""
         arguments = [ca.vertcat(*self._symbols[kind][1]) for kind in ("state", "input", "parameter")]
         following = [self._following[quantity.name] for quantity in self._symbols["state"][0]]
         results = [ca.densify(ca.vertcat(*each)) for each in (following, self._outputs[1])]
@@ -143,7 +143,7 @@ def every(*conditions: Expression) -> Expression:
 
 
 def within(value: Expression, low: Expression, high: Expression) -> Expression:
-    """Return a value, or the bound that it passes; `low` for one that is no number."""
+    """Return a value limited to its bounds; `low` for NaN."""
     return choose(value > low, choose(value < high, value, high), low)
 
 
@@ -184,7 +184,7 @@ class Sampled:
 
     @property
     def visible(self) -> tuple[tuple[int, Quantity], ...]:
-        """Places in `state` of what says what the function does, and what it is; elements of an array together."""
+        """Places in `state` of the visible states, and the states; elements of an array are adjacent."""
         visible = [(i, quantity) for i, quantity in enumerate(self.formula.states) if quantity.visible]
         names = [quantity.name.partition("[")[0] for _, quantity in visible]
         return tuple(

@@ -54,8 +54,8 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
 
     A group gives the lower of what the driver asks of it and what its law allows. The force that is missing, filtered
     with `T_REDISTRIBUTION`, is demanded from the groups whose laws allow more than the driver demands, each by the same
-    share of what it has left, up to its highest pressure and to `adhesion_max` of its load. With full brake nothing is
-    left to give. The demands need no driver's limit any more: they hold it.
+    share of its reserve, up to its highest pressure and to `adhesion_max` of its load. With full brake there is no
+    reserve. The demands already respect the driver's limit.
     """
     demands, following, symbols = _opened(law.formula)
     inputs, parameters = (

@@ -1,4 +1,4 @@
-"""Sets of parameters of the control laws: TOML files beside each law, with values that a search or a paper has found.
+"""Sets of parameters of the control laws: TOML files next to each law, with values from a search or a paper.
 
 A file has a table for each kind of actuation and each way to know the slip, such as `[pneumatic.estimated]`; or values
 alone, which hold for all of them. What is in no set is physics, or a limit that somebody else set, and a default of the
@@ -29,7 +29,7 @@ def values(file: Path, name: str, actuation: str, slip: SlipSource) -> Mapping[s
     """Return the values of the set `name` in a file.
 
     Raises:
-        ValueError: It has none for this actuation; only `SEARCHED` is then taken from another one.
+        ValueError: It has no values for this actuation; only `SEARCHED` may be taken from another actuation.
     """
     sets = tomllib.loads(file.read_text(encoding="utf-8"))
     if not any(isinstance(entry, dict) for entry in sets.values()):

@@ -23,7 +23,7 @@ PULSE_MIN = 20e-3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ValveModel:
-    """What the valve logic believes of the valves and brake cylinders: each datum with its unit and meaning.
+    """Data of valves and brake cylinders that the valve logic assumes, each with its unit and meaning.
 
     Filling is towards the supply pressure, venting towards zero gauge pressure; the band is around the demand.
     """
@@ -61,7 +61,7 @@ class ValveLogic(Sampled):
 
 @cache
 def valve_logic(groups: int, delay: int) -> Formula:
-    """Return the formula for so many groups, and a dead time of so many periods."""
+    """Return the formula for a number of groups and a dead time in periods."""
     draft, numbers = Draft(), range(1, groups + 1)
     demands = [draft.input(f"demand[{g}]", "Pa", "demanded brake cylinder pressure") for g in numbers]
     pressures = [draft.input(f"pressure[{g}]", "Pa", "measured brake cylinder pressure") for g in numbers]

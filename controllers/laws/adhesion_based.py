@@ -43,7 +43,7 @@ class AdhesionBased(GroupLaw):
 
         σ = (ṡ/s)·(α̇/α − margin·ṡ/s)                     switching function, eq. (10) in relative rates
         T_eq = α̂ F_z r − J (1−s) v̇/r                     torque at which ṡ = 0
-        p = p(T_eq + L·sgn σ),  L = rise or fall · T_eq, at most J·slip_rate_max·s·v/r
+        p = p(T_eq + L·sgn σ),  L = rise or fall · T_eq, limited to J·slip_rate_max·s·v/r
 
     The relative rates make the law independent of the scale of the adhesion curve: peaks lie anywhere between 0.5 %
     and 40 % slip. Dropped from eq. (12) are ∂α/∂v·v̇ and ∂α/∂μ0·μ̇0; a rising μ0 would drive the slip up without end,
@@ -54,7 +54,7 @@ class AdhesionBased(GroupLaw):
     friction. The bound must lie above the error of the slip at every speed. Below that error nothing can be sought: the
     wheel does not slide, ṡ·α̇ is noise, and T_eq holds whatever pressure there is. A speed that is too high by δ looks
     like a slip of δ/v: with an accelerometer off by 0.12 m/s² the filter's is by 0.05 m/s, 0.2 % at 80 km/h and 1 % at
-    18 km/h. A bound in slip alone that suits the one takes the wheel for sliding at the other, and hangs.
+    18 km/h. A bound in slip alone that suits one of them takes the wheel for sliding at the other, and blocks.
     Standstill: below `speed_min` the slip is no longer known well enough to seek, and the brake is applied as at the
     start.
     """
@@ -63,7 +63,7 @@ class AdhesionBased(GroupLaw):
     needs = ("adhesion", "pad_friction")
     tuning = PeakSeekingTuning
     # Times and rates go from quicker than the actuation to slower than the rail. From what slip on there is a peak to
-    # seek depends on what sensors can tell from none; ideal ones tell any.
+    # seek depends on the smallest slip that sensors resolve; ideal sensors resolve any.
     ranges: ClassVar[Ranges] = {
         ("ideal", "estimated"): {
             "filter_time": (3e-3, 50e-3),
@@ -98,7 +98,7 @@ class AdhesionBased(GroupLaw):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
         filters = Derivatives(draft, tuning)
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:

@@ -55,7 +55,7 @@ class ConstantSlip(GroupLaw):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:
             return slip_control(draft, group, tuning, tuning["slip"])

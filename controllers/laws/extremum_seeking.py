@@ -99,7 +99,7 @@ class ExtremumSeeking(GroupLaw):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
         onwards = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
@@ -113,7 +113,7 @@ class ExtremumSeeking(GroupLaw):
             share = tuning["period"] / (tuning["washout_time"] + tuning["period"])
             follows = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
             answer = (group.adhesion - follows) / follows * wave * 2.0 / tuning["dither"]
-            # A step of the rail is no answer to the dither: one wave may not double the slip.
+            # A step of the rail is not a response to the dither: one wave must not double the slip.
             rate = within(tuning["climb"] * answer, -tuning["frequency"], tuning["frequency"])
             moved = within(slip * (1.0 + rate * tuning["period"]), tuning["slip_least"], tuning["slip_most"])
             draft.keep(slip, choose(ready, moved, slip))

@@ -9,7 +9,7 @@ from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, Gro
 from railgrip.controllers.sampled import Draft, Expression, choose
 
 _SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
-"""From below nearly all published peaks to beyond them; sensors do not tell narrower bands than 10 % of a level."""
+"""From below nearly all published peaks to beyond them; sensors do not resolve bands narrower than 10 % of a level."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,8 +42,8 @@ class SlipLevels(Tuning):
 class SlipTwoState(GroupLaw):
     """Apply below the low level, release above the high one; between the levels the last action goes on.
 
-    Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %. As long as no speed has been read (NaN)
-    there is no slip to protect from, and the brake is applied.
+    Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %. Before the first reading of the speed
+    (NaN) the slip is unknown, and the brake is applied.
     """
 
     description = "Slip-based two-level wheel-slide protection"
@@ -64,7 +64,7 @@ class SlipTwoState(GroupLaw):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
         low, high, speed_min, hold = (tuning[name] for name in ("low", "high", "speed_min", "hold"))
 
         def demand(draft: Draft, group: GroupObservation) -> Expression:

@@ -1,8 +1,8 @@
 """Slip control whose set point climbs the slope of adhesion over slip, as far as the slope is known.
 
-Where adhesion peaks depends on what lies on the rail: at half a per cent of slip or at twenty. The sign of ṡ·α̇ (see
-`railgrip.controllers.laws.adhesion_based`) asks at every instant on which side of the peak a wheel is; on a broad curve
-the answer is noise. Here the question is put over a window: the elasticity e = d(ln α)/d(ln s) is a regression of
+The slip of the maximum adhesion depends on the contamination of the rail: half a per cent, or twenty. The sign of ṡ·α̇
+(see `railgrip.controllers.laws.adhesion_based`) asks at every instant on which side of the peak a wheel is; on a broad
+curve the answer is noise. Here the question is put over a window: the elasticity e = d(ln α)/d(ln s) is a regression of
 estimated adhesion on estimated slip, with its standard error. Where it is known the set point follows it; where it is
 not, the set point returns to a slip that is a fair guess on most rails.
 
@@ -87,11 +87,11 @@ class SlopeSeeking(GroupLaw):
     apart; Δ is half the difference between the sliding groups of odd and of even number, ⟨·⟩ a mean over such groups,
     weighted by what each holds, and E one over `window`:
 
-        x, y = Δ⟨ln s⟩, Δ ln⟨a⟩, filtered, less what is slower than `washout_time`
-        x, y = 0 in E where |y| > dither and xy < −x²/2       that is the rail, under one group before the others
+        x, y = Δ⟨ln s⟩, Δ ln⟨a⟩, filtered, high-passed with `washout_time`
+        x, y = 0 in E where |y| > dither and xy < −x²/2       a change of the rail, under one group before the others
         e = E(xy)/(E(x²) + log_slip_noise²), its variance from the residual of the regression
-        w = spread²/(spread² + var e)                          how far e is believed: 1 known, 0 unknown
-        r = E(x²)/(E(x²) + log_slip_noise²)                    and how far slip has moved at all
+        w = spread²/(spread² + var e)                          weight of e: 1 known, 0 unknown
+        r = E(x²)/(E(x²) + log_slip_noise²)                    weight of the excitation by changes of slip
         d(ln s_set)/dt = climb_rate·(w (e + bias) + (1 − w)·pull·q + w (1 − r)·pull·max(q, 0)),  q = ln(s_usual/s_set)
         s_usual = slip_usual + creep_usual/v
         s* = s_set·exp(±dither·sin φ)
@@ -100,22 +100,22 @@ class SlopeSeeking(GroupLaw):
         p = p(T), with the estimated pad friction
 
     All groups share one set point. What a changing rail does to wheels alike cancels in the difference: of one group,
-    or of the train's sum, a loss of friction makes slip rise as adhesion falls, which looks like the far side of a peak
-    and is none. A train of one group has nothing to compare with, and takes x and y of that.
+    or of the train's sum, a loss of friction makes slip rise as adhesion falls, which looks like the far side of a
+    peak. A train of one group cannot compare, and takes x and y of that group.
 
     A wheel that is not braked yet rolls, and the slip it shows then is an error of radius or speed: it is averaged and
     taken from all that follows. Wheels worn by 3 % and a radar off by 1 % would else look like slides. The same holds
     later for a wheel that nothing brakes and the rail does not turn: where the train's speed is wrong, all wheels seem
     to slide, are released, roll, and show by how much.
 
-    Start: a wheel with slip below slip_small + creep_small/v rolls, and is braked as far as `adhesion_max` allows. A
-    low adhesion alone is no sign of rolling: on oil a sliding wheel has next to none. Standstill: below `speed_min` the
+    Start: a wheel with slip below slip_small + creep_small/v rolls, and is braked as far as `adhesion_max` allows.
+    Low adhesion alone does not mean rolling: on oil a sliding wheel has hardly any. Standstill: below `speed_min` the
     slip is no longer known, and the brake is applied as at the start.
 
-    A wheel speed that cannot be true is believed no more: one that is not known (NaN), a slip of less than −5 %, or a
-    slide on which the rail does nothing although the brake is off. Such a group gets the torque for eight tenths of the
-    adhesion that the others use, by the pad friction that it had before, until its wheel speed makes sense again; where
-    the pressure is above what all of that adhesion carries, its brake is released.
+    An implausible wheel speed is rejected: an unknown one (NaN), a slip below −5 %, or a slide that does not end
+    although the brake is off. Such a group gets the torque for eight tenths of the adhesion that the others use, by the
+    pad friction that it had before, until its wheel speed makes sense again; where the pressure is above what all of
+    that adhesion carries, its brake is released.
     """
 
     description = "Slip control on the slope of adhesion over slip"
@@ -145,7 +145,7 @@ class SlopeSeeking(GroupLaw):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
         t = tuning
         started = draft.state("started", "1", "1 once there is a sample before this one")
         draft.keep(started, 1.0)
@@ -195,7 +195,7 @@ class SlopeSeeking(GroupLaw):
             loads = [each.group.brake["load"] for each in others]
             share = _mean([(each.valid, each.adhesion) for each in others], loads)
             followed = pressure_for(_FOLLOWED * share * unit_torque, pad_friction, brake)
-            # Valves leave what is a little too much: a wheel without a speed reading locks by it once the rail gets
+            # Valves hold a pressure slightly too high: a wheel without a speed reading locks by it once the rail gets
             # worse.
             most = pressure_for(share * unit_torque, pad_friction, brake)
             followed = choose(group.pressure > most, 0.0, followed)
@@ -214,13 +214,14 @@ _LEASH, _LEASH_UP = 0.5, 0.8
 _PATIENCE = 0.2
 """Integration time [s] of a slip that stays below its set point.
 
-Left of the peak more slip wants more torque; where a wheel draws little, all that `gain` and `share_added` allow is
-less than the band within which valves hold, and slip stayed for good at a tenth of what was sought. As Clegg's (Trans.
-AIEE 77 (1958) 41) the integral is zero as soon as the error is: nothing of it is left beyond the peak."""
+Left of the peak more slip requires more torque; if a wheel uses little adhesion, the torque that `gain` and
+`share_added` allow is less than the band within which valves hold, and slip would remain at a tenth of the set point.
+As Clegg's (Trans. AIEE 77 (1958) 41) the integral is zero as soon as the error is, so that it does not act beyond the
+peak."""
 
-_RADIUS_ERROR = 0.08  # more is no wheel's: between new and worn out lie some 8 %
+_RADIUS_ERROR = 0.08  # a larger deviation is implausible: new and worn wheels differ by some 8 %
 _SPEED_ERROR = 0.8  # of the train's speed after a radar has lied
-_TOUCHING = 1.15  # times the spring's force: the law asks for just that where it wants no torque
+_TOUCHING = 1.15  # times the force of the spring, which the law demands where it requires no torque
 _NOTHING = 5e-3
 """Adhesion below which nothing turns a wheel: bearings take 0.001, and the estimate's noise is some 0.002."""
 
@@ -228,16 +229,16 @@ _REGAINED = 0.2  # s, over which the slip of a wheel is averaged that rolls agai
 _ANY_SPEED = 1e6  # rad/s
 _BACKWARDS = -0.05  # slip of a braked wheel that no wheel has
 _DRAWN = 0.25
-"""Share of the others' adhesion that a sliding wheel draws at least: creep curves fall to 0.4 of their peak."""
+"""Minimum adhesion of a sliding wheel over that of the other wheels: creep curves fall to 0.4 of their peak."""
 
-_DOUBTED = 0.5  # s, after which a wheel whose speed cannot be true is believed no more
+_DOUBTED = 0.5  # s, after which a wheel with an implausible speed is rejected
 _FOLLOWED = 0.8
 """Share of the others' adhesion that is demanded from a wheel whose speed is not known: with all it may lock unseen."""
 
 _STEEPEST = 0.5
 """Of adhesion over slip: what falls faster, and farther than the dither takes it, is the rail that changes.
 
-Polach's curves with A = 0.4 fall by 0.38 at most, those with A = 0.1 by more than 0.5 where wheels creep at 3 m/s."""
+Polach's curves with A = 0.4 fall by up to 0.38, those with A = 0.1 by more than 0.5 where wheels creep at 3 m/s."""
 
 _ROLLING, _SEEKING, _VENTING, _FOLLOWING = range(4)
 _MODES = "what rules the group: 0 rolls, 1 seeks slip, 2 vented, 3 its speed is unknown, follows the others"
@@ -253,8 +254,8 @@ class _Wheels:
         filtered: The same, filtered.
         slip_change: Of ln(filtered slip) since the last sample.
         adhesion_change: Of the filtered adhesion since then.
-        adhesion: Filtered, zero at least.
-        credible: Whether its speed can be true now, and is that of no deep slide.
+        adhesion: Filtered, not negative.
+        credible: Whether its speed is plausible and the group is not in a deep slide.
         valid: Whether its speed can be true, or could a moment ago.
         sliding: Whether it is valid, and slips by more than a rolling wheel.
     """
@@ -278,7 +279,7 @@ def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Exp
 
 
 def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
-    """Return what the law makes of one group."""
+    """Return the signals of one group."""
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
     slip = _corrected(draft, group, pads_off, period)
@@ -340,8 +341,8 @@ def _slope(
 ) -> tuple[Expression, Expression, Expression]:
     """Return the elasticity of adhesion over slip, and from 0 to 1 how well the rail fits it and how far slip moved.
 
-    Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by what they hold;
-    nothing changes while one of the two has none. Where all have one sign their mean stands for the difference.
+    Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by their adhesion;
+    it does not change while there are no groups of one sign. If all have the same sign, their mean is the difference.
     """
     loads = [each.group.brake["load"] for each in train]
 
@@ -382,7 +383,7 @@ def _targets(
     previous = draft.state("set_point", "1", "logarithm of the slip that is sought; 0 before the first")
     last = choose(previous < 0.0, previous, usual)
     expected = weight * (elasticity + t["elasticity_bias"]) + (1.0 - weight) * t["pull"] * (usual - last)
-    # A slip that nothing has moved fits any rail: below the usual slip that is no reason to stay.
+    # Without excitation any rail fits the observations: below the usual slip the set point must not stay there.
     expected += weight * (1.0 - excitation) * t["pull"] * ca.fmax(usual - last, 0.0)
     moved = last + within(t["climb_rate"] * expected, -t["fall_rate"], t["rise_rate"]) * period
     least = t["slip_small"] + t["creep_small"] / speed
@@ -425,13 +426,13 @@ def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, peri
 def _regression(
     draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
 ) -> tuple[Expression, Expression, Expression]:
-    """Return the elasticity d(ln α)/d(ln s), its variance, and how much of what it rests on is no noise, from 0 to 1.
+    """Return the elasticity d(ln α)/d(ln s), its variance, and the share of the excitation above noise, from 0 to 1.
 
     Args:
         draft: Keeps the moments.
         t: The parameters.
         changes: Of ln s and ln α since the last sample.
-        rolling: No slip, nothing to learn; what is known is forgotten.
+        rolling: Whether the wheel rolls; without slip the estimate is reset.
     """
     forgets, fades = t["period"] / t["window"], 1.0 - t["period"] / t["washout_time"]
     names = ("log_slip", "log_adhesion")

@@ -1,6 +1,6 @@
-"""A law of ours after published descriptions of common practice: its reference is from wheel speeds alone.
+"""A law after published descriptions of common practice, with a reference speed from wheel speeds alone.
 
-There is no speed over ground; the criteria are slip and deceleration of a wheel.
+It does not use the speed over ground; the criteria are slip and deceleration of a wheel.
 """
 
 from collections.abc import Mapping, Sequence
@@ -61,7 +61,7 @@ class WheelReference(GroupLaw):
 
     Neither radar nor accelerometer nor estimator is looked at: only wheel speeds and cylinder pressures.
 
-    Source: of the parts, what is known of protection in service: wheel speeds as the only sensors and dump and refill
+    Sources of the parts, as known of protection in service: wheel speeds as the only sensors and dump and refill
     valves, Pugi et al., Railway Engineering Science 31 (2023) 108, and Kim, Lee, Lee and Kang, IFAC 2014; a limit on
     venting, EN 15595. No maker publishes a table of criteria; this one is ours.
     """
@@ -89,7 +89,7 @@ class WheelReference(GroupLaw):
 
     @staticmethod
     def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
-        """Return what is done for one group."""
+        """Return the demand of one group."""
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
         started = draft.state("started", "1", "1 once there is a sample before this one")
@@ -148,7 +148,7 @@ class WheelReference(GroupLaw):
 
 
 def _reference(train: Sequence[GroupObservation], started: Expression, least: Expression) -> Expression:
-    """Return the speed of the fastest group, once started at least `least`."""
+    """Return the speed of the fastest group, not below `least` after the start."""
     fastest = _rolling(train[0])
     for group in train[1:]:
         fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)

@@ -4,9 +4,9 @@ It is an xarray data set with the dimension `time` [s] and, where a signal has o
 both counted from 1, lead to trail. Every variable has its unit. The prefix says who says it, as in
 `railgrip.vehicle.signals`:
 
-    reading_wheelset_speed   what a sensor showed, NaN where it had nothing new; all that a filter may see
-    wheelset_speed           what it really was, or what the plant was given; of a recorder only where somebody knows
-    estimate_wheelset_speed  what the estimator in the loop believed
+    reading_wheelset_speed   reading of the sensor, NaN without a new one; the only input of a filter
+    wheelset_speed           true value, or input of the plant; in recordings only if it is known
+    estimate_wheelset_speed  estimate of the estimator in the loop
 
     from railgrip.trace.netcdf import read_trace
     from railgrip.trace.read import recorded
@@ -17,8 +17,8 @@ both counted from 1, lead to trail. Every variable has its unit. The prefix says
     trace = recording_of({"speed": (v, "m/s"), "wheelset_speed[1]": (w, "rad/s")}, period=0.01)
     samples(trace, ["speed", "wheelset_speed[1]"], ["m/s", "rad/s"])       # by the names of a model, shape (k, 2)
 
-`table` is the map of columns, `files` reads formats, `cleaning` finds what is wrong with a signal, `grid` puts it on an
-even grid: what can be mended is mended and said, never silently; the rest is refused in a sentence.
+`table` is the map of columns, `files` reads formats, `cleaning` finds errors in a signal, `grid` puts it on an
+even grid: errors are corrected and reported if possible, else refused.
 
 Of a stop, `recorder` collects rows in the loop, `metrics` measures the trace, and `stop` holds and stores both.
 """

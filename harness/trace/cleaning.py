@@ -1,4 +1,4 @@
-"""Finding what is wrong with one signal: samples that are none, spikes, values out of range, a sensor that froze."""
+"""Errors in one signal: missing samples, spikes, values out of range, a frozen sensor."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ Vector = NDArray[np.float64]
 
 _LONGEST = 3  # samples in a row that can be found off
 _BESIDE = 3  # samples on either side of a spike: one that it comes from or back to, and those that show how it moves
-_NEIGHBOURS = 7  # samples whose median is none of a spike
-_JUMP = 2.0  # times what the signal moves beside a spike; the peak of a ramp stands off by just that
+_NEIGHBOURS = 7  # samples whose median is not part of a spike
+_JUMP = 2.0  # times the motion of the signal next to a spike; the peak of a ramp deviates by exactly that
 _VALVE_PULSE = 20e-3  # s: valves of a wheel-slide protection open for 20 to 40 ms, and the cylinder answers
-_SURROUNDINGS = 101  # samples that say what is usual here: braking is rougher than coasting
+_SURROUNDINGS = 101  # samples for the local noise: braking is rougher than coasting
 _GAUSSIAN = 1.4826  # standard deviation of a Gaussian over its median absolute deviation
 
 
@@ -39,12 +39,12 @@ class Treatment:
 
 
 def cleaned(signal: str, time: Vector, values: Vector, treatment: Treatment) -> tuple[Vector, Vector, list[Flag]]:
-    """Return the samples that are left, with their instants, and what was found.
+    """Return the remaining samples with their instants, and the flags.
 
     Args:
         signal: Name, for the flags.
         time: Rising instants [s], shape (k,).
-        values: Shape (k,); NaN where there is none.
+        values: Shape (k,); NaN for missing samples.
         treatment: How to judge.
     """
     there = np.isfinite(values)
@@ -87,13 +87,13 @@ def standing(time: Vector, values: Vector, longest: float) -> NDArray[np.bool_]:
 def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]:
     """Return samples that leave the line between their neighbours and come back, both at once, shape (k,).
 
-    Off is what lies further from that line than `deviations` of the noise, and at least `_JUMP` times as far as the
-    signal moves beside it and across it: so neither a step nor a corner nor the peak of a ramp is a spike. It lasts
-    three samples at most and is shorter than `_VALVE_PULSE`: what takes longer may be a brake
-    that was vented. The first and the last sample, which come from and go to nowhere, are none.
+    A sample is off the line if its distance exceeds `deviations` of the noise and `_JUMP` times the motion of the
+    signal next to and across it: so neither a step nor a corner nor the peak of a ramp is a spike. A spike has up to
+    three samples and is shorter than `_VALVE_PULSE`: longer ones may be a vented brake. The first and the last sample
+    are never spikes.
 
-    The noise is the larger of what is usual nearby and over all, but no less than the resolution, so that a quantised
-    signal is not judged by its own steps. It is taken from second differences, which a ramp does not raise.
+    The noise is the larger one of its local and its overall value, and not less than the resolution, so that steps of a
+    quantised signal are not spikes. It is taken from second differences, which a ramp does not raise.
 
     Args:
         time: Rising instants [s], shape (k,).
@@ -129,7 +129,7 @@ def spikes(time: Vector, values: Vector, deviations: float) -> NDArray[np.bool_]
 
 
 def _resolution(values: Vector) -> float:
-    """Return the least step that a signal makes, 0 when it hardly ever makes one.
+    """Return the smallest step of a signal, 0 if it hardly ever steps.
 
     A lone spike in a constant signal is two steps, and shows nothing about the resolution.
     """

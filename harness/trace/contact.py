@@ -1,4 +1,4 @@
-"""The most that the rail would have given: the peak of the creep curve at every sample of a trace."""
+"""Maximum adhesion of the rail: the peak of the creep curve at every sample of a trace."""
 
 from collections.abc import Callable
 

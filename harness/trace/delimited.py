@@ -20,7 +20,7 @@ _COMMA_NUMBER = r"\s*[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?\s*"
 
 
 def read_delimited(path: Path, separator: str | None = None, decimal: str | None = None) -> pd.DataFrame:
-    """Return the table in a file of text; what is not given is found.
+    """Return the table in a text file; separators and decimal marks are detected unless given.
 
     Args:
         path: The first line that is not empty has the names of the columns.

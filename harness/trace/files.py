@@ -46,9 +46,9 @@ class Series:
     """A signal as the file has it.
 
     Attributes:
-        time: Instants [s], shape (k,); NaN where the file has none.
-        values: In the file's unit, shape (k,); NaN where there is none.
-        unit: What the file says its unit is, or None.
+        time: Instants [s], shape (k,); NaN if missing in the file.
+        values: In the unit of the file, shape (k,); NaN if missing.
+        unit: Unit according to the file, or None.
     """
 
     time: Vector
@@ -104,12 +104,12 @@ def _require_file(path: Path) -> None:
 
 @contextmanager
 def _reading(path: Path, what: str) -> Generator[None]:
-    """Say of whatever a damaged file makes the reader of a format raise that it is no such file."""
+    """Turn any exception of the reader of a format into a message that the file is damaged."""
     try:
         yield
     except EstimationError:
         raise
-    except Exception as problem:  # each library has exceptions of its own
+    except Exception as problem:  # each library raises different exceptions
         raise EstimationError(f"{path.name}: is not {what}: {cut(str(problem))}") from problem
 
 
@@ -185,7 +185,7 @@ def series_of_table(
 
 
 def unit_in_brackets(name: str) -> str | None:
-    """Return what the name of a column has in brackets, as "v [km/h]" or "v (km/h)"; it need not be a unit."""
+    """Return the text in brackets in the name of a column, as "v [km/h]" or "v (km/h)"; it may not be a unit."""
     match = _UNIT_IN_NAME.fullmatch(name)
     # "left[1]" is the first of several, not a signal without dimension.
     return match.group(1) if match and not match.group(1).isdigit() else None
@@ -287,7 +287,7 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
     """Return channels of an MDF file by name, each on its own instants; all of numbers when None; see `read_series`."""
     _require_file(path)
     library, series = _library(path, "asammdf", "mf4"), dict[str, Series]()
-    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # what it logs of a damaged file, its exceptions say
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)  # its exceptions repeat what it logs about a damaged file
     # Damage may show as late as in a block of samples.
     with _reading(path, "an MDF file"), _silently_collected(), library.MDF(path) as file:
         if columns is None:
@@ -324,7 +324,7 @@ def _readable(file: Any) -> list[str]:
 @contextmanager
 def _silently_collected() -> Generator[None]:
     """Collect what an exception has left half made: the destructor of asammdf's files prints a traceback then."""
-    gc.freeze()  # what was there before needs no search, which would take a third of a second
+    gc.freeze()  # a search for the parts present before would take a third of a second
     hook = sys.unraisablehook
     try:
         yield

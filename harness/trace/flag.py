@@ -1,4 +1,4 @@
-"""What was found wrong in recorded data, when, and what was done about it."""
+"""Errors in recorded data: kind, time, and treatment."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ TREATMENTS: dict[Kind, str] = {
     "time": "instants that repeat or are no number; rows left out",
     "timing": "samples moved to the nearest instant of the grid",
 }
-"""What each kind means, and what was done."""
+"""Meaning and treatment of each kind."""
 
 _MOST = 5
 """Flags of a signal and kind that have a sentence each."""

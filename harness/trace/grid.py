@@ -12,12 +12,12 @@ def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: flo
     """Return a reading at every instant of `grid`, NaN where nothing is new, and how far samples were moved.
 
     A signal twice as fast as the grid, or more, is averaged over each period about its instant; one about as fast is
-    interpolated between neighbouring samples, never across a missing one; a slower one is set down at the nearest
-    instants, NaN in between, at most half a period off its time.
+    interpolated between neighbouring samples, never across a missing one; samples of a slower one are moved to the
+    nearest instants, by half a period or less, with NaN in between.
 
     Args:
         signal: Name, for the flags.
-        time: Rising instants of what is left of the signal [s], shape (k,).
+        time: Rising instants of the remaining samples [s], shape (k,).
         values: Shape (k,).
         grid: Even instants [s].
         period: Of the grid [s].
@@ -50,7 +50,7 @@ def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: flo
 def input_on_grid(
     signal: str, time: Vector, values: Vector, grid: Vector, period: float, longest_gap: float
 ) -> tuple[Vector, list[Flag]]:
-    """Return a signal that is wanted at every instant of `grid`, and what was bridged.
+    """Return a signal at every instant of `grid`, and flags of bridged gaps.
 
     It is interpolated between its samples.
 
@@ -78,7 +78,7 @@ def bridged(time: Vector, values: Vector, grid: Vector, longest_gap: float) -> V
 
 
 def _averaged(time: Vector, values: Vector, grid: Vector, period: float) -> Vector:
-    """Return the mean of the samples within half a period of every instant; NaN where there is none."""
+    """Return the mean of the samples within half a period of every instant; NaN without samples."""
     place = np.floor((time - grid[0]) / period + 0.5).astype(np.int64)
     inside = (place >= 0) & (place < grid.size)
     count = np.bincount(place[inside], minlength=grid.size)

@@ -1,8 +1,8 @@
 """How much less a train brakes on wet rail: K_wet_rst of ETCS, from stops on dry and on wet rail.
 
 K_wet_rst = 100/(100 + increase of the deceleration distance in %), where the deceleration distance is the stopping
-distance less what is travelled in the equivalent build-up time (SUBSET-040; stops as of EN 15595, tests 1 and 3, or 2
-and 4: verify in the standards).
+distance less the distance travelled in the equivalent build-up time (SUBSET-040; stops as of EN 15595, tests 1 and 3,
+or 2 and 4: verify in the standards).
 """
 
 from collections.abc import Sequence
@@ -33,7 +33,7 @@ def equivalent_time(time: Array, pressure: Array) -> float:
         pressure: Of the cylinders in a stop on dry rail, shape (n,) or (n, groups), any unit.
 
     Raises:
-        ValueError: There is no pressure at the end.
+        ValueError: The pressure at the end is 0.
     """
     mean = pressure.reshape(len(time), -1).mean(axis=1)
     if mean[-1] <= 0:
@@ -56,7 +56,7 @@ def corrected_distance(distance: float, speed: float, nominal_speed: float, time
 
 
 def deceleration_distance(distance: float, speed: float, time: float) -> float:
-    """Return a stopping distance [m] less what is travelled at `speed` [m/s] in the equivalent time [s]."""
+    """Return a stopping distance [m] less the distance travelled at `speed` [m/s] in the equivalent time [s]."""
     return distance - speed * time
 
 

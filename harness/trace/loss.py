@@ -1,8 +1,8 @@
 """Where along the track one stop loses distance against another.
 
-Both stops slow through the same speeds, each at places of its own. How far the second lies behind the first at equal
-speed is the distance lost so far; it begins with 0 and ends with the difference of the distances. What a section of the
-track adds to it is the length of the section less the distance that the first stop needs for the same speeds.
+Both stops pass the same speeds at different places. The distance between these places is the distance lost so far; it
+begins with 0 and ends with the difference of the distances. What a section of the track adds to it is the length of the
+section less the distance that the first stop needs for the same speeds.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _WIDTHS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0)
 _MOST_SECTIONS = 12
 _REST = 0.1
-"""Share of a section that is too short to stand alone at the end of the track."""
+"""Share of a section below which the last piece of the track is joined to the section before."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -74,7 +74,7 @@ class Loss:
         first: The other stop.
         course: The stop, down to the lowest speed that both reached.
         lost: So far, at each of its samples [m].
-        sections: What each piece of the track adds; before them stands what a lower speed at the start saves.
+        sections: Loss in each section of the track, preceded by the saving from a lower speed at the start.
     """
 
     first: Course
@@ -94,7 +94,7 @@ class Loss:
 
     @property
     def speed_difference(self) -> Array:
-        """Speed less that of the first stop at the same place, which stands beyond its end [m/s]; shape of `lost`."""
+        """Speed less that of the first stop at the same place, 0 beyond its end [m/s]; shape of `lost`."""
         return self.course.speed - np.interp(self.course.place, self.first.place, self.first.speed)
 
 
@@ -103,7 +103,7 @@ def course_of(trace: xarray.Dataset, *, stands: bool) -> Course:
 
     Args:
         trace: Of the stop.
-        stands: Whether it ended at a standstill; its last speed, which is only nearly 0, then is.
+        stands: Whether it ended at a standstill; its last speed, which is nearly 0, then counts as 0.
     """
     braking = since_brake_demand(trace)
     time, distance = braking["time"].values, braking["distance"].values

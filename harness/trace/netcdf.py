@@ -20,15 +20,15 @@ CONVENTIONS = "CF-1.11"
 
 _ATTRIBUTES = ("units", "long_name", "standard_name")
 _OF_ALL = ("name", "period")
-"""Attributes of a recording; a stop has none."""
+"""Attributes of a recording; a stop does not have them."""
 
 
 def write_trace(trace: xarray.Dataset, path: Path, about: Mapping[str, str | int] = MappingProxyType({})) -> None:
     """Write a trace as NetCDF 4 with attributes `about` the whole file; the same trace gives the same bytes.
 
-    Written through h5py, as it is read: neither xarray, which would add fill values and attributes of its own version's
-    taste, nor h5netcdf, which takes longer for forty signals than to write them. Samples lie there as they are:
-    compressed they would take a quarter less room, and more than twice the time to write.
+    Written through h5py: xarray would add fill values and attributes that depend on its version, and h5netcdf takes
+    longer for the metadata of forty signals than h5py for the samples. Samples lie there as they are: compressed they
+    would take a quarter less room, and more than twice the time to write.
     """
     # HDF5 answers a full disk by a crash; a file that is made in memory is written by Python.
     with h5py.File(FILE_NAME, "w", driver="core", backing_store=False, track_order=True) as file:
@@ -128,6 +128,6 @@ def _variable(name: str, samples: Any) -> _Variable:
     """Return dimensions, values and attributes of a variable of a NetCDF 4 file."""
     dimensions = tuple(dimension[0].name.removeprefix("/") if len(dimension) else name for dimension in samples.dims)
     about = {key: samples.attrs[key] for key in _ATTRIBUTES if key in samples.attrs}
-    # Bytes that are no text may not stop a sentence from being printed.
+    # Bytes that are not text must not prevent the message.
     texts = {key: str(text).encode(errors="backslashreplace").decode() for key, text in about.items()}
     return dimensions, samples[()], texts

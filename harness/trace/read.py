@@ -26,9 +26,9 @@ Vector = NDArray[np.float64]
 _MOST_SAMPLES = 5_000_000
 """Of a recording on its grid: a day at 50 Hz."""
 _LARGEST = 1e30
-"""What no sensor reads in any SI unit; sums of larger ones are no numbers."""
+"""Limit of readings in any SI unit; sums of larger numbers overflow."""
 TRUTH = "true_"
-"""Prefix of columns that tell a state."""
+"""Prefix of columns with a true state."""
 _LATEST = 1e11  # s; seconds since 1970 are 2e9, and a double still resolves microseconds there
 
 
@@ -50,8 +50,8 @@ def recorded(
 ) -> FileRecording:
     """Return the recording in a file.
 
-    Inputs are needed at every instant, so the grid lies where all of them are, and a gap that cannot be bridged is
-    refused. A reading may be missing: the filter then goes on without.
+    Inputs are needed at every instant, so the grid covers the time in which all of them exist, and a gap that cannot be
+    bridged is refused. A reading may be missing: the filter then goes on without.
 
     Args:
         path: csv, parquet, mat or mf4.
@@ -109,7 +109,7 @@ class _Samples(NamedTuple):
 def _columns(
     path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], flags: list[Flag]
 ) -> dict[str, _Samples]:
-    """Return the columns of the file by signal, converted and cleaned; what was found goes into `flags`."""
+    """Return the columns of the file by signal, converted and cleaned; errors are added to `flags`."""
     series = read_series(path, table)
     columns: dict[str, _Samples] = {}
     for name, column in table.columns.items():
@@ -179,7 +179,7 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
         at = float(time[0]) if time.size else 0.0
         gaps = int((~finite).sum())
         repeats.append(Flag(signal="time", kind="time", begin=at, end=at, samples=gaps, remark="no time"))
-    # Signals of one table share their instants; what is wrong with those is said once.
+    # Signals of one table share their instants, whose errors are reported once.
     flags.extend(flag for flag in repeats if flag not in flags)
     return time[~again], values[~again]
 
@@ -214,7 +214,7 @@ def _converted(path: Path, name: str, column: Column, file_unit: str | None, tar
 def _contradict(text: str, other: Unit, wanted: Unit) -> bool:
     """Say whether what a file says of a column is another unit than the map's.
 
-    What stands in brackets need not be a unit, "p (front)", and may leave to the map what turns, "n [1/min]".
+    The text in brackets may not be a unit, "p (front)", or may not say what rotates, "n [1/min]".
     """
     try:
         stated = unit(text)
@@ -249,7 +249,7 @@ def _treatment(name: str, column: Column, table: DataTable, target: str, is_inpu
         frozen=table.frozen,
         limits=limits,
         holds=column.holds,
-        # A pressure that is held, or a brake that is released, stands still exactly and rightly.
+        # A held pressure and a released brake are exactly constant without an error.
         may_rest=column.may_rest or is_input,
     )
 

@@ -18,15 +18,15 @@ _STANDARD_NAMES = {"speed": {"standard_name": "platform_speed_wrt_ground"}}
 
 
 class Recorder:
-    """Preallocated rows and where each signal stands in them.
+    """Preallocated rows, and the columns of each signal.
 
-    The loop keeps `rows` and the columns it needs as locals and writes `rows[k, columns["slip"]] = slip`, or signals
-    that stand side by side at once in their `block`; a signal of the train may also be written by its number,
+    The loop keeps `rows` and the columns it needs as locals and writes `rows[k, columns["slip"]] = slip`, or adjacent
+    signals at once in their `block`; a signal of the train may also be written by its number,
     `rows[k, at["speed"]] = speed`.
 
     Attributes:
-        rows: Shape (capacity, width). Memory is taken as they are written: what was not written means nothing. The last
-            one is that of every sample beyond the capacity, one after the other.
+        rows: Shape (capacity, width). Memory is taken as they are written; other rows are undefined. The last row is
+            overwritten by every sample beyond the capacity.
         written: Number of rows that the loop filled, from the first on.
         columns: Signal name → columns of a row.
         at: Signal name → first column.
@@ -44,7 +44,7 @@ class Recorder:
         self.written = 0
 
     def block(self, signals: Sequence[Signal]) -> slice:
-        """Return the columns of signals that stand side by side in the rows, in their order."""
+        """Return the columns of adjacent signals in the rows, in their order."""
         return slice(self.columns[signals[0].name].start, self.columns[signals[-1].name].stop)
 
     def trace(self, count: int, period: float) -> xarray.Dataset:
@@ -104,7 +104,7 @@ def formation_in(trace: xarray.Dataset) -> Formation:
 
 
 def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:
-    """Return every so many-th sample and the last one."""
+    """Return every n-th sample and the last one."""
     count = trace.sizes["time"]
     indices = np.unique(np.append(np.arange(0, count, every), count - 1))
     return trace.isel(time=indices)

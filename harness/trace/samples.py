@@ -35,12 +35,12 @@ def recording_of(
     Args:
         readings: What was measured, each shape (k,), NaN where there was nothing new.
         period: Between samples [s].
-        truth: By state or signal, what they really were, each shape (k,).
+        truth: State or signal → true values, each shape (k,).
         start: Time of the first sample [s].
         name: Of the recording, for figures and sentences.
 
     Raises:
-        EstimationError: Signals of different lengths, or a period that is none.
+        EstimationError: Signals of different lengths, or an invalid period.
     """
     arrays = {key: np.asarray(values) for key, (values, _) in [*readings.items(), *(truth or {}).items()]}
     lengths = {values.shape for values in arrays.values()}
@@ -131,7 +131,7 @@ def samples(trace: xarray.Dataset, names: Sequence[str], units: Sequence[str | N
     Args:
         trace: Of a stop, or of a recorder.
         names: As a model calls its inputs and outputs.
-        units: That they are wanted in; None for the trace's own.
+        units: Required units; None for those of the trace.
 
     Raises:
         EstimationError: A reading is not there or measures something else; every missing one in one sentence.
@@ -181,10 +181,10 @@ def unit_of(trace: xarray.Dataset, name: str) -> str:
 
 
 def truth_of(trace: xarray.Dataset, state: str) -> Vector:
-    """Return what a state of a model, or a signal, really was, shape (k,).
+    """Return the true values of a state of a model or of a signal, shape (k,).
 
     Raises:
-        EstimationError: The trace does not tell.
+        EstimationError: The trace does not have them.
     """
     values = _truth(trace, state)
     if values is None:
@@ -228,7 +228,7 @@ def _conversion(trace: xarray.Dataset, name: str, source: str, target: str) -> t
 
 
 def dimension_of(variable: str) -> str:
-    """Return along what a variable has its elements: groups or wheelsets, or a count of its own."""
+    """Return the dimension of a variable: groups, wheelsets, or one of the variable alone."""
     name = variable.removeprefix(READING)
     extent = _extents().get(name, "")
     return extent if extent in ("group", "wheelset") else f"{name}_number"

@@ -1,6 +1,6 @@
 """One run of one scenario: what came out, from what, and the two files that keep it.
 
-stop.json carries a digest of its own content and one of trace.nc: a file that was changed or cut off is no result.
+stop.json carries a digest of its own content and one of trace.nc: a file that was changed or truncated is not a result.
 """
 
 import glob
@@ -27,9 +27,9 @@ STOP_FILE = "stop.json"
 FILES = (STOP_FILE, TRACE_FILE)
 """What `write_stop` writes into a folder."""
 PAGE_FILES = ("index.html", "stop.png", "stop.svg", "stop.pdf")
-"""What `railgrip report` writes beside them."""
+"""Files that `railgrip report` adds."""
 CAMPAIGN_FILE = "campaign.json"
-"""In the folder of a campaign, beside the folders of its stops."""
+"""In the folder of a campaign, next to the folders of its stops."""
 
 _DIGEST = "sha256"
 _TRACE_DIGEST = "trace_sha256"
@@ -64,7 +64,7 @@ class Stop:
     limited_demands: int = 0
 
     def __repr__(self) -> str:
-        """Return what a reader wants to know first, in five lines."""
+        """Return a summary in five lines."""
         scenario, metrics, start = self.scenario, self.metrics, 3.6 * self.scenario.start.speed
         parts = {"controller": scenario.controller, "estimator": scenario.estimator, "sensors": scenario.sensors}
         kinds = [f"{name} {self.classes.get(name, {}).get('class', part.kind)}" for name, part in parts.items()]
@@ -266,7 +266,7 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 
 def others_like(directory: Path) -> str:
-    """Return a clause that names results beside a folder that has none: runs of its name with a digest behind it."""
+    """Return a clause that names results next to an empty folder: runs with its name and a digest."""
     beside = sorted(path.parent for path in directory.parent.glob(f"{glob.escape(directory.name)}-*/{STOP_FILE}"))
     more = f" and {len(beside) - 3} more" if len(beside) > 3 else ""
     return f"; there is {', '.join(map(str, beside[:3]))}{more}" if beside else ""

@@ -1,4 +1,4 @@
-"""[data]: which column of a user's file is which signal of the model, in which unit, and how to treat what is wrong.
+"""[data]: which column of a user's file is which signal of the model, in which unit, and how errors are treated.
 
 [data]
 time = { column = "t", unit = "ms" }        # unit = "timestamp" for dates with times of day
@@ -31,7 +31,7 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class TimeColumn(Table):
-    """Where the instants stand."""
+    """The column of the instants."""
 
     column: str = Field(description="name of the column; mf4 files bring their own time and may write 'time'")
     unit: str | None = Field(
@@ -107,7 +107,7 @@ def factor_for(source: units.Unit, target: str) -> str:
 
 
 class DataTable(Table):
-    """The column map and how to treat what is wrong."""
+    """The column map and the treatment of errors."""
 
     time: TimeColumn
     period: Period = Field(description="of the even grid that the filter steps on")

@@ -23,7 +23,7 @@ def piston_force(pressure: Values, *, piston_area: Values, spring_force: Values)
         spring_force: Of slack adjuster and return spring, at the piston [N].
     """
     force = pressure * piston_area - spring_force
-    # CasADi's symbols have a maximum of their own; to import it takes a third of a second.
+    # Symbols of CasADi need its own maximum; to import CasADi takes a third of a second.
     return force.fmax(0.0) if hasattr(force, "fmax") else np.maximum(force, 0.0)
 
 

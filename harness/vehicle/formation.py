@@ -47,8 +47,8 @@ class Formation:
         """Refuse what no vehicle is.
 
         Raises:
-            ValueError: There is no group, or one without a wheelset; something is said of another number of wheelsets
-                or groups; positions do not rise from 0, or a load is not positive.
+            ValueError: There are no groups, or one is without a wheelset; an array has another number of wheelsets or
+                groups; positions do not rise from 0, or a load is not positive.
         """
         if not self.wheelsets_per_group or min(self.wheelsets_per_group) < 1:
             raise ValueError(
@@ -140,7 +140,7 @@ def formation_of(group_of_wheelset: Sequence[int]) -> Formation:
     """Return the formation whose wheelsets belong to these groups, numbered without gaps from the leading one on.
 
     Raises:
-        ValueError: The groups do not stand side by side, lead to trail.
+        ValueError: The groups are not contiguous, lead to trail.
     """
     groups, counts = np.unique(np.asarray(group_of_wheelset, dtype=np.intp), return_counts=True)
     formation = Formation(tuple(counts.tolist()))

@@ -56,7 +56,7 @@ class Vehicle:
         wheelsets: Which there are and where, without loads and brakes.
         parameters: Numeric ones of the plant.
         isolated: Zero-based groups whose brake is isolated.
-        wanted: Data of its brakes that somebody asks for; others may be missing from the formation.
+        wanted: Data of its brakes that the loop needs; others may be missing from the formation.
     """
 
     wheelsets: Formation
@@ -120,7 +120,7 @@ class Vehicle:
 
     @cached_property
     def mass(self) -> float | None:
-        """Of the vehicle [kg]; None where the parameters do not tell it."""
+        """Of the vehicle [kg]; None if the parameters do not define it."""
         with suppress(ScenarioError):
             return float(self.masses.sum())
         return None
@@ -161,7 +161,7 @@ class Vehicle:
         return name in self.parameters or all(f"{name}[{i + 1}]" in self.parameters for i in range(count))
 
     def _brake_data(self, missing: float | None = nan) -> list[dict[str, float]]:
-        """Data of `Brake` for each group, without its load; `missing` stands for what is not given, None refuses it."""
+        """Data of `Brake` for each group, without its load; `missing` replaces missing values; None refuses them."""
         groups = self.wheelsets.groups
         data = {datum: self._elements(parameter, groups, missing) for datum, parameter in OF_BRAKES.items()}
         ratio, efficiency = (self._elements(parameter, groups, missing) for parameter in _OF_RIGGING)
@@ -180,7 +180,7 @@ class Vehicle:
 
 
 def array_of(parameters: Mapping[str, float], name: str) -> tuple[float, ...]:
-    """Return the elements of an array of parameters; empty where there is none."""
+    """Return the elements of an array of parameters; empty without such an array."""
     names = (f"{name}[{i}]" for i in count(1))
     return tuple(parameters[element] for element in takewhile(parameters.__contains__, names))
 
@@ -208,7 +208,7 @@ def units_of_brakes(formation: Formation) -> dict[str, str]:
 
 
 def with_each(parameters: Mapping[str, float], formation: Formation) -> dict[str, float]:
-    """Return nominal data with one value for all given to each group or wheelset that has none of its own."""
+    """Return nominal data, with a common value for each group or wheelset without an individual one."""
     counts = dict.fromkeys(_OF_GROUPS, formation.groups) | {_MASS: formation.wheelsets}
     each = {f"{name}[{i + 1}]": parameters[name] for name, n in counts.items() if name in parameters for i in range(n)}
     return each | {name: value for name, value in parameters.items() if name not in counts}

@@ -26,7 +26,7 @@ class Signal:
 
 
 def places(signals: Iterable[Signal], formation: Formation) -> Mapping[str, slice]:
-    """Return where each signal stands in a vector that holds them one after the other."""
+    """Return the place of each signal in a vector that contains them one after the other."""
     first, columns = 0, dict[str, slice]()
     for signal in signals:
         width = formation.width(signal.extent)
@@ -36,7 +36,7 @@ def places(signals: Iterable[Signal], formation: Formation) -> Mapping[str, slic
 
 
 def length(columns: Mapping[str, slice]) -> int:
-    """Return the length of a vector of signals that stand at these places."""
+    """Return the length of a vector of signals at these places."""
     return max(place.stop for place in columns.values())
 
 
@@ -101,7 +101,7 @@ DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the co
 def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
     """Return the signals of a law's states that are shown; `states` are name, `x[1]` of a group, unit and meaning.
 
-    Groups stand one after the other for each name.
+    Elements of groups are contiguous for each name.
     """
     by_base = {name.partition("[")[0]: (name, unit, meaning) for name, unit, meaning in states}
     return tuple(
@@ -111,10 +111,10 @@ def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
 
 
 DRIVEN = (Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver demands"),)
-"""The most that could be sent; absent from the trace of a stop whose scenario has no [demand]."""
+"""Demand of the driver; absent from the trace of a stop whose scenario has no [demand]."""
 
 TRACTION = (Signal("traction", "train", "N", "force of the traction, forward positive, a part of track_force"),)
-"""Absent from the trace of a stop whose [demand] has none."""
+"""Absent from the trace of a stop whose [demand] has no traction."""
 
 
 READINGS = (
@@ -128,7 +128,7 @@ READINGS = (
 
 
 def reading_of(signal: Signal) -> Signal:
-    """Return what a sensor of a signal shows."""
+    """Return the reading of a signal."""
     return Signal(f"reading_{signal.name}", signal.extent, signal.unit, f"read {signal.meaning}")
 
 
@@ -172,12 +172,12 @@ REFERENCE = (
 """What was done about a silent radar; absent from the trace of a stop whose estimator has no free_wheels."""
 
 ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
-"""What the estimator believed; absent from the trace of a stop without one."""
+"""Estimates; absent from the trace of a stop without an estimator."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
-    """Where each quantity stands in the vectors that the parts of a loop exchange.
+    """Places of all quantities in the vectors that the parts of a loop exchange.
 
     Attributes:
         formation: Of the vehicle.
@@ -238,7 +238,7 @@ def layout_of(
 
 
 def sent(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
-    """Return what a plant is sent, with the unit that a command has: a valve's position, or else a pressure."""
+    """Return the inputs of a plant, with the unit of the command: the position of a valve, or a pressure."""
     if pneumatic:
         command = replace(SENT[0], unit="1", meaning="command to the valves: -1 vent, 0 hold, 1 fill")
     else:
