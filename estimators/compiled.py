@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
-from railgrip.estimators.design import Design, Gate
+from railgrip.estimators.design import FilterDesign, Gate
 from railgrip.estimators.discretisation import ORDER, Order
 from railgrip.estimators.generated import generate
 from railgrip.estimators.prediction import PredictionInC
@@ -28,8 +28,8 @@ MODEL_FAILED = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Estimates:
-    """Estimates of a filter over many steps.
+class FilterRecord:
+    """FilterRecord of a filter over many steps.
 
     Attributes:
         mean: After every step, shape (k, n).
@@ -107,7 +107,7 @@ class CompiledFilter(StepInC):
 
     Args:
         prediction: The model; its parameters may be changed in `parameters` without compiling again.
-        process_noise, …: See `Design.of`.
+        process_noise, …: See `FilterDesign.of`.
 
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
@@ -133,7 +133,9 @@ class CompiledFilter(StepInC):
         order: Order = ORDER,
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
-        self.design = design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
+        self.design = design = FilterDesign.of(
+            prediction, process_noise, reading_noise, period, gate, outlier_limit, order
+        )
         code = generate(prediction.in_c(), design.gated_states, design.gating_inputs, design.order)
         self._prediction = prediction
         n, m = len(design.states), len(design.outputs)
@@ -209,7 +211,7 @@ class CompiledFilter(StepInC):
         every: int = 1,
         integrals: Mapping[str, str] = MappingProxyType({}),
         with_covariance: bool = False,
-    ) -> Estimates:
+    ) -> FilterRecord:
         """Return the beliefs over many steps from `prior`, in one call to C.
 
         Other threads run meanwhile; a filter must not be used by two at once.
@@ -239,7 +241,7 @@ class CompiledFilter(StepInC):
             raise EstimatorError(f"follow: every is {every}, wanted is 1 or more.")
         self.hold(prior)
         rows = count // every
-        estimates = Estimates(
+        estimates = FilterRecord(
             mean=np.empty((rows, n)),
             variance=np.empty((rows, n)),
             expectation=np.empty((rows, m)),

@@ -12,7 +12,7 @@ from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Matrix
 from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
-from railgrip.estimators.design import Design, Gate, index
+from railgrip.estimators.design import FilterDesign, Gate, index
 from railgrip.estimators.generated import LANES, places, table
 from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.native import Model
@@ -39,7 +39,7 @@ class DecentralisedFilter(StepInC):
 
     Args:
         consist: The train.
-        process_noise, …: See `Design.of`; noises are independent, shapes (n,) and (m,).
+        process_noise, …: See `FilterDesign.of`; noises are independent, shapes (n,) and (m,).
 
     Attributes:
         mean: Shape (n,), the belief after the last step; a view of the filter's memory, as are all of these.
@@ -67,7 +67,7 @@ class DecentralisedFilter(StepInC):
     ) -> None:
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
         self.consist = consist
-        self.design = design = Design.of(consist, process_noise, reading_noise, period, gate, None, 4)
+        self.design = design = FilterDesign.of(consist, process_noise, reading_noise, period, gate, None, 4)
         for what, matrix in (("process_noise", design.spread), ("reading_noise", design.reading_noise)):
             if np.count_nonzero(matrix - np.diag(np.diag(matrix))):
                 raise EstimatorError(f"DecentralisedFilter: {what} is independent for each state or reading.")
@@ -129,7 +129,7 @@ def _width(consist: Consist) -> int:
     return -(-max(len(part.states) for part in consist.parts) // LANES) * LANES
 
 
-def _tables(consist: Consist, design: Design) -> dict[str, list[int]]:
+def _tables(consist: Consist, design: FilterDesign) -> dict[str, list[int]]:
     """Return the places of the states of each part; part 0 is the body with its one state."""
     models = list(dict.fromkeys(part.model for part in consist.parts))
     starts = np.cumsum([0, 1, *(len(part.states) for part in consist.parts)]).tolist()

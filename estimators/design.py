@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
-from railgrip.estimators.prediction import Variables
+from railgrip.estimators.prediction import FilterVariables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +53,7 @@ class Gate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Design:
+class FilterDesign:
     """Names, noises and gate of a filter, from which both implementations are built.
 
     Attributes:
@@ -86,7 +86,7 @@ class Design:
     @classmethod
     def of(
         cls,
-        prediction: Variables,
+        prediction: FilterVariables,
         process_noise: ArrayLike,
         reading_noise: ArrayLike,
         period: float,

@@ -8,7 +8,7 @@ from scipy.linalg import get_lapack_funcs
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
-from railgrip.estimators.design import Design, Gate
+from railgrip.estimators.design import FilterDesign, Gate
 from railgrip.estimators.discretisation import ORDER, Order, advance, transition
 from railgrip.estimators.prediction import Prediction
 
@@ -45,7 +45,7 @@ class ExtendedKalmanFilter:
 
     Args:
         prediction: The model, n states and m outputs.
-        process_noise, …: See `Design.of`.
+        process_noise, …: See `FilterDesign.of`.
 
     Raises:
         EstimatorError: The parts do not fit each other.
@@ -65,7 +65,7 @@ class ExtendedKalmanFilter:
     ) -> None:
         """Check the parts against each other."""
         self.prediction = prediction
-        self.design = Design.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
+        self.design = FilterDesign.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
         """Return the belief before the first step: mean (n,), covariance (n,) of variances or (n, n)."""

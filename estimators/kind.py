@@ -12,7 +12,7 @@ Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Task:
+class FilterContext:
     """What a filter is made for.
 
     Attributes:
@@ -44,6 +44,6 @@ class FilterKind:
     prediction: ClassVar[Literal["equations", "fmu", "parts"]] = "equations"
 
     @classmethod
-    def start(cls, task: Task) -> Any:
+    def start(cls, task: FilterContext) -> Any:
         """Return the filter with its first belief, a `railgrip.simulate.loop.parts.Filter`."""
         raise NotImplementedError

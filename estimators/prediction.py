@@ -13,7 +13,7 @@ from railgrip.estimators.model_in_c import ModelInC, model_in_c
 from railgrip.fmus.native import Model
 
 
-class Variables(Protocol):
+class FilterVariables(Protocol):
     """What a filter is about: n states, nu inputs, m outputs."""
 
     @property
@@ -33,7 +33,7 @@ class Variables(Protocol):
 
 
 @runtime_checkable
-class Prediction(Variables, Protocol):
+class Prediction(FilterVariables, Protocol):
     """A smooth model ẋ = f(x, u), y = h(x, u) that does not change with time.
 
     Outputs may depend on inputs: an accelerometer shows what the brakes do at once. Every call returns an
@@ -131,7 +131,7 @@ def equations_of(model: Model) -> Equations:
     return Equations(model)
 
 
-class _Evaluator:
+class _BufferedFunction:
     """An expression as a fast numeric function: arguments in and results out through fixed buffers.
 
     CasADi reads and writes the buffers through their addresses; the attributes keep them alive.
@@ -184,10 +184,10 @@ class CasadiPrediction:
         self.parameters = np.array([parameters[name] for name in names], dtype=np.float64)
         self.equations = equations_of(model)
         of = self.equations
-        self._derivative = _Evaluator(of, of.derivative, self.parameters)
-        self._output = _Evaluator(of, of.output, self.parameters)
-        self._derivative_jacobian = _Evaluator(of, of.derivative_jacobian, self.parameters)
-        self._output_jacobian = _Evaluator(of, of.output_jacobian, self.parameters)
+        self._derivative = _BufferedFunction(of, of.derivative, self.parameters)
+        self._output = _BufferedFunction(of, of.output, self.parameters)
+        self._derivative_jacobian = _BufferedFunction(of, of.derivative_jacobian, self.parameters)
+        self._output_jacobian = _BufferedFunction(of, of.output_jacobian, self.parameters)
 
     def in_c(self) -> ModelInC:
         """Return the same functions as C."""

@@ -69,7 +69,7 @@ def build_one(
     """
     recipe = (read_recipes() if book is None else book)[name]
     return _up_to_date(
-        _Order(
+        _BuildOrder(
             name=name, recipe=recipe, library=library or recipe.library, compiler=choose(compiler), directory=directory
         )
     )
@@ -97,7 +97,7 @@ def build_class(
             f"{class_name}: there is no Modelica library {library}; give its package.mo, its folder or a .mo file."
         )
     return _up_to_date(
-        _Order(
+        _BuildOrder(
             name=class_name.rpartition(".")[2],
             recipe=Recipe.of_class(class_name, interface),
             library=libraries,
@@ -107,7 +107,7 @@ def build_class(
     )
 
 
-def _up_to_date(order: "_Order") -> Artifact:
+def _up_to_date(order: "_BuildOrder") -> Artifact:
     inputs = _inputs_digest(order.recipe, order.compiler, sources_digest(order.library))
     return _current(order, inputs) or _compile(order, inputs, _translation_of(order))
 
@@ -147,10 +147,10 @@ def build(
     actual = choose(compiler)
     read = lru_cache(sources_digest)
     orders = [
-        _Order(name=name, recipe=book[name], library=book[name].library, compiler=actual, directory=directory)
+        _BuildOrder(name=name, recipe=book[name], library=book[name].library, compiler=actual, directory=directory)
         for name in selection
     ]
-    stale: list[tuple[_Order, str]] = []
+    stale: list[tuple[_BuildOrder, str]] = []
     for order in orders:
         inputs = _inputs_digest(order.recipe, actual, read(order.library))
         if (current := _current(order, inputs)) is not None:
@@ -173,7 +173,7 @@ def build(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Order:
+class _BuildOrder:
     """What is to be built, with what and where to."""
 
     name: str
@@ -193,7 +193,7 @@ class _Order:
 _Translation = tuple["Source", dict[str, Any]]
 
 
-def _current(order: _Order, inputs: str) -> Artifact | None:
+def _current(order: _BuildOrder, inputs: str) -> Artifact | None:
     """Return the FMU when it was made from these very inputs before."""
     file = cache.find(KIND, inputs, f"{order.name}.json")
     if file is None:
@@ -203,7 +203,7 @@ def _current(order: _Order, inputs: str) -> Artifact | None:
     return None if entry is None else order.artifact("current", entry, stamp["interface"])
 
 
-def _translation_of(order: _Order) -> _Translation | None:
+def _translation_of(order: _BuildOrder) -> _Translation | None:
     if order.compiler != "native":
         return None
     if is_trusted(order.library):
@@ -221,7 +221,7 @@ def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tu
     return asdict(source) | {"units": list(source.units)}, interface
 
 
-def _compile(order: _Order, inputs: str, translation: _Translation | None) -> Artifact:
+def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) -> Artifact:
     """Compile the translation unless that was done before, and store a stamp under the digest of all inputs.
 
     The stamp says under which digest of C code and XML the FMU is kept: the C compiler runs only when that moves.

@@ -1,14 +1,14 @@
 """The filter as C, with the prediction's equations inside: the fastest form."""
 
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.estimators.kind import FilterKind, Task
+from railgrip.estimators.kind import FilterContext, FilterKind
 
 
 class Compiled(FilterKind):
     """An extended Kalman filter in C."""
 
     @classmethod
-    def start(cls, task: Task) -> CompiledFilter:
+    def start(cls, task: FilterContext) -> CompiledFilter:
         """Return the filter with its first belief."""
         filter_ = CompiledFilter(
             task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit

@@ -29,7 +29,7 @@ SLOPE_HALF: Final = 0.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Estimates:
+class FrictionEstimates:
     """Friction with a 90 % interval, each of shape (n,)."""
 
     friction: Array
@@ -65,12 +65,12 @@ class Ensemble:
         flat = ((first.ravel() - SLOPE_CENTRE) / SLOPE_HALF)[:, None]
         return np.mean([network(flat) for network in self.second], axis=0).reshape(first.shape)
 
-    def __call__(self, features: Array) -> Estimates:
+    def __call__(self, features: Array) -> FrictionEstimates:
         """Return estimates for features of shape (n, features)."""
         first = np.stack([network(self.standardise(features)) for network in self.networks])
         friction = self.friction_of(first.mean(axis=0))
         half = self.half_width * np.sqrt(self.friction_of(first).var(axis=0) + LEAST_SPREAD**2)
-        return Estimates(
+        return FrictionEstimates(
             friction=friction, lower=np.maximum(friction - half, 0.0), upper=np.minimum(friction + half, 1.0)
         )
 

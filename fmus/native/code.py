@@ -29,7 +29,7 @@ SOLVERS = {"rodas3": 3, "rodas4": 4}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layout:
+class ValueLayout:
     """Where the values of an FMU lie: a value reference is a place in one array of doubles.
 
     Attributes:
@@ -54,10 +54,10 @@ class Layout:
         return 1 + sum(len(self.states if name == "derivatives" else getattr(self, name)) for name in before)
 
 
-def layout_of(system: System) -> Layout:
+def layout_of(system: System) -> ValueLayout:
     """Return where the variables of a system lie."""
     v = system.variables
-    return Layout(
+    return ValueLayout(
         states=system.states,
         inputs=v.inputs,
         parameters=[*v.free, *v.dependent],
@@ -213,7 +213,7 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
     }
 
 
-def _sizes(system: System, layout: Layout) -> dict[str, int]:
+def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
     """Return the sizes that depend on the system alone, not on interfaces and solver."""
     return {
         "NX": len(layout.states),
@@ -235,7 +235,7 @@ def _sizes(system: System, layout: Layout) -> dict[str, int]:
     }
 
 
-def _value_tables(system: System, layout: Layout) -> list[str]:
+def _value_tables(system: System, layout: ValueLayout) -> list[str]:
     """Return the tables of start and nominal values, and of clocks."""
     by_name = {s.name: s for scalars in system.variables.of_id.values() for s in scalars}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
@@ -258,7 +258,7 @@ def _value_tables(system: System, layout: Layout) -> list[str]:
     ]
 
 
-def _text_tables(system: System, layout: Layout) -> list[str]:
+def _text_tables(system: System, layout: ValueLayout) -> list[str]:
     """Return the tables of names, and of assertions with the pieces of their messages: null for a value."""
     assertions = system.assertions
     return [

@@ -7,7 +7,7 @@ import casadi as ca
 
 from railgrip.fmus.native.arrays import SX
 from railgrip.fmus.native.dae import Binding, Dae, Node
-from railgrip.fmus.native.expressions import Evaluator, Site, site
+from railgrip.fmus.native.expressions import ExpressionBuilder, Site, site
 
 # lhs − rhs with the sign that is positive where the relation holds
 SIGN = {"less": -1, "less_equal": -1, "greater": 1, "greater_equal": 1}
@@ -36,7 +36,9 @@ class Relations:
     instants: list[SX] = field(default_factory=list)
 
 
-def find_relations(dae: Dae, evaluate: Evaluator, settle: Callable[[list[SX]], list[SX]], parameters: SX) -> Relations:
+def find_relations(
+    dae: Dae, evaluate: ExpressionBuilder, settle: Callable[[list[SX]], list[SX]], parameters: SX
+) -> Relations:
     """Collect the relations of a class and make `evaluate` use their memory.
 
     Args:
@@ -97,7 +99,9 @@ def _add(instants: list[SX], instant: SX) -> None:
         instants.append(instant)
 
 
-def _instants(dae: Dae, evaluate: Evaluator, settle: Callable[[list[SX]], list[SX]], parameters: SX) -> list[SX]:
+def _instants(
+    dae: Dae, evaluate: ExpressionBuilder, settle: Callable[[list[SX]], list[SX]], parameters: SX
+) -> list[SX]:
     """Return when relations between time and parameters change.
 
     rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again
@@ -152,17 +156,17 @@ def _assertion_only_relations(dae: Dae) -> set[int]:
 
 
 @dataclass(slots=True)
-class Conditions:
-    """Conditions of `when` clauses and assertions as expressions.
+class EventConditions:
+    """EventConditions of `when` clauses and assertions as expressions.
 
     Attributes:
         ticks: One symbol per periodic clock, and last the one that is 1 during initialisation.
-        edge_conditions: Conditions whose last value is kept to see an edge.
+        edge_conditions: EventConditions whose last value is kept to see an edge.
         last: Symbols of their last values.
     """
 
     dae: Dae
-    evaluate: Evaluator
+    evaluate: ExpressionBuilder
     relations: Relations
     ticks: list[SX]
     edge_conditions: list[int] = field(default_factory=list)

@@ -26,7 +26,7 @@ _ADVICE: Final = "make it smaller, or build it with OpenModelica (--compiler ope
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
+class TranslationLimits:
     """What one translation may take.
 
     Attributes:
@@ -38,7 +38,7 @@ class Limits:
     memory_mib: int = 4096
 
 
-LIMITS = Limits()
+LIMITS = TranslationLimits()
 
 _AT_A_LIMIT: Final = [-getattr(signal, name) for name in ("SIGXCPU", "SIGKILL") if hasattr(signal, name)]
 """Exit codes of a process that the system ended; Windows has no such signals."""

@@ -11,7 +11,7 @@ import casadi as ca
 from railgrip.base.errors import UnitError
 from railgrip.base.units import BASE, unit
 from railgrip.fmus.native.arrays import SX
-from railgrip.fmus.native.code import SOLVERS, Layout, layout_of, nominal, split_algebraics
+from railgrip.fmus.native.code import SOLVERS, ValueLayout, layout_of, nominal, split_algebraics
 from railgrip.fmus.native.system import System, column
 from railgrip.fmus.native.variables import Scalar
 
@@ -224,7 +224,7 @@ def _interface(kind: str, flags: dict[str, str], files: Sequence[str]) -> list[s
     return [f"  <{kind}{attributes_text(flags)}>", "    <SourceFiles>", *entries, "    </SourceFiles>", f"  </{kind}>"]
 
 
-def _variables(w: Writer, system: System, layout: Layout, solver: str, tolerance: float) -> None:
+def _variables(w: Writer, system: System, layout: ValueLayout, solver: str, tolerance: float) -> None:
     def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
         """Yield place, variable and value reference of all visible variables: as in OpenModelica, those not protected.
 
@@ -293,7 +293,7 @@ def _per_second(unit: str) -> str:
     return f"{numerator}/s2" if inner == "s" else f"{numerator}/s3" if inner == "s2" else f"{numerator}/({inner}.s)"
 
 
-def _units(layout: Layout) -> set[str]:
+def _units(layout: ValueLayout) -> set[str]:
     names = {"1", "s"}
     for group in (layout.states, layout.inputs, layout.parameters, layout.outputs, layout.locals, layout.discretes):
         names |= {s.attributes["unit"] for s in group if s.attributes.get("unit") and _type(s) == "Real"}
@@ -318,7 +318,7 @@ def _unit_definitions(names: Iterable[str]) -> list[str]:
     return [*out, "  </UnitDefinitions>"]
 
 
-def _structure(w: Writer, system: System, layout: Layout) -> dict[str, list[str]]:
+def _structure(w: Writer, system: System, layout: ValueLayout) -> dict[str, list[str]]:
     first = layout.reference
     nx = len(layout.states)
     outputs, _ = split_algebraics(system)

@@ -61,7 +61,7 @@ class Frame:
         return Frame({**self.binding, **point}, self.function, self.arguments, dict(self.definitions))
 
 
-class Evaluator:
+class ExpressionBuilder:
     """Turns expression ids into arrays of CasADi expressions.
 
     Attributes:

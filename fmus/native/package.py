@@ -15,7 +15,7 @@ from pathlib import Path
 
 from railgrip.fmus.native import code, description
 from railgrip.fmus.native.system import System
-from railgrip.fmus.native.toolchain import FMU_FLAGS, SUFFIX, TARGETS, Target, binary
+from railgrip.fmus.native.toolchain import FMU_FLAGS, SUFFIX, TARGETS, Platform, binary
 
 _fmpy = find_spec("fmpy")
 assert _fmpy is not None
@@ -128,7 +128,7 @@ def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS, platfor
         CompilerMissing, BuildFailed: From the C compiler.
     """
 
-    def library(target: Target | None) -> bytes:
+    def library(target: Platform | None) -> bytes:
         return binary(
             source.files, source.identifier, units=source.units, include=[HEADERS], flags=flags, target=target
         )

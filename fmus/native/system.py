@@ -7,12 +7,12 @@ import casadi as ca
 
 from railgrip.base.errors import TranslationError
 from railgrip.fmus.native.arrays import SX, Array, choose, is_number
-from railgrip.fmus.native.conditions import Conditions, find_relations
+from railgrip.fmus.native.conditions import EventConditions, find_relations
 from railgrip.fmus.native.dae import Dae, Node
-from railgrip.fmus.native.expressions import Evaluator
+from railgrip.fmus.native.expressions import ExpressionBuilder
 from railgrip.fmus.native.index import RELUCTANCE, IndexOne, reduce_index
 from railgrip.fmus.native.structure import Equation, Loops, solve
-from railgrip.fmus.native.variables import Scalar, Variables, declare, settle, vector
+from railgrip.fmus.native.variables import ModelVariables, Scalar, declare, settle, vector
 
 Message = tuple[str | SX, ...]
 """Text of an assertion, with the expressions whose values it contains."""
@@ -56,7 +56,7 @@ class System:
 
     class_name: str
     time: SX
-    variables: Variables
+    variables: ModelVariables
     states: list[Scalar]
     algebraics: list[Scalar]
     derivative: SX
@@ -124,7 +124,7 @@ def explicit(dae: Dae) -> System:
     _refuse_unsupported(dae)
     time = SX.sym("time")
     of_id, symbols = declare(dae)
-    evaluate = Evaluator(dae, symbols, time)
+    evaluate = ExpressionBuilder(dae, symbols, time)
     v = settle(dae, of_id, symbols, evaluate)
     if not (v.states or v.algebraics or v.discretes):
         raise TranslationError(f"{dae.class_name} has no variables that change: there is nothing to simulate.")
@@ -132,7 +132,7 @@ def explicit(dae: Dae) -> System:
     relations = find_relations(dae, evaluate, v.with_numbers, parameters)
     clocks = _clocks(dae, v)
     ticks = [SX.sym(f"tick{k}") for k in range(len(clocks))] + [SX.sym("initial")]
-    conditions = Conditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
+    conditions = EventConditions(dae=dae, evaluate=evaluate, relations=relations, ticks=ticks)
     evaluate.conditions = conditions.level
 
     index_one = reduce_index(
@@ -179,9 +179,9 @@ def explicit(dae: Dae) -> System:
 
 def _at_events(
     dae: Dae,
-    evaluate: Evaluator,
-    v: Variables,
-    conditions: Conditions,
+    evaluate: ExpressionBuilder,
+    v: ModelVariables,
+    conditions: EventConditions,
     states: list[Scalar],
     index_one: IndexOne,
     loops: Loops,
@@ -242,12 +242,12 @@ def _refuse_unsupported(dae: Dae) -> None:
             raise dae.refuse(f"initial {kind.replace('_', ' ')} are not supported", node.get("provenance"))
 
 
-def _with_numbers(v: Variables, equations: list[Equation]) -> list[Equation]:
+def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation]:
     residuals = v.with_numbers([e.residual for e in equations])
     return [Equation(SX(r), e.where) for r, e in zip(residuals, equations, strict=True)]
 
 
-def _equations(dae: Dae, evaluate: Evaluator, system: str) -> list[Equation]:
+def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equation]:
     """Return the scalar equations of the continuous or initialization system."""
     out: list[Equation] = []
     for owner in dae.systems[system]["owners"]:
@@ -263,7 +263,7 @@ def _equations(dae: Dae, evaluate: Evaluator, system: str) -> list[Equation]:
     return out
 
 
-def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
+def _clocks(dae: Dae, v: ModelVariables) -> list[tuple[float, float]]:
     out: list[tuple[float, float]] = []
     settable = {p.name.rpartition(".")[2] for p in [*v.free, *v.dependent]}
     for clock in dae.systems["clocks"]["clocks"]:
@@ -285,7 +285,7 @@ def _clocks(dae: Dae, v: Variables) -> list[tuple[float, float]]:
 
 
 def _split_states(
-    v: Variables, pairs: list[tuple[SX, SX]], former_states: frozenset[str]
+    v: ModelVariables, pairs: list[tuple[SX, SX]], former_states: frozenset[str]
 ) -> tuple[list[Scalar], list[Scalar]]:
     """Return states and algebraics after index reduction."""
     by_name = {s.name: s for s in v.states}
@@ -309,8 +309,8 @@ def _split_states(
 
 def _start(
     dae: Dae,
-    evaluate: Evaluator,
-    v: Variables,
+    evaluate: ExpressionBuilder,
+    v: ModelVariables,
     states: list[Scalar],
     index_one: IndexOne,
     loops: Loops,
@@ -349,7 +349,7 @@ def _start(
 
 
 def _event_equations(
-    dae: Dae, evaluate: Evaluator, v: Variables, conditions: Conditions, states: list[Scalar]
+    dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, conditions: EventConditions, states: list[Scalar]
 ) -> tuple[list[Equation], list[SX]]:
     """Return the equations of the discrete variables, and the states after reinit."""
     slot = {s.name: i for i, s in enumerate(v.discretes)}
@@ -385,7 +385,7 @@ def _event_equations(
     return equations, after
 
 
-def _state_place(dae: Dae, v: Variables, operation: Node, place: dict[str, int], action: Node) -> int:
+def _state_place(dae: Dae, v: ModelVariables, operation: Node, place: dict[str, int], action: Node) -> int:
     scalars = v.of_id[operation["state"]]
     if len(scalars) != 1 or scalars[0].name not in place:
         raise dae.refuse(
@@ -394,7 +394,7 @@ def _state_place(dae: Dae, v: Variables, operation: Node, place: dict[str, int],
     return place[scalars[0].name]
 
 
-def _assertions(dae: Dae, evaluate: Evaluator, conditions: Conditions) -> list[Assertion]:
+def _assertions(dae: Dae, evaluate: ExpressionBuilder, conditions: EventConditions) -> list[Assertion]:
     out: list[Assertion] = []
     for action in dae.systems["events"]["actions"]:
         operation = action["operation"]
@@ -415,7 +415,7 @@ def _assertions(dae: Dae, evaluate: Evaluator, conditions: Conditions) -> list[A
     return out
 
 
-def _message(dae: Dae, evaluate: Evaluator, expression: int) -> Message:
+def _message(dae: Dae, evaluate: ExpressionBuilder, expression: int) -> Message:
     node = dae.expressions[expression]
     operation = node["operation"]
     if operation["kind"] == "literal" and "string" in operation["value"]:

@@ -31,7 +31,7 @@ SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
 
 
 @dataclass(frozen=True, slots=True)
-class Target:
+class Platform:
     """A platform that shared libraries can be compiled for, wherever that is done.
 
     Attributes:
@@ -47,10 +47,10 @@ class Target:
 
 TARGETS = {
     # As old a C library as Python's own wheels for Linux want.
-    "x86_64-linux": Target("x86_64-linux-gnu.2.17", ".so", "linux64"),
-    "x86_64-windows": Target("x86_64-windows-gnu", ".dll", "win64"),
-    "x86_64-darwin": Target("x86_64-macos", ".dylib", "darwin64"),
-    "aarch64-darwin": Target("aarch64-macos", ".dylib", "aarch64-darwin"),
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", ".so", "linux64"),
+    "x86_64-windows": Platform("x86_64-windows-gnu", ".dll", "win64"),
+    "x86_64-darwin": Platform("x86_64-macos", ".dylib", "darwin64"),
+    "aarch64-darwin": Platform("aarch64-macos", ".dylib", "aarch64-darwin"),
 }
 """Platforms by their names in FMI 3."""
 
@@ -133,7 +133,7 @@ def binary(
     units: Sequence[str] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
-    target: Target | None = None,
+    target: Platform | None = None,
 ) -> bytes:
     """Return the shared library that C sources compile to; other arguments and errors are those of `shared_library`.
 
@@ -181,7 +181,7 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
         return (folder / f"lib{name}.a").read_bytes()
 
 
-def _compiler_for(target: Target) -> Compiler:
+def _compiler_for(target: Platform) -> Compiler:
     if importlib.util.find_spec("ziglang") is None:
         raise CompilerMissing(
             f"for {target.zig} the compiler of the Python package ziglang is needed; `pip install ziglang` needs no "

@@ -9,7 +9,7 @@ import numpy as np
 
 from railgrip.fmus.native.arrays import SX, Array, array, is_number
 from railgrip.fmus.native.dae import Dae, Node
-from railgrip.fmus.native.expressions import Evaluator
+from railgrip.fmus.native.expressions import ExpressionBuilder
 
 KIND = {"output": "algebraic", "discrete_real": "discrete", "discrete_value": "discrete"}
 KINDS = ("parameter", "constant", "input", "state", "algebraic", "discrete")
@@ -55,7 +55,7 @@ class Scalar:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Variables:
+class ModelVariables:
     """All scalars of a class by kind, in declaration order.
 
     Attributes:
@@ -137,8 +137,8 @@ def declare(dae: Dae) -> tuple[dict[int, list[Scalar]], dict[tuple[str, int], Ar
 
 
 def settle(
-    dae: Dae, of_id: dict[int, list[Scalar]], symbols: dict[tuple[str, int], Array], evaluate: Evaluator
-) -> Variables:
+    dae: Dae, of_id: dict[int, list[Scalar]], symbols: dict[tuple[str, int], Array], evaluate: ExpressionBuilder
+) -> ModelVariables:
     """Find start values and sort parameters into free, dependent and structural ones."""
     for v in dae.variables:
         _start(v, of_id[v["id"]], evaluate)
@@ -159,7 +159,7 @@ def settle(
     free = [p for p in parameters if p.expression is None or is_number(p.expression)]
     dependent = [p for p in symbolic if not is_number(p.binding)]
     dependent, dependent_values = _in_order(dependent)
-    out = Variables(
+    out = ModelVariables(
         of_id=of_id,
         symbols=symbols,
         states=by_kind["state"],
@@ -186,7 +186,7 @@ def _is_structural(p: Scalar) -> bool:
     return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
 
 
-def _start(v: Node, scalars: list[Scalar], evaluate: Evaluator) -> None:
+def _start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
     a = v["attributes"]
     has_binding = a["binding"] is not None and scalars and scalars[0].kind in ("parameter", "constant", "input")
     expression, values = (a["binding"], a["binding_values"]) if has_binding else (a["start"], a["start_values"])
@@ -231,7 +231,7 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
     return order, list(values)
 
 
-def _default_values(every: list[Scalar], v: Variables) -> None:
+def _default_values(every: list[Scalar], v: ModelVariables) -> None:
     """Put numbers into `start` where a start or binding depends on parameters."""
     symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
     free = ca.vertcat(*[SX(p.start) for p in v.free])

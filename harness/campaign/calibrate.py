@@ -28,7 +28,7 @@ _CLOSE = 0.05  # m: the table shows tenths of a metre; the required bound is 1 %
 _ROUNDS = 25
 
 
-class Fitted(NamedTuple):
+class FittedLevel(NamedTuple):
     """Scenario of the library, named Polach set, factor on the friction, distance [m] of slip-based control with it."""
 
     scenario: str
@@ -37,13 +37,13 @@ class Fitted(NamedTuple):
     distance: float
 
 
-def calibrate(notify: Callable[[Fitted], None]) -> list[Fitted]:
+def calibrate(notify: Callable[[FittedLevel], None]) -> list[FittedLevel]:
     """Fit every level and write them into the scenario files of the library.
 
     Raises:
         ArithmeticError: No level within 0.3 … 3 gives the distance.
     """
-    fits: list[Fitted] = []
+    fits: list[FittedLevel] = []
     with workers(2) as pool:
         futures = [pool.submit(fit, scenario, shape) for scenario in TARGETS for shape in SHAPES]
         for answer in futures:
@@ -56,7 +56,7 @@ def calibrate(notify: Callable[[Fitted], None]) -> list[Fitted]:
     return fits
 
 
-def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
+def fit(scenario: str, shape: str, library: Path = LIBRARY) -> FittedLevel:
     """Find the level at which slip-based control stops in the published distance, by regula falsi (Illinois).
 
     Raises:
@@ -96,7 +96,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> Fitted:
             low, over, under = level, residual, 0.5 * under
         else:
             high, under, over = level, residual, 0.5 * over
-    return Fitted(scenario, shape, level, target + residual)
+    return FittedLevel(scenario, shape, level, target + residual)
 
 
 def with_levels(text: str, levels: dict[str, float]) -> str:

@@ -83,7 +83,7 @@ def run_campaigns(
         clear_campaign(planned.directory, name)
         write_description(planned.campaign, planned.directory)
     reports: list[dict[str, Report]] = [{} for _ in campaigns]
-    waiting: list[_Order] = []
+    waiting: list[_StopOrder] = []
     for number, planned in enumerate(campaigns):
         for stop in planned.campaign.stops:
             folder = planned.directory / stop.name
@@ -91,7 +91,7 @@ def run_campaigns(
                 reports[number][stop.name] = report = _report(stop, "found", record.outcome, record.reason)
                 notify(report)
             else:
-                waiting.append(_Order(number, stop, folder))
+                waiting.append(_StopOrder(number, stop, folder))
     open_ = [number for number, planned in enumerate(campaigns) if len(reports[number]) < len(planned.campaign.stops)]
     with _running(waiting, runner, workers, scheduler) as running:
         for number in range(len(campaigns)):
@@ -109,7 +109,7 @@ def run_campaigns(
 
 
 @dataclass(frozen=True, slots=True)
-class _Order:
+class _StopOrder:
     """A stop to run: of which campaign, and into which folder."""
 
     campaign: int
@@ -119,8 +119,8 @@ class _Order:
 
 @contextmanager
 def _running(
-    orders: Sequence[_Order], runner: Runner, workers: int, scheduler: str | None
-) -> Generator[Iterator[tuple[_Order, Report]]]:
+    orders: Sequence[_StopOrder], runner: Runner, workers: int, scheduler: str | None
+) -> Generator[Iterator[tuple[_StopOrder, Report]]]:
     """Begin to run stops, in their order; yield what gives the report of each as it ends."""
     if not orders:
         yield iter(())
@@ -139,7 +139,7 @@ def _running(
             half.unlink(missing_ok=True)
 
 
-def _perform(order: _Order, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
+def _perform(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
     """Run one stop in this process; return its report, and no file: they lie where they belong."""
     planned_stop = order.stop
     stop = processes.answer(
@@ -158,7 +158,7 @@ def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome
     return Report(stop=stop, state="unexpected", sentence=sentence)
 
 
-def _perform_far(order: _Order, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
+def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
     """Run one stop on another machine; return its files beside the report."""
     with scratch("far") as folder:
         report, _ = _perform(replace(order, folder=folder / order.stop.name), runner)
@@ -166,7 +166,7 @@ def _perform_far(order: _Order, runner: Runner) -> tuple[Report, Mapping[str, by
     return report, files
 
 
-def _fetched(order: _Order, report: Report, files: Mapping[str, bytes]) -> Report:
+def _fetched(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
     """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
     if files:
         clear_stop(order.folder)
@@ -175,7 +175,7 @@ def _fetched(order: _Order, report: Report, files: Mapping[str, bytes]) -> Repor
     return report
 
 
-def _failed(order: _Order, problem: RailgripError) -> Report:
+def _failed(order: _StopOrder, problem: RailgripError) -> Report:
     return Report(
         stop=order.stop, state="refused" if isinstance(problem, InputError) else "failed", sentence=str(problem)
     )

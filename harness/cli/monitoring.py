@@ -13,7 +13,7 @@ from railgrip.report.style import save
 from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.page import draw, health_table, summary_of
-from railgrip.studies.pad_monitor.watch import Design, watch
+from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
 
 
 def ride(
@@ -59,7 +59,7 @@ def monitor(
         say(sentence)
     if not evidence:
         raise EstimationError(f"{folder}: none of its stops can be used.")
-    design = Design()
+    design = MonitorDesign()
     history = watch(list(evidence.values()), design)
     show_table(health_table(history, list(evidence)))
     say(summary_of(history, design))

@@ -13,7 +13,7 @@ import xarray
 
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.estimators.belief import Estimate, Matrix, Vector
-from railgrip.estimators.compiled import CompiledFilter, Estimates
+from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
@@ -249,7 +249,7 @@ def estimate(
     )
 
 
-def _follow(filter_: CompiledFilter, first: Estimate, data: FilterData) -> tuple[Estimates, str]:
+def _follow(filter_: CompiledFilter, first: Estimate, data: FilterData) -> tuple[FilterRecord, str]:
     """Return the beliefs from `first` on, and why the filter diverged after the last of them, or nothing."""
     try:
         return filter_.follow(first, data.inputs, data.readings), ""
@@ -258,7 +258,7 @@ def _follow(filter_: CompiledFilter, first: Estimate, data: FilterData) -> tuple
         return filter_.follow(first, data.inputs[: problem.after], data.readings[: problem.after]), problem.why
 
 
-def _end(beliefs: Estimates, problem: str, readings: Matrix, time: Vector) -> str:
+def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) -> str:
     """Return why and when beliefs became meaningless, or nothing; `readings` are those of the steps."""
     lost = loss_step(beliefs.squared_innovation, beliefs.degrees, np.isfinite(readings).sum(axis=1))
     if lost is not None:

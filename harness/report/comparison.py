@@ -17,7 +17,7 @@ from railgrip.report.results import Results, provenance, read_results
 from railgrip.report.table import Form, Table, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.loss import Loss, Section, course_of, loss
+from railgrip.trace.loss import Loss, SectionLoss, course_of, loss
 from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.stop import (
     CAMPAIGN_FILE,
@@ -316,7 +316,7 @@ def _where(letter: str, lost: Loss) -> list[str]:
 
 
 def _sections(letter: str, lost: Loss) -> Table:
-    def row(section: Section) -> dict[str, Any]:
+    def row(section: SectionLoss) -> dict[str, Any]:
         return {
             "from [m]": section.begin,
             "to [m]": section.end,

@@ -74,7 +74,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # row by row which axles are a car's
     magnetic = [(bogie.cars[0], bogie.track_brake) for bogie in train.bogies_in_train if bogie.track_brake is not None]
     magnetic_car = np.array([car for car, _ in magnetic], dtype=np.intp)
-    build_up = _BuildUp(train, speed)
+    build_up = _PressureBuildUp(train, speed)
     v, s, t = speed, 0.0, 0.0
     adhesion, joints = np.zeros(mass.size), np.zeros(len(train.cars) - 1)
     decelerations: list[float] = []
@@ -201,7 +201,7 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
     return brakes["lever"] * friction * pad_force
 
 
-class _BuildUp:
+class _PressureBuildUp:
     """How far the brake command has come through to each axle.
 
     Attributes:

@@ -14,7 +14,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.estimators.consist import Consist
 from railgrip.estimators.design import Gate
-from railgrip.estimators.kind import FilterKind, Task
+from railgrip.estimators.kind import FilterContext, FilterKind
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, NoiseSet, pad_gate
 from railgrip.fmi import Description, FmuPrediction
@@ -80,7 +80,7 @@ def state_estimator(
         notify(f"[estimator]: {name} offers no directional derivatives; the filter takes central differences")
     states = prediction.states
     filter_ = _kind_of(table).start(
-        Task(
+        FilterContext(
             prediction=prediction,
             process_noise=noise.process_noise(states),
             reading_noise=noise.reading_noise(readings),

@@ -23,7 +23,7 @@ _REST = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Course:
+class StopCourse:
     """Where a stop falls below each of its speeds, shape (n,); the first sample is the brake demand.
 
     Attributes:
@@ -42,7 +42,7 @@ class Course:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Section:
+class SectionLoss:
     """What one stop loses against another on a piece of the track.
 
     Attributes:
@@ -77,10 +77,10 @@ class Loss:
         sections: Loss in each section of the track, preceded by the saving from a lower speed at the start.
     """
 
-    first: Course
-    course: Course
+    first: StopCourse
+    course: StopCourse
     lost: Array
-    sections: tuple[Section, ...]
+    sections: tuple[SectionLoss, ...]
 
     @property
     def at_start(self) -> float:
@@ -98,7 +98,7 @@ class Loss:
         return self.course.speed - np.interp(self.course.place, self.first.place, self.first.speed)
 
 
-def course_of(trace: xarray.Dataset, *, stands: bool) -> Course:
+def course_of(trace: xarray.Dataset, *, stands: bool) -> StopCourse:
     """Return the course of a stop.
 
     Args:
@@ -112,21 +112,21 @@ def course_of(trace: xarray.Dataset, *, stands: bool) -> Course:
         speed[-1] = 0.0
     ends = np.append(np.diff(speed) < 0, True)
     ends[0] = True
-    return Course(time=(time - time[0])[ends], place=(distance - distance[0])[ends], speed=speed[ends])
+    return StopCourse(time=(time - time[0])[ends], place=(distance - distance[0])[ends], speed=speed[ends])
 
 
-def loss(first: Course, course: Course) -> Loss:
+def loss(first: StopCourse, course: StopCourse) -> Loss:
     """Return where a stop loses distance against a first one, down to the lowest speed that both reached."""
     common = course.speed >= first.speed[-1]
     common[0] = True
-    course = Course(time=course.time[common], place=course.place[common], speed=course.speed[common])
+    course = StopCourse(time=course.time[common], place=course.place[common], speed=course.speed[common])
     lost = course.place - first.place_at(course.speed)
     if course.speed[0] >= first.speed[0]:
         lost[0] = 0.0
     return Loss(first=first, course=course, lost=lost, sections=_sections(course, lost))
 
 
-def _sections(course: Course, lost: Array) -> tuple[Section, ...]:
+def _sections(course: StopCourse, lost: Array) -> tuple[SectionLoss, ...]:
     end = float(course.place[-1])
     if end <= 0.0:
         return ()
@@ -136,7 +136,7 @@ def _sections(course: Course, lost: Array) -> tuple[Section, ...]:
     needed = np.diff(edges) - np.diff(so_far)
     squares = -np.diff(speed**2) / 2
     return tuple(
-        Section(
+        SectionLoss(
             begin=edges[i],
             end=edges[i + 1],
             time=float(time[i]),

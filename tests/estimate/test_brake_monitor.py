@@ -9,11 +9,11 @@ from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.page import draw, group_names
 from railgrip.studies.pad_monitor.study import Assessment, assessment_of
-from railgrip.studies.pad_monitor.watch import Design, threshold_for, watch
+from railgrip.studies.pad_monitor.watch import MonitorDesign, threshold_for, watch
 from railgrip.trace.netcdf import FILE_NAME, write_trace
 from railgrip.trace.samples import reading_of, truth_of, with_signals
 
-DESIGN = Design()
+DESIGN = MonitorDesign()
 
 
 def told(health: np.ndarray, deviation: float = 0.03, drag: float = 0.0, offset: float = 0.0) -> Evidence:
@@ -144,7 +144,7 @@ def test_healthy_rows_do_not_alarm():
 def test_the_false_alarm_rate_at_the_tolerated_loss_is_no_more_than_designed():
     """A plain cumulated sum of Gaussian steps, without the cap on a step: what the formula was solved for."""
     scatter = 0.06  # so large that the least threshold does not set in
-    design = Design(false_alarms=2e-3, largest_step=1.0)
+    design = MonitorDesign(false_alarms=2e-3, largest_step=1.0)
     threshold = threshold_for(scatter, design)
     assert threshold > 1.6 * design.largest_step
     random = np.random.default_rng(0)

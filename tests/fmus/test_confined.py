@@ -54,7 +54,7 @@ def test_it_ends_in_a_sentence(
     file.write_text(modelica)
     name = "P.M" if modelica.startswith("package P") else "M"
     seconds = 2 if "2 s" in sentence else 60  # a busy machine needs more for a better sentence
-    monkeypatch.setattr(confined, "LIMITS", confined.Limits(seconds=seconds, memory_mib=2048))
+    monkeypatch.setattr(confined, "LIMITS", confined.TranslationLimits(seconds=seconds, memory_mib=2048))
     with pytest.raises(InputError, match=sentence) as refusal:
         build_class(name, file, compiler="native")
     assert name in str(refusal.value)

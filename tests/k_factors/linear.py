@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import binom, norm
 
-from railgrip.studies.k_factors.specification import Specification
+from railgrip.studies.k_factors.specification import KFactorSpecification
 
 
 class LinearBrake:
@@ -35,7 +35,7 @@ class LinearBrake:
 def specification(*, seed=1, runs=10, samples=100, isolated=1e-3, stuck=0.0, error_factor=1.0, beta=0.0, **more):
     """A study of a brake; `error_factor` and `beta` are those of the isolated units."""
     independent = {"beta": 0.0, "source": "a test"}
-    return Specification.model_validate(
+    return KFactorSpecification.model_validate(
         {
             "name": "test",
             "seed": seed,

@@ -15,7 +15,7 @@ from railgrip.studies.lateral.run import (
     INTEGRALS,
     LITERAL_NOISE,
     NAMES,
-    Case,
+    LateralCase,
     literal_density,
     observer,
     prediction,
@@ -29,7 +29,7 @@ from railgrip.studies.lateral.wheelset import (
     PLANTS,
     TESTS,
     WORST,
-    Trial,
+    SurfaceTest,
     course,
     wheelset,
 )
@@ -99,8 +99,8 @@ def test_partial_derivatives_of_the_force_are_those_of_the_force():
 
 def test_the_friction_of_the_worst_rail_is_found():
     """From 0.25 to 0.10 within a second, with a known track; a filter with a perfect model knows its errors."""
-    worst = Trial(name="worst", changes=((0.0, WORST),), duration=1.0)
-    trace = simulate(Case(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",))
+    worst = SurfaceTest(name="worst", changes=((0.0, WORST),), duration=1.0)
+    trace = simulate(LateralCase(test=worst, speed=25.0, plant="paper", seed=3), ("known_track",))
     beliefs = beliefs_about(trace, "known_track")
     late = trace.time > 0.5
     assert np.abs(beliefs["friction"].mean - trace.truth["friction"])[late].max() < 0.02
@@ -112,8 +112,8 @@ def test_the_friction_of_the_worst_rail_is_found():
 
 def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
     """Its friction changes with the creep only, not with the condition that it knows."""
-    change = Trial(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
-    trace = simulate(Case(test=change, speed=25.0, plant="paper", seed=1), ("literal",))
+    change = SurfaceTest(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
+    trace = simulate(LateralCase(test=change, speed=25.0, plant="paper", seed=1), ("literal",))
     friction = beliefs_about(trace, "literal")["friction"].mean
     assert friction[-1] > 0.4
     assert trace.truth["friction"][-1] < 0.11
@@ -122,8 +122,8 @@ def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
 @pytest.mark.parametrize(("plant", "lost"), [("paper", False), ("twisting", True)])
 def test_innovations_reveal_a_lost_filter(plant, lost):
     """On a twisting axle its maximum friction is finite but beyond 1e9."""
-    dry = Trial(name="dry", changes=((0.0, DRY),), duration=1.0)
-    trace = simulate(Case(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
+    dry = SurfaceTest(name="dry", changes=((0.0, DRY),), duration=1.0)
+    trace = simulate(LateralCase(test=dry, speed=25.0, plant=plant, seed=1), ("known_track",))
     measures = measure(trace, observe=False)
     assert trace.beliefs["known_track"].failure_sample is None
     assert np.isfinite(trace.beliefs["known_track"].mean).all()
@@ -134,7 +134,7 @@ def test_innovations_reveal_a_lost_filter(plant, lost):
 
 STEPS = 300
 SPEED = 25.0
-CASE = Case(test=TESTS[0].shortened(STEPS * PERIOD), speed=SPEED, plant="paper", seed=5)
+CASE = LateralCase(test=TESTS[0].shortened(STEPS * PERIOD), speed=SPEED, plant="paper", seed=5)
 
 
 def test_one_call_and_single_steps_agree_to_the_last_bit(monkeypatch):

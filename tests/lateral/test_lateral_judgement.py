@@ -11,10 +11,10 @@ from railgrip.base.errors import EstimatorError
 from railgrip.campaign.work import work
 from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusion
 from railgrip.studies.lateral.judge import QUANTITIES
-from railgrip.studies.lateral.run import NAMES, Case
-from railgrip.studies.lateral.study import Plan, page_of
-from railgrip.studies.lateral.tables import Result, friction_errors, levels, skill, spread
-from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, Trial
+from railgrip.studies.lateral.run import NAMES, LateralCase
+from railgrip.studies.lateral.study import LateralPlan, page_of
+from railgrip.studies.lateral.tables import LateralResult, friction_errors, levels, skill, spread
+from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, SurfaceTest
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
 
@@ -78,8 +78,8 @@ def test_runs_without_a_value_count_as_infinite():
 def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_path):
     """A study of two runs: same results from the cache, one page, one figure for each test and plant."""
     never_run = 25.0 + 1e-9 * time.time_ns() % 1e-3
-    short = Trial(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
-    plan = Plan(tests=(short,), speeds=(never_run,), seeds=1)
+    short = SurfaceTest(name="change", changes=((0.0, DRY), (0.3, WET)), duration=0.6)
+    plan = LateralPlan(tests=(short,), speeds=(never_run,), seeds=1)
     with work("lateral", workers=1) as own:
         page_of(plan, own)
         # The runs, what one of them tells the literal filter, and the figures, which are not kept.
@@ -94,15 +94,15 @@ def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_pa
 
 def test_the_page_names_the_conditions_in_which_a_filter_is_wrong():
     right, wrong = (
-        Result(case=case("paper"), measures=levels_of(0.46)),
-        Result(case=case("softer"), measures=levels_of(0.11)),
+        LateralResult(case=case("paper"), measures=levels_of(0.46)),
+        LateralResult(case=case("softer"), measures=levels_of(0.11)),
     )
     sentences = {sentence for _, _, sentence in levels([right, wrong])}
     assert sentences == {
         "Tells μ0 within 0.05 rms in dry, worst.",
         "Tells μ0 within 0.05 rms in worst; takes dry, 0.46, for 0.11.",
     }
-    ((*_, sentence),) = levels([Result(case=case("paper"), measures=levels_of(1e37))])
+    ((*_, sentence),) = levels([LateralResult(case=case("paper"), measures=levels_of(1e37))])
     assert sentence.endswith("in worst; is lost in dry.")
 
 
@@ -110,20 +110,20 @@ def test_errors_are_shown_over_those_of_the_best_constant():
     errors = {name: {quantity: {"rmse": 3.0} for quantity in QUANTITIES} for name in NAMES}
     errors["literal"]["creep"] = {"rmse": None}
     measures = {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0)}
-    table = skill([Result(case=case("paper"), measures=measures)], speed=25.0)
+    table = skill([LateralResult(case=case("paper"), measures=measures)], speed=25.0)
     assert [row["quantity"] for row in table.texts] == ["lateral velocity", "yaw rate", "creep", "creep force"]
     assert {row["well posed, track known"] for row in table.texts} == {"1.5"}
     assert [row["literal"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
 
 
 def test_errors_of_friction_are_shown_by_condition():
-    (row,) = friction_errors([Result(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
+    (row,) = friction_errors([LateralResult(case=case("softer"), measures=levels_of(0.11))], speed=25.0).texts
     assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
 
 
 def case(plant):
-    test = Trial(name="change", changes=((0.0, DRY), (0.3, WORST)), duration=0.6)
-    return Case(test=test, speed=25.0, plant=plant, seed=1)
+    test = SurfaceTest(name="change", changes=((0.0, DRY), (0.3, WORST)), duration=0.6)
+    return LateralCase(test=test, speed=25.0, plant=plant, seed=1)
 
 
 def levels_of(dry):

@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from railgrip.studies.lateral.literal import information_of, observed, refused
-from railgrip.studies.lateral.run import Case, simulate
+from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 
 
 @pytest.fixture(scope="module")
 def found():
-    return information_of(simulate(Case(test=TESTS[-1].shortened(2.5), speed=25.0, plant="paper", seed=1), names=()))
+    return information_of(
+        simulate(LateralCase(test=TESTS[-1].shortened(2.5), speed=25.0, plant="paper", seed=1), names=())
+    )
 
 
 def test_readings_do_not_tell_the_sign_of_creep_and_force(found):

@@ -10,8 +10,8 @@ from railgrip.campaign.work import work
 from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.report.page import rendered
 from railgrip.report.style import save
-from railgrip.studies.axle_box.evaluate import Recipe
-from railgrip.studies.axle_box.reduction import Run
+from railgrip.studies.axle_box.evaluate import TrainingRecipe
+from railgrip.studies.axle_box.reduction import LabelledRun
 from railgrip.studies.axle_box.results import compared, draw, tables_of
 from railgrip.studies.axle_box.training import QUICK, concluded, dry_or_not, estimators_of, passes
 
@@ -22,7 +22,7 @@ def made_up(run, number):
     """Return a run with individual levels, which a network can recognise and which are independent of friction."""
     draw = np.random.default_rng(number)
     level = draw.uniform(0, 3, 20)
-    return Run(
+    return LabelledRun(
         name=run.name, group=60, speed=26.8, friction=run.friction,
         blocks=np.abs(level + 0.02 * draw.standard_normal((100, 20))), settled=draw.uniform(0, 3, (100, 20)),
         slow=np.column_stack([draw.standard_normal((1000, 8)), np.full(1000, 26.8)]), slope=0.4,
@@ -35,7 +35,7 @@ def study():
     numbers = iter(range(1000))
     runs = {name: [made_up(run, next(numbers)) for run in part] for name, part in sets.items()}
     with one_process(), work("axle_box") as own:
-        return concluded(SIZE, runs, Recipe(starts=2, steps=40), own)
+        return concluded(SIZE, runs, TrainingRecipe(starts=2, steps=40), own)
 
 
 def report(study):

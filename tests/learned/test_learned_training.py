@@ -9,8 +9,8 @@ from railgrip.estimators.learned import network as nn
 from railgrip.estimators.learned.ensemble import fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.studies.axle_box.evaluate import Recipe, exchanged, within_runs, without_each
-from railgrip.studies.axle_box.reduction import CHANNELS, Run
+from railgrip.studies.axle_box.evaluate import TrainingRecipe, exchanged, within_runs, without_each
+from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun
 
 
 def test_the_high_pass_keeps_the_offset_of_the_first_sample():
@@ -87,7 +87,7 @@ def test_a_network_learns_a_smooth_function():
 
 
 def run(name, friction, blocks, generator, slow=None):
-    return Run(
+    return LabelledRun(
         name=name, group=60, speed=26.8, friction=friction,
         blocks=np.abs(np.tile(blocks, (100, 5)) + 0.05 * generator.standard_normal((100, 20))),
         settled=np.abs(generator.standard_normal((100, 20))), slow=np.zeros((3, 9)) if slow is None else slow,
@@ -100,7 +100,7 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
     draw = np.random.default_rng(4)
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
-    recipe = Recipe(starts=2, steps=60)
+    recipe = TrainingRecipe(starts=2, steps=60)
     own, other = within_runs(runs, recipe), within_runs(exchanged(runs), recipe)
     assert own.best < 0.005
     assert other.best < 0.005
@@ -195,7 +195,7 @@ def test_means_over_metres_follow_the_speed():
 @pytest.mark.parametrize("inputs", list(COMBINATIONS))
 def test_a_recipe_uses_the_motions_of_its_combination(inputs):
     one = run("run", 0.2, np.ones(4), np.random.default_rng(0))
-    blocks = Recipe(inputs=inputs).blocks(one)
+    blocks = TrainingRecipe(inputs=inputs).blocks(one)
     expected = [one.blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[inputs]]
     assert np.array_equal(blocks, np.hstack(expected))
 

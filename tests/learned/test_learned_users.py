@@ -11,7 +11,7 @@ from railgrip.campaign.work import work
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
 from railgrip.report.page import rendered
-from railgrip.studies.axle_box.evaluate import Recipe
+from railgrip.studies.axle_box.evaluate import TrainingRecipe
 from railgrip.studies.axle_box.recordings import (
     PERIOD,
     UNITS,
@@ -68,7 +68,7 @@ def test_runs_become_a_report_and_estimators(dataset):
     assert [run.group for run in dataset[0]] == [60] * 4
     assert [run.friction for run in dataset[0]] == pytest.approx([0.10, 0.18, 0.26, 0.34])
     assert dataset[0][0].blocks.shape == (int(SECONDS * RATE) // 50, 20)
-    recipe = Recipe(inputs="left, right", starts=1, steps=10)
+    recipe = TrainingRecipe(inputs="left, right", starts=1, steps=10)
     with one_process(), work("axle_box") as own:
         tables, trained = judge_recordings(dataset[0], recipe, own, members=12)
     text = rendered("studies/axle_box/recordings.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray
 
-from railgrip.trace.loss import Course, Loss, course_of, loss
+from railgrip.trace.loss import Loss, StopCourse, course_of, loss
 
 START = 20.0
 BETWEEN = 1e-3
@@ -25,7 +25,7 @@ def trace(decelerations, start=START, coasting=0.0):
     return xarray.Dataset({"speed": ("time", speed), "distance": ("time", distance)}, coords={"time": time})
 
 
-def course(*decelerations, start=START, stands=True) -> Course:
+def course(*decelerations, start=START, stands=True) -> StopCourse:
     return course_of(trace(decelerations, start), stands=stands)
 
 

@@ -19,7 +19,7 @@ RATE: Final = 5120
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Accelerometer:
+class AxleBoxAccelerometer:
     """An accelerometer on its plate.
 
     Attributes:
@@ -42,14 +42,14 @@ class Accelerometer:
     rolling: float = 0.1
 
 
-AXLE_BOX: Final = Accelerometer()
+AXLE_BOX: Final = AxleBoxAccelerometer()
 
 
 def measure(
     true: Array,
     true_rate: int,
     speed: float,
-    sensor: Accelerometer,
+    sensor: AxleBoxAccelerometer,
     vehicle: np.random.Generator,
     run: np.random.Generator,
 ) -> Array:
@@ -81,7 +81,7 @@ def _fine(true: Array, rate: int) -> Array:
     return np.asarray(CubicSpline(np.arange(len(true)), true)(fine), dtype=np.float64)
 
 
-def plate(sensor: Accelerometer) -> tuple[Array, Array]:
+def plate(sensor: AxleBoxAccelerometer) -> tuple[Array, Array]:
     """Return numerator and denominator of a plate with one resonance and a gain of 1 at rest (bilinear)."""
     w = np.tan(np.pi * sensor.plate_frequency / RATE)
     a = np.array([1 + 2 * sensor.plate_damping * w + w**2, 2 * (w**2 - 1), 1 - 2 * sensor.plate_damping * w + w**2])
@@ -89,7 +89,7 @@ def plate(sensor: Accelerometer) -> tuple[Array, Array]:
     return b / a[0], a / a[0]
 
 
-def _plate(signal: Array, sensor: Accelerometer) -> Array:
+def _plate(signal: Array, sensor: AxleBoxAccelerometer) -> Array:
     b, a = plate(sensor)
     # The plate starts settled at the first sample; its gain at rest is 1.
     last = b[2] - a[2]

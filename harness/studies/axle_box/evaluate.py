@@ -12,7 +12,7 @@ from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Bias, Network, train
 from railgrip.estimators.learned.preprocessing import COMBINATIONS, Scale
 from railgrip.scenario.seed import generator
-from railgrip.studies.axle_box.reduction import CHANNELS, Run, spectral_features
+from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
 
 HIDDEN: Final = 6
 TRAINED: Final = 0.8
@@ -67,7 +67,7 @@ class ScaledNetwork:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Recipe:
+class TrainingRecipe:
     """Training of the paper's networks.
 
     Attributes:
@@ -86,12 +86,12 @@ class Recipe:
     steps: int = 100
     decay: float = DECAY
 
-    def blocks(self, run: Run) -> Array:
+    def blocks(self, run: LabelledRun) -> Array:
         """Return the inputs of the network for a run, before scaling."""
         blocks = run.settled if self.settled else run.blocks
         return np.hstack([blocks[:, CHANNELS[motion]] for motion in COMBINATIONS[self.inputs]])
 
-    def data(self, runs: Sequence[Run]) -> list[Labelled]:
+    def data(self, runs: Sequence[LabelledRun]) -> list[Labelled]:
         """Return the inputs of the network and their labels for each run."""
         return [(blocks, np.full(len(blocks), run.friction)) for run in runs for blocks in (self.blocks(run),)]
 
@@ -111,37 +111,37 @@ class Recipe:
         ]
 
 
-def exchanged(runs: Sequence[Run]) -> list[Run]:
+def exchanged(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
     """Return runs with labels moved by half of the runs, so that friction does not belong to the run."""
     shift = max(1, len(runs) // 2)
     return [replace(run, friction=runs[(k + shift) % len(runs)].friction) for k, run in enumerate(runs)]
 
 
-def within_runs(runs: Sequence[Run], recipe: Recipe) -> Score:
+def within_runs(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:
     """Train on the first 80 % of every run of one speed, judge on the last 20 %: the paper's split."""
     early, late = parts_of(runs, recipe)
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
-def inside_training(runs: Sequence[Run], recipe: Recipe) -> Score:
+def inside_training(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:
     """Judge inside of the training part: train on the first 64 % of every run, judge on the following 16 %."""
     early, late = _split(parts_of(runs, recipe)[0])
     return score(recipe.fit(early, f"within.{runs[0].group}"), early, late)
 
 
-def parts_of(runs: Sequence[Run], recipe: Recipe) -> tuple[list[Labelled], list[Labelled]]:
+def parts_of(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> tuple[list[Labelled], list[Labelled]]:
     """Return the first 80 % and the last 20 % of every run."""
     return _split(recipe.data(runs))
 
 
-def best_of(runs: Sequence[Run], recipe: Recipe) -> ScaledNetwork:
+def best_of(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> ScaledNetwork:
     """Return the network with the best fit of those trained on the first 80 % of every run."""
     early, _ = parts_of(runs, recipe)
     x, y = _joined(early)
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda network: float(np.abs(network(x) - y).mean()))
 
 
-def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
+def without_each(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:
     """Leave one run out at a time and judge on it."""
     scores: list[Score] = []
     for test_run in runs:
@@ -151,14 +151,18 @@ def without_each(runs: Sequence[Run], recipe: Recipe) -> Score:
     return average(scores)
 
 
-def elsewhere(home: Sequence[Run], away: Mapping[str, Sequence[Run]], recipe: Recipe) -> dict[str, Score]:
+def elsewhere(
+    home: Sequence[LabelledRun], away: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe
+) -> dict[str, Score]:
     """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
     training = recipe.data(home)
     networks = recipe.fit(training, f"home.{home[0].group}")
     return {name: score(networks, training, recipe.data(runs)) for name, runs in away.items()}
 
 
-def judge(ensemble: Ensemble, mean_label: float, runs: Sequence[Run], rule: Sequence[float] | None = None) -> Score:
+def judge(
+    ensemble: Ensemble, mean_label: float, runs: Sequence[LabelledRun], rule: Sequence[float] | None = None
+) -> Score:
     """Judge the estimator for all speeds on runs outside of its training; one estimate every 20 m.
 
     Args:

@@ -24,8 +24,8 @@ from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
 from railgrip.estimators.learned.trained import Trained
 from railgrip.scenario.load import read_toml, validated
 from railgrip.scenario.table import Name, Table, one_of
-from railgrip.studies.axle_box.evaluate import Recipe, Score, average, best_of, judge, within_runs, without_each
-from railgrip.studies.axle_box.reduction import SETTLED, SLOW, SPECTRAL, Readings, Run, reduce
+from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, best_of, judge, within_runs, without_each
+from railgrip.studies.axle_box.reduction import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
 from railgrip.studies.axle_box.results import tables_of_recordings
 from railgrip.studies.axle_box.training import estimators_of, general
 from railgrip.trace.flag import Flag, summary
@@ -48,9 +48,9 @@ class NetworkTable(Table):
     bias: Literal["inside", "outside"] = "inside"
     starts: Annotated[StrictInt, Field(ge=1, le=100)] = 5
 
-    def recipe(self) -> Recipe:
+    def recipe(self) -> TrainingRecipe:
         """Return the recipe of their training."""
-        return Recipe(inputs=self.inputs, bias=self.bias, starts=self.starts)
+        return TrainingRecipe(inputs=self.inputs, bias=self.bias, starts=self.starts)
 
 
 class RecordingsFile(Table):
@@ -78,7 +78,7 @@ FEWEST = 4
 
 
 def judge_recordings(
-    runs: Sequence[Run], recipe: Recipe, work: Work, *, members: int = MEMBERS
+    runs: Sequence[LabelledRun], recipe: TrainingRecipe, work: Work, *, members: int = MEMBERS
 ) -> tuple[dict[str, Any], dict[str, Trained]]:
     """Return the tables on a user's runs and the estimators trained on them, by the name of their files.
 
@@ -109,13 +109,13 @@ def judge_recordings(
     return tables, estimators_of(results["whole", 0][0], networks, recipe)
 
 
-def _classes(runs: Sequence[Run]) -> dict[int, list[Run]]:
+def _classes(runs: Sequence[LabelledRun]) -> dict[int, list[LabelledRun]]:
     """Return the runs of each speed class that has several."""
     groups = {g: [run for run in runs if run.group == g] for g in sorted({run.group for run in runs})}
     return {g: runs_of_group for g, runs_of_group in groups.items() if len(runs_of_group) > 1}
 
 
-def _without(runs: Sequence[Run], place: int, members: int) -> Score:
+def _without(runs: Sequence[LabelledRun], place: int, members: int) -> Score:
     """Judge the general estimator on one run that is left out of its training."""
     estimator, mean = general([run for k, run in enumerate(runs) if k != place], members)
     return judge(estimator, mean, [runs[place]])
@@ -145,7 +145,7 @@ def plain_table() -> DataTable:
 
 def read_folder(
     folder: Path, labels: Path, table: DataTable | None = None, notify: Callable[[str], None] = lambda name: None
-) -> tuple[tuple[Run, ...], tuple[str, ...]]:
+) -> tuple[tuple[LabelledRun, ...], tuple[str, ...]]:
     """Return the labelled runs of a folder, reduced, and a sentence for each repair.
 
     Args:
@@ -156,7 +156,7 @@ def read_folder(
         EstimationError: A file, column or value is missing or impossible.
     """
     label_of, columns = read_labels(labels), table or plain_table()
-    runs: list[Run] = []
+    runs: list[LabelledRun] = []
     remarks: list[str] = []
     for name, (friction, backwards) in label_of.items():
         record = _recording(folder / name, columns)

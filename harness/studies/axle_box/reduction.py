@@ -25,7 +25,7 @@ CHANNELS: Final[Mapping[Motion, slice]] = {
     "longitudinal": slice(0, 4), "lateral": slice(4, 8), "yaw": slice(8, 12), "left": slice(12, 16),
     "right": slice(16, 20),
 }  # fmt: skip
-"""Columns of `Run.blocks` by motion."""
+"""Columns of `LabelledRun.blocks` by motion."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +44,7 @@ class Readings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class LabelledRun:
     """One labelled run, reduced.
 
     Attributes:
@@ -69,7 +69,7 @@ class Run:
     slope: float | None = None
 
 
-def reduce(name: str, friction: float, readings: Readings) -> Run:
+def reduce(name: str, friction: float, readings: Readings) -> LabelledRun:
     """Return a run as estimators are trained on it."""
     speed = float(np.mean(np.abs(readings.speed)))
     group = speed_class(speed)
@@ -79,7 +79,7 @@ def reduce(name: str, friction: float, readings: Readings) -> Run:
     )
     chain = Chain(rate=RATE, block=BLOCKS[group])
     lateral, yaw = lateral_and_yaw(SLOW, readings.boxes, backwards=readings.backwards)
-    return Run(
+    return LabelledRun(
         name=name,
         group=group,
         speed=speed,
@@ -115,7 +115,7 @@ SETTLED: Final = 60.0
 """Distance before the first of them, m."""
 
 
-def spectral_features(run: Run) -> Array:
+def spectral_features(run: LabelledRun) -> Array:
     """Return features every `EVERY` metres after the first `SETTLED` metres, shape (m, features)."""
     speed = run.slow[:, 8]
     every = SPECTRAL.features(run.slow[:, :4], run.slow[:, 4:8], speed)
@@ -124,7 +124,7 @@ def spectral_features(run: Run) -> Array:
     return every[np.searchsorted(metres, np.arange(min(first, last), last, EVERY))]
 
 
-def gather(passes: Sequence[Pass], work: Work) -> list[Run]:
+def gather(passes: Sequence[Pass], work: Work) -> list[LabelledRun]:
     """Return the reduced runs of passes."""
     # Longest first, so that no worker begins a long one at the end.
     order = sorted(passes, key=lambda passage: passage.speed / passage.length)
@@ -132,7 +132,7 @@ def gather(passes: Sequence[Pass], work: Work) -> list[Run]:
     return [replace(run_of_pass[passage], slope=slope(passage)) for passage in passes]
 
 
-def run_of(run: Pass) -> Run:
+def run_of(run: Pass) -> LabelledRun:
     """Simulate, measure and reduce a pass."""
     motion = ride(run)
     return reduce(run.name, run.friction, measured(run, motion, CAR_RATE, float(motion.speed.mean())))

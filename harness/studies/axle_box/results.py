@@ -13,9 +13,9 @@ from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.evaluate import Recipe, Score, average, exchanged, parts_of
-from railgrip.studies.axle_box.reduction import CHANNELS, Run, spectral_features
-from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, Results, Rows
+from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchanged, parts_of
+from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
+from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, AxleBoxResults, Rows
 from railgrip.studies.papers.pages import Compared, comparison
 
 READINGS_OF_EQUATION_4: Final = (
@@ -28,7 +28,7 @@ _ESTIMATES: Final[Mapping[int, int]] = dict(zip(SPEEDS, range(10, 14), strict=Tr
 """Numbers of the paper's figures by speed."""
 
 
-def tables_of(results: Results) -> dict[str, Any]:
+def tables_of(results: AxleBoxResults) -> dict[str, Any]:
     """Return the values of the page of the study."""
     speeds = list(results.runs)
     return {
@@ -44,7 +44,7 @@ def tables_of(results: Results) -> dict[str, Any]:
     }
 
 
-def compared(results: Results) -> Table:
+def compared(results: AxleBoxResults) -> Table:
     """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
     levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
               for s, runs in results.runs.items()}  # fmt: skip
@@ -64,7 +64,7 @@ def compared(results: Results) -> Table:
 
 
 def tables_of_recordings(
-    recipe: Recipe, split: Mapping[int, Score], left_out: Mapping[int, Score], general: Score
+    recipe: TrainingRecipe, split: Mapping[int, Score], left_out: Mapping[int, Score], general: Score
 ) -> dict[str, Any]:
     """Return the values of the page on a user's runs; rows by speed class in mph.
 
@@ -134,7 +134,7 @@ def _beside(score: Score) -> str:
     return f"{score.mae:.4f} ({score.mae_of_mean:.4f})"
 
 
-def draw(results: Results) -> dict[str, Figure]:
+def draw(results: AxleBoxResults) -> dict[str, Figure]:
     """Draw every figure, by the name of its file."""
     return {
         "errors.png": errors(results),
@@ -145,7 +145,7 @@ def draw(results: Results) -> dict[str, Figure]:
     }
 
 
-def errors(results: Results) -> Figure:
+def errors(results: AxleBoxResults) -> Figure:
     """Mean absolute error of each judgement, beside that of the mean label."""
     published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, palette.GREY)]
@@ -167,7 +167,7 @@ def errors(results: Results) -> Figure:
     return sheet
 
 
-def campaign(results: Results) -> Figure:
+def campaign(results: AxleBoxResults) -> Figure:
     """The general estimator on each run of the campaign: estimates every 20 m with interval, and the label."""
     sheet = style.figure(8.0, 3.2)
     for axes, (speed, runs) in zip(
@@ -197,7 +197,7 @@ def campaign(results: Results) -> Figure:
     return sheet
 
 
-def processed(runs_at: Mapping[int, Sequence[Run]]) -> Figure:
+def processed(runs_at: Mapping[int, Sequence[LabelledRun]]) -> Figure:
     """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8.
 
     Args:
@@ -229,7 +229,7 @@ def processed(runs_at: Mapping[int, Sequence[Run]]) -> Figure:
     return sheet
 
 
-def over_time(results: Results) -> Figure:
+def over_time(results: AxleBoxResults) -> Figure:
     """Last 20 % of each run, linked as in the paper: true labels, and labels that belong to other runs."""
     sheet = style.figure(8.0, 1.9 * len(results.runs))
     grid = np.atleast_2d(sheet.subplots(len(results.runs), 2, sharex="row", sharey=True))

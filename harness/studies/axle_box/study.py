@@ -17,7 +17,7 @@ from railgrip.estimators.learned.trained import Trained, as_fmu, save
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies.axle_box.evaluate import Recipe, average, exchanged, within_runs, without_each
+from railgrip.studies.axle_box.evaluate import TrainingRecipe, average, exchanged, within_runs, without_each
 from railgrip.studies.axle_box.instrumented_car import MPH
 from railgrip.studies.axle_box.recordings import judge_recordings, read_folder, read_recordings_file
 from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
@@ -25,7 +25,7 @@ from railgrip.studies.axle_box.results import compared, draw, processed, tables_
 from railgrip.studies.axle_box.training import (
     FULL,
     QUICK,
-    Results,
+    AxleBoxResults,
     campaign,
     conducted,
     dry_or_not,
@@ -78,7 +78,7 @@ class AxleBox(Study):
         if self.file is not None:
             return self._page_of_recordings(self.file, work)
         size = QUICK if self.quick else FULL
-        results = conducted(size, Recipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
+        results = conducted(size, TrainingRecipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
         tables, figures = tables_of(results), draw(results)
         tables["compared"] = compared(results)
         if self.write:
@@ -119,7 +119,7 @@ class AxleBox(Study):
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return errors of the paper's networks at one speed, and levels and features of their training data."""
-        recipe = Recipe(starts=3)
+        recipe = TrainingRecipe(starts=3)
         runs = work.map(run_of, [run for run in campaign(length=_LENGTH) if run.speed == _SPEED * MPH])
         training = {
             "bias inside": partial(within_runs, runs, recipe),
@@ -151,7 +151,7 @@ class AxleBox(Study):
 STUDY = AxleBox
 
 
-def _answer(results: Results) -> str:
+def _answer(results: AxleBoxResults) -> str:
     """Return the errors on runs outside of the training, of the paper's networks and of the general estimator."""
     words: list[str] = []
     for rows in (results.honest, results.general):

@@ -13,9 +13,9 @@ from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chai
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator, Trained
 from railgrip.scenario.seed import generator
 from railgrip.studies.axle_box.evaluate import (
-    Recipe,
     ScaledNetwork,
     Score,
+    TrainingRecipe,
     best_of,
     elsewhere,
     exchanged,
@@ -25,7 +25,7 @@ from railgrip.studies.axle_box.evaluate import (
     without_each,
 )
 from railgrip.studies.axle_box.instrumented_car import MPH, Pass
-from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, Run, gather, spectral_features
+from railgrip.studies.axle_box.reduction import SLOW, SPECTRAL, LabelledRun, gather, spectral_features
 
 SPEEDS: Final = (16, 26, 40, 60)
 """mph."""
@@ -149,8 +149,8 @@ QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Results:
-    """Results of the study.
+class AxleBoxResults:
+    """AxleBoxResults of the study.
 
     Attributes:
         recipe: Of the paper's networks, unless a row has another.
@@ -164,7 +164,7 @@ class Results:
         runs: The campaign, by speed.
     """
 
-    recipe: Recipe
+    recipe: TrainingRecipe
     split: Rows
     decays: Rows
     inputs: Rows
@@ -173,7 +173,7 @@ class Results:
     ensemble: Ensemble
     networks: Mapping[int, ScaledNetwork]
     exchanged: Mapping[int, ScaledNetwork]
-    runs: Mapping[int, Sequence[Run]]
+    runs: Mapping[int, Sequence[LabelledRun]]
 
 
 def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
@@ -182,14 +182,16 @@ def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
     return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
 
 
-def conducted(size: Size, recipe: Recipe, work: Work) -> Results:
+def conducted(size: Size, recipe: TrainingRecipe, work: Work) -> AxleBoxResults:
     """Simulate the runs of the study, train and judge."""
     plan = passes(size)
     everything = iter(gather([case for part in plan.values() for case in part], work))
     return concluded(size, {name: [next(everything) for _ in part] for name, part in plan.items()}, recipe, work)
 
 
-def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Recipe, work: Work) -> Results:
+def concluded(
+    size: Size, runs_of_part: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe, work: Work
+) -> AxleBoxResults:
     """Train and judge."""
     few = replace(recipe, starts=size.honest_starts)
     by_speed = {s: _at(runs_of_part["campaign"], s) for s in size.speeds}
@@ -215,7 +217,7 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
     ensemble, mean = results["all speeds", "", 0]
     sets = {"campaign": runs_of_part["campaign"], **away}
     rule = dry_or_not(passes(size))
-    return Results(
+    return AxleBoxResults(
         recipe=recipe,
         split=tables["split"],
         decays=tables["decays"],
@@ -235,7 +237,9 @@ def concluded(size: Size, runs_of_part: Mapping[str, Sequence[Run]], recipe: Rec
     )
 
 
-def _judgements(runs: Sequence[Run], recipe: Recipe, few: Recipe) -> dict[str, dict[str, Callable[[], Score]]]:
+def _judgements(
+    runs: Sequence[LabelledRun], recipe: TrainingRecipe, few: TrainingRecipe
+) -> dict[str, dict[str, Callable[[], Score]]]:
     """Return the judgements of the campaign's runs at one speed by table and row.
 
     Args:
@@ -259,7 +263,9 @@ def _judgements(runs: Sequence[Run], recipe: Recipe, few: Recipe) -> dict[str, d
     }
 
 
-def estimators_of(ensemble: Ensemble, networks: Mapping[int, ScaledNetwork], recipe: Recipe) -> dict[str, Trained]:
+def estimators_of(
+    ensemble: Ensemble, networks: Mapping[int, ScaledNetwork], recipe: TrainingRecipe
+) -> dict[str, Trained]:
     """Return the trained estimators by the name of their file.
 
     Args:
@@ -279,7 +285,7 @@ def estimators_of(ensemble: Ensemble, networks: Mapping[int, ScaledNetwork], rec
     return {"friction": GeneralEstimator(slow=SLOW, spectral=SPECTRAL, ensemble=ensemble), **papers}
 
 
-def general(runs: Sequence[Run], members: int) -> tuple[Ensemble, float]:
+def general(runs: Sequence[LabelledRun], members: int) -> tuple[Ensemble, float]:
     """Train the general estimator; return it and the mean label of its training.
 
     It has two stages if the slope of the creep curve is known for every run, as in simulations.
@@ -305,5 +311,5 @@ def dry_or_not(sets: Mapping[str, Sequence[Pass]]) -> dict[str, dict[str, float]
     return {name: {p.name: mean[p.condition == "dry"] for p in part} for name, part in sets.items()}
 
 
-def _at(runs: Sequence[Run], speed: int) -> list[Run]:
+def _at(runs: Sequence[LabelledRun], speed: int) -> list[LabelledRun]:
     return [run for run in runs if run.group == speed]

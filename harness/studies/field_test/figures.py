@@ -9,13 +9,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
 from railgrip.estimation.braking import Braking, braked, driven
-from railgrip.estimators.compiled import Estimates
+from railgrip.estimators.compiled import FilterRecord
 from railgrip.report import palette, style
 from railgrip.rolling_stock.drawing import drawing as train_drawing
 from railgrip.rolling_stock.schema import Train
-from railgrip.studies.field_test.filtering import GROUPS, Task
+from railgrip.studies.field_test.filtering import GROUPS, FilterTask
 from railgrip.studies.field_test.published import ADHESIONS, OVERBRAKING, PRESSURES, START_SPEED, TIMES
-from railgrip.studies.field_test.runs import Run
+from railgrip.studies.field_test.runs import FieldRun
 from railgrip.studies.field_test.score import R_WHEEL, Sweep
 from railgrip.trace.samples import reading_of
 
@@ -80,7 +80,7 @@ def _arrow(
     chart.text(*place, words, color=colour, va="center", fontsize=8)
 
 
-def track_figure(run: Run) -> Figure:
+def track_figure(run: FieldRun) -> Figure:
     """Return the track of a run: map, heading and curvature, height and slope; recovered and laid (figure 2)."""
     course = run.braking.motion.course
     place = run.plan.place(course.distance)
@@ -172,7 +172,7 @@ def readings_figure(braking: Braking) -> Figure:
     return drawing
 
 
-def friction_figure(task: Task, estimates: Mapping[str, Estimates]) -> Figure:
+def friction_figure(task: FilterTask, estimates: Mapping[str, FilterRecord]) -> Figure:
     """Return pad friction over time and adhesion over slip, estimated and true, a row for each tuning (figure 5)."""
     assert task.truth is not None
     time = task.braking.recording["time"].values[1:]

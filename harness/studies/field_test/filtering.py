@@ -21,7 +21,7 @@ from railgrip.estimation.spec import (
     settings_for,
 )
 from railgrip.estimators.belief import Array, Estimate
-from railgrip.estimators.compiled import CompiledFilter, Estimates
+from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.load import read_toml, validated
@@ -123,7 +123,7 @@ def specification() -> Specification:
 
 
 @dataclass(frozen=True, slots=True)
-class Task:
+class FilterTask:
     """A braking as arrays, for many runs of the filter.
 
     Attributes:
@@ -147,7 +147,7 @@ def equations() -> CasadiPrediction:
     return equations_for(specification())
 
 
-def task_of(braking: Braking, model: PredictionInC) -> Task:
+def task_of(braking: Braking, model: PredictionInC) -> FilterTask:
     """Return a braking as arrays, from its first sample of coasting.
 
     Raises:
@@ -158,7 +158,7 @@ def task_of(braking: Braking, model: PredictionInC) -> Task:
     has_truth = all(knows(recording, state) for state in model.states)
     truth = np.column_stack([truth_of(recording, state) for state in model.states])[1:] if has_truth else None
     data = filter_data(recording, model, settings, units_of(specified.model.class_))
-    return Task(braking=braking, data=data, truth=truth)
+    return FilterTask(braking=braking, data=data, truth=truth)
 
 
 def filter_of(model: PredictionInC, period: float, noise: Noise = PHYSICAL) -> CompiledFilter:
@@ -167,7 +167,7 @@ def filter_of(model: PredictionInC, period: float, noise: Noise = PHYSICAL) -> C
     return CompiledFilter(model, noise.process, noise.readings, period, gate)
 
 
-def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> Estimates:
+def follow(task: FilterTask, filter_: CompiledFilter, noise: Noise, start_scale: float = 1.0) -> FilterRecord:
     """Return the beliefs over a braking with given noises.
 
     Args:
@@ -182,7 +182,7 @@ def follow(task: Task, filter_: CompiledFilter, noise: Noise, start_scale: float
     return filter_.follow(start, task.data.inputs, task.data.readings)
 
 
-def lost(task: Task, estimate: Estimates) -> float | None:
+def lost(task: FilterTask, estimate: FilterRecord) -> float | None:
     """Return the time from the first sample [s] at which innovations show the filter to be lost, or None."""
     step = loss_step(estimate.squared_innovation, estimate.degrees)
     return None if step is None else (step + 1) * task.data.period

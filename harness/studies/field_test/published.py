@@ -6,12 +6,12 @@ import numpy as np
 import pymap3d
 
 from railgrip.estimation.braking import braked, driven
-from railgrip.estimators.compiled import Estimates
+from railgrip.estimators.compiled import FilterRecord
 from railgrip.report import style
 from railgrip.report.table import Table
 from railgrip.rolling_stock.schema import Train
-from railgrip.studies.field_test.filtering import GROUPS, Task
-from railgrip.studies.field_test.runs import Run
+from railgrip.studies.field_test.filtering import GROUPS, FilterTask
+from railgrip.studies.field_test.runs import FieldRun
 from railgrip.studies.field_test.score import R_WHEEL
 from railgrip.studies.papers.pages import Compared, comparison
 from railgrip.trace.samples import reading_of
@@ -40,7 +40,7 @@ SLIDING = 0.02
 """Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
 
 
-def compared(train: Train, run: Run, task: Task, estimate: Estimates) -> Table:
+def compared(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> Table:
     """Return the table of published quantities beside ours.
 
     Args:
@@ -52,7 +52,7 @@ def compared(train: Train, run: Run, task: Task, estimate: Estimates) -> Table:
     return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)])
 
 
-def _of_track(train: Train, run: Run) -> Sequence[Compared]:
+def _of_track(train: Train, run: FieldRun) -> Sequence[Compared]:
     plan, course = run.plan, run.braking.motion.course
     middle = pymap3d.geodetic2ecef(plan.latitude, plan.longitude, plan.height)
     curves = np.diff(np.append(False, course.curvature > CURVED).astype(int))
@@ -70,7 +70,7 @@ def _of_track(train: Train, run: Run) -> Sequence[Compared]:
     )  # fmt: skip
 
 
-def _of_drive(run: Run) -> Sequence[Compared]:
+def _of_drive(run: FieldRun) -> Sequence[Compared]:
     recording = run.recording
     time, speed = recording["time"].values, reading_of(recording, "speed")
     drives = np.flatnonzero(np.diff(driven(recording).astype(int)))[1:4] + 1
@@ -91,7 +91,7 @@ def _of_drive(run: Run) -> Sequence[Compared]:
     )  # fmt: skip
 
 
-def _of_braking(task: Task, estimate: Estimates) -> Sequence[Compared]:
+def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[Compared]:
     recording, brake = task.braking.recording, task.braking.brake
     time = recording["time"].values[1:]
     after = slice(brake - 1, None)

@@ -23,7 +23,7 @@ TEST = "c6"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class FieldRun:
     """A run from rest to the stop.
 
     Attributes:
@@ -58,7 +58,7 @@ def cases(file: Path | None = None) -> dict[str, Scenario]:
     return {stop.variants["case"]: stop.scenario for stop in campaign.stops}
 
 
-def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> Run:
+def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> FieldRun:
     """Return the run of a case by its name; classes that its scenario names are imported from `import_from`.
 
     Raises:
@@ -70,7 +70,7 @@ def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> Run:
     assert track.plan is not None  # of every scenario of `cases`
     assert track.train_mass is not None
     recording = stop_read(scenario, f"{scenario.name} {name}", import_from)
-    return Run(
+    return FieldRun(
         recording=recording,
         braking=braking_of(recording, CourseTable(mass=track.train_mass, curve_law=track.curve_law)),
         plan=track.plan,
@@ -79,7 +79,7 @@ def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> Run:
 
 def runs(
     scenarios: Mapping[str, Scenario], names: Sequence[str], work: Work, import_from: Sequence[Path] = ()
-) -> dict[str, Run]:
+) -> dict[str, FieldRun]:
     """Return the run of each case; `import_from` as for `run`.
 
     Raises:

@@ -12,10 +12,10 @@ from railgrip.base.errors import EstimationError
 from railgrip.campaign.work import Work
 from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
-from railgrip.estimators.compiled import CompiledFilter, Estimates
+from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.scenario.schema import Scenario
-from railgrip.studies.field_test.filtering import GROUPS, Noise, Task, filter_of, follow, prediction, task_of
-from railgrip.studies.field_test.runs import TEST, Run, run
+from railgrip.studies.field_test.filtering import GROUPS, FilterTask, Noise, filter_of, follow, prediction, task_of
+from railgrip.studies.field_test.runs import TEST, FieldRun, run
 from railgrip.trace.samples import reading_of, truth_of
 
 R_WHEEL = 0.38
@@ -43,7 +43,7 @@ class Terms:
     nees: float
 
 
-def terms_of(task: Task, estimate: Estimates) -> Terms:
+def terms_of(task: FilterTask, estimate: FilterRecord) -> Terms:
     """Return the terms of one braking."""
     apart, ahead = (
         np.abs(task.data.readings - prediction).mean(axis=0)
@@ -71,7 +71,7 @@ Figures = dict[str, Any]
 """Errors by name."""
 
 
-def score(task: Task, estimate: Estimates) -> Figures:
+def score(task: FilterTask, estimate: FilterRecord) -> Figures:
     """Return the errors of a filter over a braking, from a second after the brake is applied; estimate minus truth.
 
     `deviation`, `nis` and `nees` as `terms_of`; RMSE of `speed` [m/s], of `adhesion` and `pad_friction` over all groups
@@ -110,7 +110,7 @@ def score(task: Task, estimate: Estimates) -> Figures:
     }  # fmt: skip
 
 
-def track_score(run: Run) -> Figures:
+def track_score(run: FieldRun) -> Figures:
     """Return the errors of the track recovered from a run.
 
     `distance` at the end of the run, relative; RMSE of `curvature` [1/m], of `slope`, and of `force` in braking [N].
@@ -164,18 +164,18 @@ Sweep = dict[str, Array]
 """Figures over brakings for each `factor`: worst `deviation`, means of `adhesion`, `pad_friction` and `nees`."""
 
 
-def common_factor(tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> Sweep:
+def common_factor(tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> Sweep:
     """Return the effect of a factor on R, Q and the first covariance: none on the mean, proportional on variances."""
     return _sweep(tasks, filter_, COMMON, lambda f: (noise.scaled(f, f), f))
 
 
-def readings_trusted(tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> Sweep:
+def readings_trusted(tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> Sweep:
     """Return the effect of a factor on R alone: towards zero the filter repeats its readings, and (14) goes to zero."""
     return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scaled(f, 1.0), 1.0))
 
 
 def _sweep(
-    tasks: Sequence[Task],
+    tasks: Sequence[FilterTask],
     filter_: CompiledFilter,
     factors: Array,
     setting: Callable[[float], tuple[Noise, float]],

@@ -31,8 +31,8 @@ from railgrip.studies.field_test.filtering import (
     NOISES,
     PHYSICAL,
     UNITS,
+    FilterTask,
     Noise,
-    Task,
     filter_of,
     follow,
     load_noise,
@@ -41,7 +41,7 @@ from railgrip.studies.field_test.filtering import (
     task_of,
 )
 from railgrip.studies.field_test.published import compared
-from railgrip.studies.field_test.runs import TEST, TUNING, Run, cases, runs
+from railgrip.studies.field_test.runs import TEST, TUNING, FieldRun, cases, runs
 from railgrip.studies.field_test.score import (
     Figures,
     case_6,
@@ -73,7 +73,7 @@ class FieldTest(Study):
     import_from: list[Path] | None = None
 
     def page(self, work: Work) -> Page:
-        """Run the six cases, recover their track and filter case 6.
+        """FieldRun the six cases, recover their track and filter case 6.
 
         Raises:
             EstimationError: A set of noises or a case is missing, or a case cannot be run.
@@ -167,7 +167,7 @@ STUDY = FieldTest
 _LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "Protopapadakis": "protopapadakis"}
 
 
-def _conditions(test: Task) -> dict[str, Any]:
+def _conditions(test: FilterTask) -> dict[str, Any]:
     """Return duration and track force of a braking, and curve resistance by each law at a radius of 600 m."""
     recording = test.braking.recording
     return {
@@ -177,7 +177,7 @@ def _conditions(test: Task) -> dict[str, Any]:
     }
 
 
-def _tracks(of_case: Mapping[str, Run]) -> Table:
+def _tracks(of_case: Mapping[str, FieldRun]) -> Table:
     rows: list[tuple[str, ...]] = []
     for case, run in of_case.items():
         of_run = track_score(run)
@@ -194,7 +194,7 @@ def _groups(scores: Mapping[str, Figures]) -> Table:
     return Table.of(("noises", *GROUP_NAMES), rows)
 
 
-def _pads(tasks: Mapping[str, Task], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> Table:
+def _pads(tasks: Mapping[str, FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> Table:
     """Return the error of pad friction over that of the best constant, by noises and case."""
     rows: list[tuple[Any, ...]] = []
     for title, noise in noises.items():
@@ -220,7 +220,7 @@ def _answer(scores: Mapping[str, Figures]) -> str:
     )
 
 
-def _worst(tasks: Sequence[Task], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> dict[str, float]:
+def _worst(tasks: Sequence[FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> dict[str, float]:
     """Return by noises the largest deviation over the tasks, term (14) of the score [m/s]."""
     return {
         title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in tasks)

@@ -20,7 +20,7 @@ from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import CompiledFilter
-from railgrip.studies.field_test.filtering import NAMES, PHYSICAL, Noise, Task, equations, filter_of, follow
+from railgrip.studies.field_test.filtering import NAMES, PHYSICAL, FilterTask, Noise, equations, filter_of, follow
 from railgrip.studies.field_test.score import Terms, terms_of
 
 BOUNDS: dict[str, tuple[float, float]] = {
@@ -59,7 +59,7 @@ class Search:
     seed: int
 
 
-def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple[Noise, float, list[float]]:
+def tune(kind: Kind, tasks: Sequence[FilterTask], search: Search, work: Work) -> tuple[Noise, float, list[float]]:
     """Return the noises that minimise an objective over brakings, its value, and the best after each generation.
 
     Raises:
@@ -81,7 +81,7 @@ def tune(kind: Kind, tasks: Sequence[Task], search: Search, work: Work) -> tuple
 
 
 def _evolved(
-    kind: Kind, tasks: Sequence[Task], population: Array, generations: int, draws: tuple[int, int], threads: int
+    kind: Kind, tasks: Sequence[FilterTask], population: Array, generations: int, draws: tuple[int, int], threads: int
 ) -> tuple[Array, float, list[float]]:
     """Return the population after a stage, the best first, its value, and the best after each generation.
 
@@ -153,7 +153,7 @@ def value(kind: Kind, terms: Sequence[Terms]) -> float:
     return max(term.surprise + WEIGHT * (abs(np.log10(term.nis)) + abs(np.log10(term.nees))) for term in terms)
 
 
-def evaluate(kind: Kind, tasks: Sequence[Task], filter_: CompiledFilter, noise: Noise) -> float:
+def evaluate(kind: Kind, tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> float:
     """Return the objective of noises over brakings."""
     try:
         return value(kind, [terms_of(task, follow(task, filter_, noise)) for task in tasks])

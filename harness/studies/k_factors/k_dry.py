@@ -22,7 +22,7 @@ from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.k_factors import rare
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.rare import Rates, Sample, State
-from railgrip.studies.k_factors.specification import Failures, Specification
+from railgrip.studies.k_factors.specification import Failures, KFactorSpecification
 from railgrip.trace.k_wet import Interval
 
 PROBABILITIES = (0.5, *(10.0**-level for level in range(1, 10)))
@@ -64,7 +64,7 @@ class QuasiStatic:
         return sum(len(run.values) for run in self.runs[0])
 
 
-def brake_of_scenario(specification: Specification, scenario: Scenario) -> QuasiStaticBrake:
+def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -> QuasiStaticBrake:
     """Return the quasi-static brake of a scenario's plant.
 
     Raises:
@@ -84,7 +84,7 @@ def brake_of_scenario(specification: Specification, scenario: Scenario) -> Quasi
 
 
 def quasi_static(
-    specification: Specification, brake: QuasiStaticBrake, notify: Callable[[str], None] = lambda what: None
+    specification: KFactorSpecification, brake: QuasiStaticBrake, notify: Callable[[str], None] = lambda what: None
 ) -> QuasiStatic:
     """Return K of the quasi-static brake for all EBCL; the same specification gives the same numbers."""
     begin = time.perf_counter()
@@ -134,7 +134,7 @@ def scenario_of_draw(
 
 
 def in_the_loop(
-    specification: Specification,
+    specification: KFactorSpecification,
     scenario: Scenario,
     brake: QuasiStaticBrake,
     nominal_distance: float,
@@ -201,7 +201,9 @@ def plain(k: Interval) -> dict[str, float]:
     return {"k": k.value, "low": k.low, "high": k.high}
 
 
-def _states(specification: Specification, units: Sequence[int], neglect: float) -> tuple[tuple[State, ...], float]:
+def _states(
+    specification: KFactorSpecification, units: Sequence[int], neglect: float
+) -> tuple[tuple[State, ...], float]:
     return rare.states_of(units, _rates(specification.failures), neglect=neglect)
 
 
@@ -217,7 +219,7 @@ def _rates(failures: Failures, *standard: float) -> Rates:
     )
 
 
-def _drawn(specification: Specification) -> list[Rates]:
+def _drawn(specification: KFactorSpecification) -> list[Rates]:
     """Return draws of the failure rates, each rate as a Latin hypercube has it."""
     random = generator(specification.seed, "k_factors rates")
     standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)
@@ -225,7 +227,7 @@ def _drawn(specification: Specification) -> list[Rates]:
     return [_rates(specification.failures, float(first), float(last)) for first, last in pairs]
 
 
-def _cost(specification: Specification, units: Sequence[int], probability: float) -> int:
+def _cost(specification: KFactorSpecification, units: Sequence[int], probability: float) -> int:
     """Return how many stops subset simulation takes for a probability."""
     assert specification.loop is not None
     samples = specification.loop.samples

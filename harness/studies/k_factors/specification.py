@@ -101,7 +101,7 @@ class CommonCause(Table):
     source: Annotated[str, Field(min_length=3)]
 
 
-class Failure(Table):
+class ComponentFailure(Table):
     """How likely one component has failed when the train brakes, how uncertain that is, and what fails with it."""
 
     probability: Annotated[float, Unit("1", at_least=0, at_most=0.1)]
@@ -119,8 +119,10 @@ class Failure(Table):
 class Failures(Table):
     """What fails as a whole."""
 
-    isolated_unit: Failure = Field(description="a brake unit without force; units of a group share a common cause")
-    stuck_valve: Failure = Field(
+    isolated_unit: ComponentFailure = Field(
+        description="a brake unit without force; units of a group share a common cause"
+    )
+    stuck_valve: ComponentFailure = Field(
         description="a group whose vent valve stays open; all valves of the train share a common cause"
     )
 
@@ -132,13 +134,13 @@ class Effort(Table):
     samples: Annotated[StrictInt, Field(ge=20, le=20_000)] = Field(description="of each failure state, each run")
 
 
-class Loop(Effort):
+class LoopEffort(Effort):
     """Subset simulation with the controller in the loop."""
 
     probability: Annotated[float, Unit("1", at_least=1e-9, at_most=0.1)] = Field(description="of a lower deceleration")
 
 
-class Specification(Table):
+class KFactorSpecification(Table):
     """The file."""
 
     name: Name
@@ -147,7 +149,7 @@ class Specification(Table):
     scenario: str = Field(description="the stop: a file from this one's folder, or the name of one of ours")
     speed_steps: tuple[Speed, ...] = Field(description="inner limits of the steps of speed, rising")
     estimate: Effort
-    loop: Loop | None = None
+    loop: LoopEffort | None = None
     dispersion: Annotated[tuple[Dispersion, ...], Field(min_length=1)]
     failures: Failures
 
@@ -158,7 +160,7 @@ class Specification(Table):
         return self
 
 
-def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[Specification, Scenario]:
+def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[KFactorSpecification, Scenario]:
     """Return the study of a file, or of the package by its name, and the scenario that it names.
 
     Raises:
@@ -167,7 +169,7 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[Speci
     ours = LIBRARY / f"{path}.toml"
     path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
     table = merged(read_toml(path), read_overrides(overrides))
-    specification = validated(Specification, table, directory=path.parent, origin=path.name)
+    specification = validated(KFactorSpecification, table, directory=path.parent, origin=path.name)
     file = Path(specification.scenario)
     scenario = load(path.parent / file if file.suffix else file)
     if specification.speed_steps and specification.speed_steps[-1] >= scenario.start.speed:

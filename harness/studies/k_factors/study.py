@@ -33,7 +33,7 @@ from railgrip.studies.k_factors.k_dry import (
     scenario_of_draw,
 )
 from railgrip.studies.k_factors.rare import estimates, pooled
-from railgrip.studies.k_factors.specification import Normal, Specification, Uniform, load_specification
+from railgrip.studies.k_factors.specification import KFactorSpecification, Normal, Uniform, load_specification
 from railgrip.studies.study import Study
 
 _LEVELS = (0, 3, 6, 9)
@@ -119,7 +119,7 @@ def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
     return Table.of(("EBCL", "P", *brake.outputs), rows, left=0)
 
 
-def assumptions(specification: Specification) -> dict[str, Table]:
+def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
     """Return what disperses and what fails, each value with its source: tables `dispersion` and `failures`."""
     dispersion = [
         (one.quantity.replace("_", " "), one.per, f"{one.kind}, {_extent(one)}", one.source)
@@ -179,7 +179,7 @@ def sentences(
 
 
 def content(
-    specification: Specification,
+    specification: KFactorSpecification,
     scenario: Scenario,
     brake: QuasiStaticBrake,
     distance: float,

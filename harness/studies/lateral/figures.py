@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from railgrip.report import palette, style
 from railgrip.studies.lateral.judge import QUANTITIES, adhesion, beliefs_about
-from railgrip.studies.lateral.run import NAMES, Case, simulate
+from railgrip.studies.lateral.run import NAMES, LateralCase, simulate
 from railgrip.studies.lateral.tables import PLANT_TITLES, TITLES
 from railgrip.studies.lateral.wheelset import CONDITIONS, TESTS
 
@@ -44,7 +44,7 @@ def creep_curves(speed: float) -> Figure:
     return drawing
 
 
-def test_figure(case: Case) -> Figure:
+def test_figure(case: LateralCase) -> Figure:
     """Run a case; draw truth and estimates on the left, rms errors on the right, a row for each quantity."""
     trace = simulate(case)
     drawing, panels = style.panels(8, 1.35 * len(QUANTITIES) + 0.4, len(QUANTITIES), 2, sharex=True)

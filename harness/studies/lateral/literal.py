@@ -12,7 +12,7 @@ from railgrip.estimators.belief import Array
 from railgrip.estimators.observability import along
 from railgrip.report.table import Table, whole_percent
 from railgrip.studies.lateral.judge import WINDOW
-from railgrip.studies.lateral.run import CLASSES, EVERY, LITERAL_NOISE, Case, Trace, simulate
+from railgrip.studies.lateral.run import CLASSES, EVERY, LITERAL_NOISE, LateralCase, Trace, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
 
 SHORT: Final = 0.02
@@ -48,7 +48,7 @@ class Information:
     mirrored: float
 
 
-def information(case: Case) -> Information:
+def information(case: LateralCase) -> Information:
     """Run a case and linearise the equations of the literal filter along its truth."""
     return information_of(simulate(case, names=()))
 

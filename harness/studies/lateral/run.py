@@ -30,8 +30,8 @@ from railgrip.studies.lateral.wheelset import (
     READINGS,
     SENSORS,
     Condition,
-    Course,
-    Trial,
+    LateralInputs,
+    SurfaceTest,
     course,
     track_acceleration_density,
     wheelset,
@@ -124,7 +124,7 @@ EVERY: Final = 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Case:
+class LateralCase:
     """Inputs of a run.
 
     Attributes:
@@ -135,7 +135,7 @@ class Case:
         prediction: Form of the prediction in the filters.
     """
 
-    test: Trial
+    test: SurfaceTest
     speed: float
     plant: str
     seed: int
@@ -174,7 +174,7 @@ class Trace:
         wall: Computing time of plant and filters [s].
     """
 
-    case: Case
+    case: LateralCase
     time: Array
     period: float
     truth: Mapping[str, Array]
@@ -186,7 +186,7 @@ class Trace:
     wall: float
 
 
-def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
+def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     """Run the plant with filters beside it.
 
     Raises:
@@ -236,7 +236,7 @@ def simulate(case: Case, names: Sequence[Name] = NAMES) -> Trace:
 
 def _followed(
     name: Name, filter_: CompiledFilter, first_belief: Estimate, table: Mapping[str, Array], readings: Array,
-    realisation: Course,
+    realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip
     """Return the beliefs of a filter given the readings, segment by segment of one condition."""
     n, integrals = filter_.mean.size, INTEGRALS[name]

@@ -20,10 +20,10 @@ from railgrip.studies.lateral.judge import (
     measure,
 )
 from railgrip.studies.lateral.literal import SHORT, Information, information, observed, refused
-from railgrip.studies.lateral.run import Case, simulate
+from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.tables import (
     TITLES,
-    Result,
+    LateralResult,
     compared,
     detections,
     error_rows,
@@ -36,7 +36,7 @@ from railgrip.studies.lateral.tables import (
     skill,
     spread,
 )
-from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, Trial
+from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, SurfaceTest
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
@@ -47,7 +47,7 @@ SEEDS: Final = 10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class LateralPlan:
     """Runs of a study.
 
     Attributes:
@@ -57,7 +57,7 @@ class Plan:
         prediction: Form of the prediction in the filters.
     """
 
-    tests: tuple[Trial, ...]
+    tests: tuple[SurfaceTest, ...]
     speeds: tuple[float, ...]
     seeds: int
     prediction: Kind = "fmu"
@@ -68,45 +68,45 @@ class Plan:
         return self.speeds[len(self.speeds) // 2]
 
     @property
-    def cases(self) -> tuple[Case, ...]:
+    def cases(self) -> tuple[LateralCase, ...]:
         """All runs."""
         variants = [(test, speed, "paper") for speed in self.speeds for test in self.tests]
         others = [(self.tests[-1], self.middle_speed, plant) for plant in PLANTS if plant != "paper"]
         return tuple(
-            Case(test=test, speed=speed, plant=plant, seed=seed, prediction=self.prediction)
+            LateralCase(test=test, speed=speed, plant=plant, seed=seed, prediction=self.prediction)
             for test, speed, plant in (*variants, *others)
             for seed in range(1, self.seeds + 1)
         )
 
 
-FULL: Final = Plan(tests=TESTS, speeds=SPEEDS, seeds=SEEDS)
-QUICK: Final = Plan(tests=tuple(test.shortened(2.5) for test in TESTS), speeds=(25.0,), seeds=2)
+FULL: Final = LateralPlan(tests=TESTS, speeds=SPEEDS, seeds=SEEDS)
+QUICK: Final = LateralPlan(tests=tuple(test.shortened(2.5) for test in TESTS), speeds=(25.0,), seeds=2)
 """A few seconds of each: shows that it runs; its numbers mean nothing."""
 
 
-def measured(case: Case) -> dict[str, Any]:
+def measured(case: LateralCase) -> dict[str, Any]:
     """Run and measure one case; observability is that of the filters' model, so only on the plant that equals it."""
     return measure(simulate(case), observe=case.plant == "paper")
 
 
-def literal_runs(plan: Plan, work: Work) -> list[Information]:
+def literal_runs(plan: LateralPlan, work: Work) -> list[Information]:
     """Return what the transition at the middle speed tells the literal filter, for each seed."""
     test, speed = plan.tests[-1], plan.middle_speed
-    cases = [Case(test=test, speed=speed, plant="paper", seed=seed) for seed in range(1, plan.seeds + 1)]
+    cases = [LateralCase(test=test, speed=speed, plant="paper", seed=seed) for seed in range(1, plan.seeds + 1)]
     return work.map(information, cases)
 
 
-def page_of(plan: Plan, work: Work, *, write: bool = False) -> Page:
+def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     """Run a plan; return tables over its seeds, and a figure of each test.
 
     Args:
         write: Whether to write tables and figures into docs/papers.
     """
     # Compiled here once, so that no worker has to.
-    simulate(Case(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
+    simulate(LateralCase(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measured, plan.cases)
     runs = literal_runs(plan, work)
-    results = [Result(case=case, measures=errors) for case, errors in zip(plan.cases, measures, strict=True)]
+    results = [LateralResult(case=case, measures=errors) for case, errors in zip(plan.cases, measures, strict=True)]
     rows, speed = error_rows(results), plan.middle_speed
     drawn = replace(plan, speeds=(speed,), seeds=1).cases
     files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in drawn}
@@ -205,7 +205,7 @@ class Lateral(Study):
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return errors of filters in one transition through all conditions, with softer contacts and other sensors."""
-        cases = [Case(test=TESTS[-1], speed=25.0, plant=plant, seed=1) for plant in _HEADLINES]
+        cases = [LateralCase(test=TESTS[-1], speed=25.0, plant=plant, seed=1) for plant in _HEADLINES]
         findings: list[Finding] = []
         for (plant, names), measures in zip(_HEADLINES.items(), work.map(measured, cases), strict=True):
             for name in names:

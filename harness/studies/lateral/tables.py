@@ -12,7 +12,7 @@ from scipy.stats import binom
 
 from railgrip.report.table import Table, share
 from railgrip.studies.lateral.judge import QUANTITIES, adhesion, beliefs_about
-from railgrip.studies.lateral.run import NAMES, Case, Trace
+from railgrip.studies.lateral.run import NAMES, LateralCase, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS
 from railgrip.studies.papers.pages import Compared, comparison
 
@@ -36,10 +36,10 @@ TITLES: Final = {
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Result:
-    """Case and measures, by `judge.measure`, of one run."""
+class LateralResult:
+    """LateralCase and measures, by `judge.measure`, of one run."""
 
-    case: Case
+    case: LateralCase
     measures: dict[str, Any]
 
 
@@ -94,16 +94,16 @@ def _digits(value: float) -> str:
     return "∞" if math.isinf(value) else f"{value:.2g}"
 
 
-def groups(results: Sequence[Result]) -> dict[tuple[str, float, str], list[Result]]:
+def groups(results: Sequence[LateralResult]) -> dict[tuple[str, float, str], list[LateralResult]]:
     """Return the results of all seeds by (plant, speed, test)."""
-    by_case: dict[tuple[str, float, str], list[Result]] = {}
+    by_case: dict[tuple[str, float, str], list[LateralResult]] = {}
     for result in results:
         case = result.case
         by_case.setdefault((case.plant, case.speed, case.test.name), []).append(result)
     return by_case
 
 
-def error_rows(results: Sequence[Result]) -> list[dict[str, Any]]:
+def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
     """Return one row for each plant, speed, test, filter and quantity, with a `Spread` for each figure."""
     return [
         {
@@ -175,7 +175,7 @@ def compared(trace: Trace) -> Table:
     return comparison(rows)
 
 
-def skill(results: Sequence[Result], speed: float) -> Table:
+def skill(results: Sequence[LateralResult], speed: float) -> Table:
     """Return RMSE over that of the best constant, medians over seeds, by test, quantity and filter.
 
     Args:
@@ -195,7 +195,7 @@ def skill(results: Sequence[Result], speed: float) -> Table:
     return Table(rows, left=("test", "quantity"))
 
 
-def friction_errors(results: Sequence[Result], speed: float) -> Table:
+def friction_errors(results: Sequence[LateralResult], speed: float) -> Table:
     """Return rms errors of mu0 by condition in runs of several, medians over seeds, by plant and filter."""
     rows: list[dict[str, Any]] = []
     for (plant, of_speed, _), runs in groups(results).items():
@@ -209,7 +209,7 @@ def friction_errors(results: Sequence[Result], speed: float) -> Table:
     return Table(rows, left=("plant", "filter"))
 
 
-def innovation_table(results: Sequence[Result]) -> Table:
+def innovation_table(results: Sequence[LateralResult]) -> Table:
     """Return the number of runs in which each filter was lost, its NIS, and its friction against the best constant."""
     rows: list[dict[str, Any]] = []
     for (plant, speed, test), runs in groups(results).items():
@@ -231,7 +231,7 @@ def innovation_table(results: Sequence[Result]) -> Table:
     return Table(rows, {"speed [m/s]": "{:g}", **dict.fromkeys(list(rows[0])[6:], str)}, ("plant", "test", "filter"))
 
 
-def observability_table(results: Sequence[Result]) -> Table:
+def observability_table(results: Sequence[LateralResult]) -> Table:
     """Return the standard deviation of mu0 given windows of readings, by speed and condition."""
     ranks: dict[tuple[float, int], list[tuple[float, float]]] = {}
     for result in results:
@@ -258,7 +258,7 @@ def observability_table(results: Sequence[Result]) -> Table:
     return Table(rows, {"speed [m/s]": "{:g}"}, ("condition",))
 
 
-def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
+def detections(results: Sequence[LateralResult]) -> list[tuple[str, Table, Table]]:
     """Return filter and plant, confusion matrix of the condition detector in shares of time, and its delays."""
     tables: list[tuple[str, Table, Table]] = []
     for plant, title in PLANT_TITLES.items():
@@ -273,7 +273,7 @@ def detections(results: Sequence[Result]) -> list[tuple[str, Table, Table]]:
     return tables
 
 
-def levels(results: Sequence[Result]) -> list[tuple[str, Table, str]]:
+def levels(results: Sequence[LateralResult]) -> list[tuple[str, Table, str]]:
     """Return filter and plant, the beliefs about mu0 in runs of several conditions, and a sentence about them."""
     tables: list[tuple[str, Table, str]] = []
     for plant, title in PLANT_TITLES.items():
@@ -300,7 +300,7 @@ def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tupl
     return table, f"{'; '.join((within, *far))}."
 
 
-def _delays(runs: Sequence[Result], name: str) -> Table:
+def _delays(runs: Sequence[LateralResult], name: str) -> Table:
     changes: dict[str, list[float | None]] = {}
     for run in runs:
         conditions = ["start", *(condition.name for _, condition in run.case.test.changes)]

@@ -73,7 +73,7 @@ CONDITIONS: Final = (DRY, WET, POOR, WORST)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Trial:
+class SurfaceTest:
     """One of the five tests of §4: the conditions of the rail over time.
 
     Attributes:
@@ -86,10 +86,10 @@ class Trial:
     changes: tuple[tuple[float, Condition], ...]
     duration: float
 
-    def shortened(self, duration: float) -> "Trial":
+    def shortened(self, duration: float) -> "SurfaceTest":
         """Return the same test compressed in time."""
         scale = duration / self.duration
-        return Trial(
+        return SurfaceTest(
             name=self.name, changes=tuple((scale * at, condition) for at, condition in self.changes), duration=duration
         )
 
@@ -115,8 +115,8 @@ SENSORS: Final = dict.fromkeys(PLANTS, PAPER_SENSORS) | {"service": SERVICE_SENS
 """Standard deviations of the readings of each plant, which the filters know."""
 
 TESTS: Final = (
-    *(Trial(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
-    Trial(
+    *(SurfaceTest(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
+    SurfaceTest(
         name="transition",
         changes=((0.0, DRY), (2.0, WET), (4.0, POOR), (6.0, WORST), (8.0, WET)),
         duration=10.0,
@@ -160,7 +160,7 @@ def _through(noise: Array, numerator: list[float], denominator: list[float], per
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Course:
+class LateralInputs:
     """Track, rail and noise of one run, sample by sample.
 
     Attributes:
@@ -178,7 +178,7 @@ class Course:
     conditions: tuple[Condition, ...]
 
 
-def course(test: Trial, seed: int, sensors: tuple[float, float] = PAPER_SENSORS) -> Course:
+def course(test: SurfaceTest, seed: int, sensors: tuple[float, float] = PAPER_SENSORS) -> LateralInputs:
     """Return track, rail and sensor noise of one run; the same seed gives the same run."""
     count = round(test.duration / PERIOD)
     starts = [round(at / PERIOD) for at, _ in test.changes]
@@ -190,7 +190,7 @@ def course(test: Trial, seed: int, sensors: tuple[float, float] = PAPER_SENSORS)
     for (first, last), condition in zip(segments, conditions, strict=True):
         inputs[first:last, 1:4] = condition.mu0, condition.A, condition.B
     noise = generator(seed, "sensors").standard_normal((count, 2)) * sensors
-    return Course(inputs=inputs, track_rate=rate, noise=noise, segments=segments, conditions=conditions)
+    return LateralInputs(inputs=inputs, track_rate=rate, noise=noise, segments=segments, conditions=conditions)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from railgrip.report import palette, style
 from railgrip.report.table import Table
 from railgrip.studies.pad_monitor.evidence import formation
-from railgrip.studies.pad_monitor.watch import Design, History
+from railgrip.studies.pad_monitor.watch import History, MonitorDesign
 
 
 def group_names() -> list[str]:
@@ -40,7 +40,7 @@ def health_table(history: History, names: Sequence[str]) -> Table:
     return Table(rows, left=rows[0])
 
 
-def summary_of(history: History, design: Design) -> str:
+def summary_of(history: History, design: MonitorDesign) -> str:
     """Return a sentence on what the stops could tell, and what more is wanted."""
     count = len(history.index)
     opening = f"Stops that distinguish the groups: {history.chart_points} of {count}"
@@ -55,7 +55,7 @@ def summary_of(history: History, design: Design) -> str:
     return f"{opening}; the first {design.reference} of those are the reference."
 
 
-def draw(history: History, design: Design) -> Figure:
+def draw(history: History, design: MonitorDesign) -> Figure:
     """Draw health and chart of each group over the stops."""
     called = group_names()
     drawing, axes = style.panels(11.0, 2.0 * len(called), len(called), 2, sharex=True, width_ratios=(3, 2))

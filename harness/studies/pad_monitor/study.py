@@ -15,7 +15,7 @@ from railgrip.report.table import Table, share
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.page import draw
-from railgrip.studies.pad_monitor.watch import Design, watch
+from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
 from railgrip.studies.study import Study
 
 SEEDS = 20
@@ -59,7 +59,7 @@ class PadMonitor(Study):
 
     def page(self, work: Work) -> Page:
         """Return what the monitor makes of all lives, and a figure of the first."""
-        design, plan = Design(), lives(self.seeds, self.stops, self.pressure_offset)
+        design, plan = MonitorDesign(), lives(self.seeds, self.stops, self.pressure_offset)
         evidence = work.map(evidence_of_life, plan)
         assessment = assessment_of(plan, evidence, design)
         table = assessment.table()
@@ -80,7 +80,7 @@ class PadMonitor(Study):
         """Return delays of alarms and false ones in one short life with a worn and a sticking brake."""
         # 20 stops of reference and 8 before the first fault; ten after each, by which it must be found.
         life = Life(stops=52, seed=1, worn=28, worn_group=1, stuck=40, stuck_group=2)
-        assessment = assessment_of([life], work.map(evidence_of_life, [life]), Design())
+        assessment = assessment_of([life], work.map(evidence_of_life, [life]), MonitorDesign())
         # A chart that ends a hair below its threshold alarms with the next stop.
         return [
             Finding("monitor: stops until lost friction is found", assessment.worn_delays[0], "stops", 1.0),
@@ -142,7 +142,7 @@ def _delays(delays: Sequence[int | None]) -> str:
     return f"median {np.median(finite):.0f}, at most {max(finite)} ({len(finite)} of {len(delays)} found)"
 
 
-def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: Design) -> Assessment:
+def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: MonitorDesign) -> Assessment:
     """Return what the monitor makes of lives whose evidence is known: delays and false alarms."""
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []

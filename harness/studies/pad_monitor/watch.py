@@ -26,7 +26,7 @@ FEWEST = 5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Design:
+class MonitorDesign:
     """What the monitor takes for healthy and what not.
 
     Attributes:
@@ -100,7 +100,7 @@ class History:
     chart_points: int
 
 
-def watch(stops: Sequence[Evidence], design: Design) -> History:
+def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
     """Return what the monitor makes of stops, oldest first.
 
     A load that is not the nominal one, wet pads and a wind move all groups together; a fault moves one. So a group is
@@ -145,7 +145,7 @@ def watch(stops: Sequence[Evidence], design: Design) -> History:
     )
 
 
-def threshold_for(scatter: float, design: Design) -> float:
+def threshold_for(scatter: float, design: MonitorDesign) -> float:
     """Return the threshold of the chart, in deviations, for the designed rate of false alarms.
 
     Between alarms of a chart with Gaussian steps of mean −δ lie (exp(2δb) − 2δb − 1)/(2δ²) stops, with b = h + 1.166.
@@ -170,7 +170,7 @@ def _chart(
     scatter: Vector,
     threshold: Vector,
     first: int,
-    design: Design,
+    design: MonitorDesign,
     chart: Matrix,
 ) -> list[Alarm]:
     """Fill `chart` from stop `first` on and return the alarms; after one the chart of its group rests."""
@@ -197,7 +197,7 @@ def _chart(
     return alarms
 
 
-def _scatter_by_group(health: Matrix, design: Design) -> Vector:
+def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
     """Return how far a group's evidence strays from that of the others, stop to stop, shape (groups,).
 
     Evidence claims what noise does to it. Latencies and slides do more, which only the stops themselves show.
@@ -210,7 +210,7 @@ def _scatter_by_group(health: Matrix, design: Design) -> Vector:
 
 
 def _follow(
-    stops: Sequence[Evidence], together: float, residual: Vector, alarms: Sequence[Alarm], design: Design
+    stops: Sequence[Evidence], together: float, residual: Vector, alarms: Sequence[Alarm], design: MonitorDesign
 ) -> tuple[Matrix, Matrix]:
     """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, groups).
 
@@ -244,7 +244,7 @@ def _follow(
     return index, spread
 
 
-def _trend(health: Matrix, apart: NDArray[np.bool_], design: Design) -> tuple[Vector, Vector]:
+def _trend(health: Matrix, apart: NDArray[np.bool_], design: MonitorDesign) -> tuple[Vector, Vector]:
     """Return the slope of health over the last stops and its deviation, share a stop, each shape (groups,).
 
     A straight line by least squares through the stops that distinguish the groups; its deviation comes from what they

@@ -62,7 +62,7 @@ def slopes_of(contact: Contact, slip: Vector, speed: Vector, load: Vector, mu0: 
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Course:
+class LyapunovCourse:
     """A stop between its samples: states in the middle of each period, rates over it, and the brake in it.
 
     Attributes:
@@ -95,7 +95,7 @@ class Course:
         return self.slopes.by_slip * self.slope_rate
 
 
-def course_of(stop: Stop) -> Course:
+def course_of(stop: Stop) -> LyapunovCourse:
     """Return the course of wheelset `WHEELSET` in a stop."""
     vehicle, trace = VehicleData(stop.scenario), stop.trace
     time, command = trace["time"].values, trace["command"].values[1:, GROUP]
@@ -111,7 +111,7 @@ def course_of(stop: Stop) -> Course:
     full = brake.pressure_max
     two_valued = bool(np.all((command < 0.01 * full) | (command > 0.99 * full)))
     greatest = trace["peak_adhesion"].values[:, GROUP]
-    return Course(
+    return LyapunovCourse(
         slopes=slopes_of(vehicle.contact, *middle),
         slip_rate=slip_rate,
         adhesion_rate=adhesion_rate,
@@ -144,7 +144,7 @@ def _slip_rate_changes(brake: Brake, trace: xarray.Dataset, speed: Vector) -> tu
     return factor * (brake.pad_force(0.0) - now), factor * (brake.pad_force(brake.pressure_max) - now)
 
 
-def inequalities(course: Course) -> dict[str, Mask | None]:
+def inequalities(course: LyapunovCourse) -> dict[str, Mask | None]:
     """Return where each inequality of the proof holds, shape (samples,); nothing where a law has no such input."""
     at, sigma = course.slopes, course.slopes.by_slip
     kept = sigma * course.slip_rate
@@ -164,7 +164,7 @@ def inequalities(course: Course) -> dict[str, Mask | None]:
     }
 
 
-def violations(courses: Mapping[str, Course]) -> dict[str, dict[str, float]]:
+def violations(courses: Mapping[str, LyapunovCourse]) -> dict[str, dict[str, float]]:
     """Return, by law and whether friction rests, the number of samples and the share that violates each inequality."""
     found: dict[str, dict[str, float]] = {}
     for law, course in courses.items():

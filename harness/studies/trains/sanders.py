@@ -28,7 +28,7 @@ Metres = Annotated[float, Unit("m", above=0, at_most=1e5)]
 Density = Annotated[float, Unit("kg/m", above=0, at_most=1)]
 
 
-class Row(Table):
+class SanderDistance(Table):
     """One of the distances of a trial."""
 
     sanders: str
@@ -45,7 +45,7 @@ class SandLaw(Table):
     density: tuple[Density, Density]
 
 
-class Trial(Table):
+class SanderTrial(Table):
     """A trial of sanders, `library/sanders.toml`."""
 
     speed: Speed
@@ -54,7 +54,7 @@ class Trial(Table):
     fitted: str
     source: str
     law: SandLaw
-    rows: tuple[Row, ...]
+    rows: tuple[SanderDistance, ...]
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -69,13 +69,13 @@ stop within the horizon; `measured_m`; `fitted`, whether the density of sand was
 trial gives only a bound."""
 
 
-def trial_of() -> Trial:
+def trial_of() -> SanderTrial:
     """Return the trial that is compared."""
     path = LIBRARY / "sanders.toml"
-    return validated(Trial, read_toml(path), directory=path.parent, origin=path.name)
+    return validated(SanderTrial, read_toml(path), directory=path.parent, origin=path.name)
 
 
-def scenario_tables(trial: Trial) -> dict[str, Any]:
+def scenario_tables(trial: SanderTrial) -> dict[str, Any]:
     """Return the tables that all stops of a trial have in common: its train, demand, rail and protection."""
     train = load_train(Path(trial.train))
     # Pad force, and with it the deceleration, is even in the pressure beyond that of the spring.
@@ -97,7 +97,7 @@ def scenario_tables(trial: Trial) -> dict[str, Any]:
     )
 
 
-def scenario_of_row(trial: Trial, row: Row, density: float, tables: dict[str, Any]) -> Scenario:
+def scenario_of_row(trial: SanderTrial, row: SanderDistance, density: float, tables: dict[str, Any]) -> Scenario:
     """Return the stop of a row with a density of sand."""
     changes: dict[str, Any] = {}
     if row.laid:
@@ -106,7 +106,7 @@ def scenario_of_row(trial: Trial, row: Row, density: float, tables: dict[str, An
     return scenario_of(merged(tables, changes), directory=LIBRARY, origin="sanders.toml")
 
 
-def compare(trial: Trial) -> tuple[float, list[Comparison]]:
+def compare(trial: SanderTrial) -> tuple[float, list[Comparison]]:
     """Fit the density of sand on one distance; return it [kg/m] and all distances."""
     tables = scenario_tables(trial)
     fitted = next(row for row in trial.rows if row.sanders == trial.fitted)

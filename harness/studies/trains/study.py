@@ -21,7 +21,7 @@ from railgrip.rolling_stock.files import NAMED
 from railgrip.scenario.file import located
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study
-from railgrip.studies.trains.sanders import Comparison, Trial, compare, scenario_of_row, scenario_tables, trial_of
+from railgrip.studies.trains.sanders import Comparison, SanderTrial, compare, scenario_of_row, scenario_tables, trial_of
 from railgrip.studies.trains.stops import (
     FILLING,
     PROPAGATION,
@@ -129,7 +129,7 @@ def page_of(
     stops: Sequence[DryStop],
     series: Sequence[DryStop],
     protected_stops: Sequence[Mapping[str, float]],
-    trial: Trial,
+    trial: SanderTrial,
     density: float,
     comparisons: Sequence[Comparison],
 ) -> Page:
@@ -175,7 +175,7 @@ def page_of(
     )
 
 
-def _sanders_as_data(trial: Trial, density: float, comparisons: Sequence[Comparison]) -> dict[str, Any]:
+def _sanders_as_data(trial: SanderTrial, density: float, comparisons: Sequence[Comparison]) -> dict[str, Any]:
     law = {"mu0": trial.law.mu0, "left": trial.law.left, "density_kg_m": density, "source": trial.source}
     return {"rows": comparisons, "law": law}
 
