@@ -7,7 +7,7 @@ from railgrip.base.interrupted import Interrupted, listen, stop_listening
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run the command line; Ctrl-C and SIGTERM end it with a sentence, once what was open is closed."""
+    """Run the command line; Ctrl-C and SIGTERM end it with a sentence, after open files and processes are closed."""
     listen()
     _write_unicode()
     try:
@@ -23,7 +23,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _write_unicode() -> None:
-    """Let files and pipes take what is printed: on Windows their encoding has neither μ nor ≥."""
+    """Set the encoding of output to files and pipes: on Windows the default has neither μ nor ≥."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(encoding=None if stream.isatty() else "utf-8", errors="replace")

@@ -56,14 +56,14 @@ _BRAKE = Brake(
     load=1.2e5, inertia=120.0, wheel_radius=0.45, units=4, friction_radius=0.24, piston_area=0.03, rigging=5.0,
     spring_force=1000.0, pressure_max=3.8e5,
 )  # fmt: skip
-"""Of no train; a law that only works with one train's numbers is none."""
+"""Data of a fictitious train; a law must not depend on the numbers of one train."""
 
 
 def check_controller(factory: Callable[[], Controller], *, estimates: bool = True) -> None:
     """Check a control law.
 
-    It takes any number of groups, returns one pressure between none and the highest for each, whatever is shown,
-    does not change what it is shown, and does the same again after `start`.
+    It takes any number of groups, returns one pressure between 0 and the maximum for each, for any observation, does
+    not change the observation, and repeats its outputs after `start`.
 
     Args:
         factory: Class or function that returns a new law.
@@ -98,8 +98,8 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
 def check_estimator(factory: Callable[[], Estimator]) -> None:
     """Check an estimator.
 
-    It says what it provides and gives that, finite, for any number of groups, while there are readings; standard
-    deviations are not negative; it does not change what it is shown, and does the same again after `start`.
+    It names its estimates and returns them, finite, for any number of groups, while there are readings; standard
+    deviations are not negative; it does not change the readings, and repeats its estimates after `start`.
 
     Raises:
         ContractBroken: It does something else.
@@ -152,8 +152,8 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
     """Check a plant.
 
     In a short run it starts at the speed that it is given, coasts, and brakes on a good rail; distance, speed and
-    acceleration are integrals of each other, wheels roll when nothing brakes, cylinders fill, and what it shows of slip
-    and adhesion can be. On a poor rail it brakes no more than friction allows. It does the same again after `start`.
+    acceleration are integrals of each other, wheels roll without braking, cylinders fill, and its slip and adhesion
+    are physically possible. On a poor rail it does not exceed friction. It repeats its outputs after `start`.
 
     Args:
         factory: Class or function that returns a new plant.
@@ -216,7 +216,7 @@ def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequ
     Args:
         factory: Of the law.
         formation: Of the vehicle.
-        shown: What it was shown, up to what it failed on.
+        shown: Its inputs, up to those on which it failed.
     """
     *before, failed = shown
     rolling = _rolling(formation, estimated=True)

@@ -1,5 +1,5 @@
-"""Trains in files: what they are made of, drawn to scale, checked, calculated by hand, and written as Modelica.
+"""Trains in files: schema, drawing to scale, checks, calculation by hand, and Modelica.
 
-A package of its own above `railgrip.vehicle`: it reads scenario tables and draws with `railgrip.report`, and both of
-them need formations.
+Separate from `railgrip.vehicle`, because it reads scenario tables and draws with `railgrip.report`, which both need
+formations.
 """

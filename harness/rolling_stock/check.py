@@ -10,8 +10,8 @@ from railgrip.base.errors import InputError
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand
 
-_SAME_MASS = 0.01  # between a car's mass and what stands on its axles: rounding of data sheets
-_DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: most that a brake may count on from 30 to 250 km/h
+_SAME_MASS = 0.01  # between the mass of a car and its axle loads: rounding of data sheets
+_DESIGN_ADHESION = 0.15  # LOC&PAS TSI (EU 1302/2014), 4.2.4.6.1: maximum adhesion in design, 30 to 250 km/h
 _CLOSE = 0.10  # to a published stop
 _SENSED = 1e4  # Pa; below it cells hasten the front by 6 % or more, see Pneumatics.Accelerator
 _ROTATING = (0.01, 0.30)  # share of the mass; 5 % to 10 % for coaches, up to 25 % for locomotives (EN 14531-1)
@@ -38,7 +38,7 @@ class Finding:
 
 
 def findings(train: Train) -> list[Finding]:
-    """Return all that does not fit or is unusual, what is wrong first."""
+    """Return all inconsistent or unusual values, errors first."""
     results = [*_masses(train), *_places(train), *_brakes(train), *_accelerators(train)]
     if not any(finding.wrong for finding in results):
         results += _stops(train)

@@ -96,7 +96,7 @@ def _parameters(train: Train, body_of_car: Sequence[int]) -> dict[str, Sequence[
 
 
 def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dict[str, Any]:
-    """Return what the template knows of a bogie; it counts groups and wheelsets from 1."""
+    """Return the variables of the template for a bogie; groups and wheelsets are counted from 1."""
     groups = [number for number, members in enumerate(train.groups, start=1) if members[0] in bogie.axles]
     return {
         "title": bogie.kind,
@@ -110,9 +110,9 @@ def _bogie(train: Train, bogie: BogieInTrain, body_of_car: Sequence[int]) -> dic
 
 
 def _command(train: Train, body_of_car: Sequence[int]) -> dict[str, Any]:
-    """Return what the template knows of the way of the brake command to the cars."""
+    """Return the variables of the template for the path of the brake command to the cars."""
     has_pipe = train.command is not None and train.command.kind == "brake_pipe"
-    # Through the pipe each car has a pressure of its own, by wire there is one for all.
+    # Through the pipe each car has its own pressure; by wire all have the same.
     available = [max(_pressures(train, number)) for number in range(len(train.cars))] if has_pipe else [1.0]
     distributors = train.distributor_of_car
     single, two_stage = (
@@ -161,7 +161,7 @@ def _pressures(train: Train, car: int) -> list[float]:
 
 
 def _lowest(signal: str, groups: range) -> str:
-    """Return the lowest of a signal's elements: a valve of several groups vents where one of them wants it vented."""
+    """Return the minimum of the elements of a signal: a valve of several groups vents if one of them demands it."""
     first, *others = (f"{signal}[{number}]" for number in groups)
     for other in others:
         first = f"noEvent(min({first}, {other}))"
@@ -185,5 +185,5 @@ def _identifier(name: str) -> str:
 
 
 def _text(words: str) -> str:
-    """Return words as they may stand in a Modelica string."""
+    """Return a text with the escapes of a Modelica string."""
     return words.replace("\\", "\\\\").replace('"', '\\"')

@@ -1,7 +1,7 @@
 """The train file as a type: cars on bogies on axles, brakes, couplers, and where each number comes from.
 
-Every table of numbers says whose they are: `source = "…"` for what somebody published, `estimated = true`, or a list of
-keys, for what is ours. No physical value has a default.
+Every table of numbers has an origin: `source = "…"` for published values, `estimated = true`, or a list of keys, for
+estimates. No physical value has a default.
 """
 
 from collections.abc import Mapping, Sequence
@@ -56,7 +56,7 @@ class Sourced(Table):
 
 
 class Resistance(Sourced):
-    """What slows the train beside its brakes: air, bearings, rolling."""
+    """Resistances of the train: air, bearings, rolling."""
 
     drag_coefficient: Positive = Field(description="of the whole train, over its frontal area")
     frontal_area: Area = Field(description="of the train")
@@ -212,7 +212,7 @@ class Bogie(Sourced):
         return self.axles[-1]
 
     def each(self, values: Sequence[float]) -> list[float]:
-        """Return a value for each axle of what is one for all or one for each."""
+        """Return a value for each axle from a common value or one for each."""
         return list(values) * (len(self.axles) // len(values))
 
 
@@ -235,7 +235,7 @@ class Coupler(Sourced):
 
 
 class Car(Sourced):
-    """A car: what it weighs as it brakes, and the bogies under it."""
+    """A car: its mass in the stop, and its bogies."""
 
     name: Name = Field(description="of the car, in figures and sentences")
     length: Size = Field(description="over couplers")
@@ -458,7 +458,7 @@ class Train(Table):
 
     @property
     def accelerator_of_car(self) -> tuple[Accelerator | None, ...]:
-        """Accelerator of the brake pipe of each car, None where it has none."""
+        """Accelerator of the brake pipe of each car, None without one."""
         return tuple(self.accelerators[car.accelerator] if car.accelerator else None for car in self.cars)
 
     @property

@@ -22,7 +22,7 @@ Matrix = NDArray[np.float64]
 
 _STEP = 1e-2  # s
 _FILLED = 0.95  # of the highest pressure at the end of the filling time
-_SOUND = 290.0  # m/s, isothermal, of a small wave in a brake pipe without branches; UIC 540 wants 250 of a front
+_SOUND = 290.0  # m/s, isothermal, of a small wave in a brake pipe without branches; UIC 540 requires 250 of a front
 _AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Data.Drag
 _LONGEST = 600.0  # s
 
@@ -62,7 +62,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         speed: At the brake demand [m/s].
 
     Raises:
-        InputError: The train does not come to a stand within ten minutes.
+        InputError: The train does not stop within ten minutes.
     """
     brakes, wheel = _brakes_of(train)
     mass, inertia = np.array([[axle.mass, axle.inertia] for axle in train.axles]).T
@@ -87,7 +87,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
         drag = 0.5 * _AIR_DENSITY * train.resistance.drag_coefficient * train.resistance.frontal_area * v**2
         deceleration = (float(braking.sum()) + float(magnets.sum()) + drag) / inert
         adhesion = np.maximum(adhesion, shares @ (braking - turning * deceleration))
-        # What a joint takes is what the cars before it brake more, or less, than the common deceleration wants.
+        # The force of a coupler is the brake force of the cars ahead, less the force for their common deceleration.
         of_cars = cars @ braking + drag / len(train.cars)
         np.add.at(of_cars, magnetic_car, magnets)
         history.append(of_cars)
@@ -153,8 +153,8 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
     """Return the largest force in each coupler of a chain of cars that swing, shape (couplers,) [N].
 
     The cars are rigid masses on the springs, dampers and slacks of their couplers, under the forces of the calculation
-    by hand. A step of force makes one spring overshoot its static force by 1 + exp(-π ζ/√(1 - ζ²)), at most twice; a
-    force that turns round while the chain still swings adds to it.
+    by hand. A step of force makes one spring overshoot its static force by 1 + exp(-π ζ/√(1 - ζ²)), up to twice;
+    a reversal of the force while the chain still oscillates adds to it.
     """
     body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
     couplers = [train.couplers[car.coupler] for car in train.cars if car.coupler]

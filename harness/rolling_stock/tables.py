@@ -9,7 +9,7 @@ from railgrip.vehicle.formation import axle_load
 
 
 def table_of_axles(train: Train) -> Table:
-    """Return one row for each axle: where it is, what it carries, what turns and brakes with it."""
+    """Return one row for each axle: place, load, coupled axles, and brake."""
     force = full_brake_force(train)
     valve_of_group = [valve for valve, count in enumerate(train.groups_per_valve) for _ in range(count)]
     rows = [

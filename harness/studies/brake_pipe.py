@@ -77,7 +77,7 @@ Case = tuple[float, str]
 
 
 def fronts(cells: int) -> dict[Case, float]:
-    """Return the speed of the front from the first vehicle to the last [m/s], with so many cells a vehicle."""
+    """Return the speed of the front from the first vehicle to the last [m/s], with `cells` for each."""
     with scratch("study") as folder:
         source = folder / "Pipe.mo"
         source.write_text(_MODEL.replace("CELLS", str(cells)), encoding="utf-8")

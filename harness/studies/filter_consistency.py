@@ -1,4 +1,4 @@
-"""Errors of the filters of the two-part train, and what they claim, under each load and each fault."""
+"""Errors of the filters of the two-part train and their claimed deviations, under each load and each fault."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ FILTERS = {
     "disturbed, load ±10 %": {"model": "TrainPredictionDisturbed", "load_deviation": 0.1},
     "loaded": {"model": "TrainPredictionLoaded"},
 }
-"""Filters by what they assume of the load: that it is nominal, that it is not, and that it can be learned."""
+"""Filters by their assumption on the load: nominal, uncertain, or estimated."""
 LOADS = (0.8, 0.9, 1.0, 1.05, 1.12)
 SCENARIOS = ("trapezoid", "sine_sweep", "random")
 SEEDS = (1, 2, 3)

@@ -67,7 +67,7 @@ def excursions(recording: xarray.Dataset, estimates: xarray.Dataset, settled: fl
     after = time >= time[0] + settled
     error = np.abs(errors(recording, estimates, "alpha"))
     outside = outside_events(recording, settled)
-    # A filter that ended early is off for good: what is not a number is over the limit.
+    # A filter that ended early counts as lost: NaN is over the limit.
     over = ~(error <= LIMIT) & after
     edges = np.flatnonzero(np.diff(np.concatenate([[0], over.astype(int), [0]])))
     lengths = (edges[1::2] - edges[::2]) * period_of(recording)
@@ -115,13 +115,13 @@ samples_outside, excursions, longest, kept: see `excursions`; ended: why the fil
 
 
 def recording_of_rig(scenario: Scenario) -> xarray.Dataset:
-    """Return a run on the rig, with `protecting`: 1 while the protection keeps the brake from giving what is asked for.
+    """Return a run on the rig, with `protecting`: 1 while the protection reduces the demanded brake.
 
     Raises:
         PlantFailed: The plant refused a step.
     """
     trace = evenly(run_stop(scenario).trace, scenario.name)
-    # A row holds what was decided before it: the next one what was decided in it.
+    # A row has the decision before it; its own decision is in the next row.
     protection = (trace["demand"] < trace["driver_demand"]).values[:, 0]
     return with_signals(trace, {"protecting": (np.append(protection[1:], protection[-1:]), "1")})
 
@@ -154,7 +154,7 @@ def tested(scenario: Scenario) -> tuple[xarray.Dataset, dict[str, xarray.Dataset
 def with_encoder(scenario: Scenario) -> list[Row]:
     """Return both filters on a run whose encoder of the roller may be another one.
 
-    Our filter is told the noise of the encoder that it has; equation (20) is what it is.
+    The filter of railgrip is given the noise of its encoder; equation (20) is used as printed.
     """
     assert isinstance(scenario.sensors, White)
     recording, noise = recording_of_rig(scenario), scenario.sensors.noise["speed"].si("m/s")
@@ -171,9 +171,11 @@ def with_encoder(scenario: Scenario) -> list[Row]:
 def fit_of(case: tuple[str, float]) -> Row:
     """Return errors of equation (20) as printed on a test of the rig at a period, with each encoder of the roller.
 
-    Of an encoder: median of the errors outside protection events over `DRAWS`, and how many of these keep the promise.
-    `known` is the deviation to which `RECOVERY` seconds of readings with the noises of R tell adhesion at their begin,
-    the model being exact: the Cramér-Rao bound of a filter that corrects an error in that time, median over windows.
+    For an encoder: median of the errors outside protection events over `DRAWS`, and the number of draws within the
+    claim. `known` is the deviation to which `RECOVERY` seconds of readings with the noises of R determine adhesion at
+    their
+    start, with an exact model: the Cramér-Rao bound of a filter that corrects an error in that time, median over
+    windows.
     """
     name, period = case
     specification = _filters()["rig-paper"]
@@ -324,7 +326,7 @@ def _rows(
 
 
 def table_of(rows: Sequence[Row], **first: str) -> Table:
-    """Return rows as people read them, behind columns of their own: title → column of the files."""
+    """Return rows for readers, after the given columns: title → column of the files."""
     return Table(
         [{title: row[name] for title, name in (first | _COLUMNS).items()} for row in rows],
         _FORMS,

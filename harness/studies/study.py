@@ -58,7 +58,7 @@ def study_named(name: str) -> type[Study]:
     """Return a study.
 
     Raises:
-        InputError: There is no study of that name.
+        InputError: The name of the study is unknown.
     """
     if name not in names():
         raise InputError(f"there is no study '{name}'; there is {', '.join(names())}.")
@@ -74,7 +74,7 @@ def conduct(
     fresh: bool = False,
     formats: Sequence[str] = FORMATS[:1],
 ) -> tuple[Page, Path]:
-    """Run a study, write its page and the files beside it; return the page and its path.
+    """Run a study, write its page and further files; return the page and its path.
 
     Raises:
         RecordError: Results cannot be written there; nothing was run.

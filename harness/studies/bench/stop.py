@@ -39,7 +39,7 @@ BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
 
 
 class InPython:
-    """The library's two-state slip control as a class of one's own, a few lines that cost a few microseconds."""
+    """The library's two-state slip control as a user's class, a few lines that take a few microseconds."""
 
     def start(self, formation: Formation) -> None:
         """Take the greatest pressures, and brake every group."""

@@ -58,7 +58,7 @@ class BenchStudy(Study):
 
 
 def answer(rows: Sequence[Row]) -> str:
-    """Return the time of a cycle, how much faster than real time a stop is, and what is over its target."""
+    """Return the time of a cycle, the speed of a stop relative to real time, and the times that exceed their target."""
     measured = {what: figure for what, figure, _ in reversed(rows)}  # of rows with one name, the first
     cycle, faster = measured[f"{stop.ABC}{stop.CYCLE}"], measured[stop.FASTER]
     judged, over, head = 0, list[str](), ""

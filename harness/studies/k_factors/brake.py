@@ -156,7 +156,7 @@ class QuasiStaticBrake:
         return deviations
 
     def _pressure(self, deviations: Deviations) -> Array:
-        """Return what the cylinders of each group hold, less what the leak keeps from them [Pa]."""
+        """Return the steady cylinder pressure of each group, less the loss by the leak [Pa]."""
         return self._brake["pressure_max"] + deviations["pressure"] - self._of["leak"] * self._of["T_fill"]
 
     def _torque(self, available: Sequence[int], deviations: Deviations, *, alike: bool = False) -> Array:
@@ -199,7 +199,7 @@ class QuasiStaticBrake:
             for part in range(PARTS):
                 square = high**2 - (part + 0.5) * width
                 speed = square**0.5
-                # What heats the bulk of a disc is what was braked, less what is still in its surface.
+                # The energy in the bulk of a disc is the braking energy less the energy that is still in its surface.
                 energy = 0.5 * inertial[:, None] * (start**2 - square) * share / count
                 surface = of["m_disc_surface"] * of["c_disc"] * force / count * speed / of["G_disc"]
                 warmth = np.maximum(energy - surface, 0.0) * disc_share / (of["m_disc"] * of["c_disc"])

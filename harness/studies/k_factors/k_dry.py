@@ -35,7 +35,7 @@ _RATES = 1000
 _NEGLECT = 1e-3
 """Most that failure states which are left out may have of the smallest probability in question."""
 _NEGLECT_IN_LOOP = 0.25
-"""The same where each state costs hundreds of stops; the interval says what it costs."""
+"""The same if each state takes hundreds of stops; the interval shows the loss of accuracy."""
 _SCALING = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
@@ -68,8 +68,8 @@ def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -
     """Return the quasi-static brake of a scenario's plant.
 
     Raises:
-        ScenarioError: The plant is no such train, valves do not fill its cylinders, or something else than full
-            brake is demanded.
+        ScenarioError: The plant is not such a train, its cylinders are not filled by valves, or the demand is not full
+            brake.
     """
     if scenario.actuation.kind != "pneumatic":
         raise ScenarioError(
@@ -127,7 +127,7 @@ def quasi_static(
 def scenario_of_draw(
     scenario: Scenario, brake: QuasiStaticBrake, available: Sequence[int], standard: Array | None
 ) -> Scenario:
-    """Return the scenario whose plant is as drawn, or nominal; its controller still believes nominal data."""
+    """Return the scenario with the drawn plant, or the nominal one; the controller assumes nominal data."""
     parameters = {name: Magnitude(value) for name, value in brake.plant_parameters(available, standard).items()}
     vehicle = scenario.vehicle.model_copy(update={"parameters": {**scenario.vehicle.parameters, **parameters}})
     return scenario.model_copy(update={"vehicle": vehicle})
@@ -208,7 +208,7 @@ def _states(
 
 
 def _rates(failures: Failures, *standard: float) -> Rates:
-    """Return the rates so many standard deviations above their medians: one for both, or one for each; 0 without."""
+    """Return the rates by a number of deviations above their medians: one for both, or one for each; 0 without."""
     isolated, stuck = failures.isolated_unit, failures.stuck_valve
     first, last = (standard[0], standard[-1]) if standard else (0.0, 0.0)
     return Rates(

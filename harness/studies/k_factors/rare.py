@@ -101,7 +101,7 @@ def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tu
     for group in groups:
         candidates = [State((*state.available, count), state.probability * p) for state in states for count, p in group]
         candidates.sort(key=lambda state: (-state.probability, state.available))
-        # Summed from the least likely on, for one minus the others has no digits left.
+        # Summed from the least likely one: one minus the others would lose all digits.
         tail = np.cumsum([state.probability for state in reversed(candidates)])
         excess = min(int(np.searchsorted(tail, neglect / len(groups), side="right")), len(candidates) - 1)
         rest += float(tail[excess - 1]) if excess else 0.0
@@ -180,7 +180,7 @@ def widened(
     probabilities: Sequence[float],
     confidence: float = 0.95,
 ) -> tuple[Interval, ...]:
-    """Return intervals of quantiles that also hold what is uncertain in the probabilities of the failure states.
+    """Return intervals of quantiles that include the uncertainty of the probabilities of the failure states.
 
     The quantile is formed anew for each draw of the probabilities; the interval reaches from the lower to the upper
     quantile of the results, and further by what sampling adds. States that were left out lower the lower ends.

@@ -24,7 +24,7 @@ LIBRARY = Path(__file__).parent / "library"
 EXTENTS: tuple[Extent, ...] = ("train", "group", "unit")
 _FINEST: dict[Quantity, Extent] = {"pressure": "group", "wheel_radius": "group", "mass": "train", "build_up": "train"}
 _WIDEST = 0.15
-"""Standard deviation as a share: of a wider one six are no positive factor any more."""
+"""Standard deviation as a share: with a larger one, six of them are not a positive factor."""
 _FARTHEST = 0.5
 
 
@@ -112,7 +112,7 @@ class ComponentFailure(Table):
     common_cause: CommonCause
 
     def quantile(self, standard: float) -> float:
-        """Return the probability so many standard deviations of its logarithm above the median, at most 1."""
+        """Return the probability a number of standard deviations of its logarithm above the median, limited to 1."""
         return min(self.probability * self.error_factor ** (standard / float(ndtri(0.95))), 1.0)
 
 

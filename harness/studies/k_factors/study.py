@@ -63,7 +63,7 @@ class KFactors(Study):
         """Return K of the quasi-static brake; with `loop` also in stops.
 
         Raises:
-            ScenarioError: The plant is no such train, its nominal stop has no end, or the file has no [loop].
+            ScenarioError: The plant is not such a train, its nominal stop does not end, or the file lacks [loop].
         """
         specification, scenario = load_specification(self.file, self.overrides or [])
         folders = self.import_from or []
@@ -98,7 +98,7 @@ class KFactors(Study):
         little = [f"estimate.runs={_FEW_RUNS}", f"estimate.samples={_FEW_SAMPLES}"]
         specification, scenario = load_specification(self.file, little)
         result = quasi_static(specification, brake_of_scenario(specification, scenario))
-        # Seeds are fixed: what is left is the arithmetic of another machine, for which a thousandth is enough.
+        # Seeds are fixed: a thousandth is enough for the arithmetic of another machine.
         return [Finding(f"vt642: K of the stop, EBCL {level}", result.k[-1][level].value, "1") for level in _LEVELS]
 
 
@@ -120,7 +120,7 @@ def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
 
 
 def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
-    """Return what disperses and what fails, each value with its source: tables `dispersion` and `failures`."""
+    """Return the dispersions and failures, each value with its source: tables `dispersion` and `failures`."""
     dispersion = [
         (one.quantity.replace("_", " "), one.per, f"{one.kind}, {_extent(one)}", one.source)
         for one in specification.dispersion
@@ -153,7 +153,7 @@ def _extent(dispersion: Normal | Uniform) -> str:
 def sentences(
     brake: QuasiStaticBrake, distance: float, result: QuasiStatic, loop: Mapping[str, Any] | None, workers: int
 ) -> list[str]:
-    """Return what else the study has to say; `distance` is that of the nominal train in the loop [m]."""
+    """Return further remarks on the results; `distance` is that of the nominal train in the loop [m]."""
     nominal = ", ".join(f"{output} {a:.3f}" for output, a in zip(brake.outputs, brake.nominal, strict=True))
     lines = [
         f"Nominal deceleration [m/s²]: {nominal}; equivalent time {brake.equivalent_time:.2f} s.",
@@ -186,7 +186,7 @@ def content(
     result: QuasiStatic,
     loop: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
-    """Return the file of results; the same question gives the same one, but for what is under `seconds`."""
+    """Return the file of results; the same specification gives the same file, except for `seconds`."""
     plant = plant_description(scenario)
     results: dict[str, Any] = {
         "name": specification.name,

@@ -88,7 +88,7 @@ PRIOR = 0.10
 """Standard deviation of friction before a stop, 1: wide, and taken out of the evidence again."""
 
 _PROCESS = {"v": 3e-3, "w": 1e-2, "mu_b": 5e-4, "alpha": 0.3}
-"""Deviations in unit/√s. The nominal law carries how friction moves within a stop, so what is left of it rests;
+"""Deviations in unit/√s. The nominal law describes the course of friction within a stop: the residual is constant;
 adhesion must follow a group that is released within 0.2 s."""
 _READINGS = {"speed": 0.1, "wheelset_speed": 0.2, "acceleration": 0.04}
 """As [readings.service] of estimators/noises.toml, but for the accelerometer, whose bias is taken out before."""
@@ -114,8 +114,8 @@ class Evidence:
         covariance: Of `health` without any prior, shape (groups, groups); large where the stop does not distinguish
             groups. Noise of the readings only, new in every stop.
         offset: 1σ that the transducers' `PRESSURE_OFFSET` puts on `health`, shape (groups,). Readings give the torque;
-            pressure that reads too high makes the pads look worse. Stops do not average it out, and it is no reason to
-            chart a stop less: charts compare a group with its own reference, which was read by the same transducer.
+            a pressure that reads too high makes the pads look worse. The offset does not average out over stops, and it
+            does not reduce the weight of a stop: charts compare a group with its own reference, by the same transducer.
         drag: Deceleration with released brakes that resistance does not explain [m/s²]; NaN without coasting.
     """
 
@@ -300,7 +300,7 @@ def _run_filter(
 def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
     """Return the bias of an accelerometer [m/s²]: what its integral runs away from the speed that was read.
 
-    It holds the slope of the track, too, which an accelerometer cannot tell from a bias.
+    It includes the slope of the track, which an accelerometer cannot distinguish from a bias.
     """
     finite = np.isfinite(acceleration)
     if finite.mean() < 0.5:

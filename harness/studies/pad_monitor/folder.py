@@ -25,13 +25,14 @@ def stops_in(
     specification: Specification | None = None,
     progress: Callable[[int, int], None] = lambda count, of: None,
 ) -> tuple[dict[str, Evidence], list[str]]:
-    """Return the evidence of all stops in a folder, by name and in order, and what was left out, mended or assumed.
+    """Return the evidence of all stops in a folder, by name and in order, and remarks on what was left out, corrected
+    or assumed.
 
     A stop is a folder with a trace.nc in it, or, with a specification that maps their columns, a recorded file. One
     that cannot be used is left out and said.
 
     Raises:
-        EstimationError: There is no stop.
+        EstimationError: The folder has no stops.
     """
     if not folder.is_dir():
         raise EstimationError(f"{folder}: there is no such folder; name one that holds stops.")

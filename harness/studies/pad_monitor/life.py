@@ -60,8 +60,8 @@ class Life:
         stuck_group: Which.
         residual: Pressure that the stuck group keeps [Pa].
         testing: Groups are released in turn, so that they can be distinguished.
-        pressure_offset: 1σ of what each pressure transducer is off for the whole life [Pa], beside 500 Pa that are new
-            in every stop.
+        pressure_offset: 1σ of the offset of each pressure transducer for the whole life [Pa], in addition to 500 Pa
+            that are drawn in every stop.
     """
 
     stops: int
@@ -138,7 +138,7 @@ def _stop(
     nominal, groups = _nominal(), formation().groups
     full = random.uniform(0.6, 0.9) * np.array([nominal[f"p_max[{g + 1}]"] for g in range(groups)])
     speed = random.uniform(70.0, 110.0) / 3.6
-    load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor believes in the nominal mass
+    load = 1.0 + 0.05 * random.standard_normal()  # passengers; the monitor assumes the nominal mass
     slope = 0.002 * random.standard_normal()
     discs = random.uniform(293.15, 393.15, groups)
     loads = {f"m_wheelset[{i + 1}]": load * nominal[f"m_wheelset[{i + 1}]"] for i in range(formation().wheelsets)}
@@ -160,7 +160,7 @@ def _stop(
     trace = trace_of(scenario_of(merged(_TRAIN, changes), directory=Path(), origin="life"))
     count = trace.sizes["time"]
     readings = trace["cylinder_pressure"].values.copy()
-    if stuck is not None:  # what is read is the valve's pressure; the rigging behind it is what sticks
+    if stuck is not None:  # the reading is the pressure of the valve; the rigging behind it sticks
         demand = trace["driver_demand"].values[1:, stuck]
         demand = np.where(demand == life.residual, 0.0, demand)
         readings[:, stuck] = list(

@@ -12,7 +12,7 @@ from railgrip.studies.pad_monitor.watch import History, MonitorDesign
 
 
 def group_names() -> list[str]:
-    """Return what each group is called: by its wheelsets, counted from the leading one."""
+    """Return the names of the groups, by their wheelsets, counted from the leading one."""
     return [
         f"wheelset {members.stop}"
         if members.stop - members.start == 1
@@ -41,7 +41,7 @@ def health_table(history: History, names: Sequence[str]) -> Table:
 
 
 def summary_of(history: History, design: MonitorDesign) -> str:
-    """Return a sentence on what the stops could tell, and what more is wanted."""
+    """Return a sentence on the evidence of the stops, and on further evidence that is needed."""
     count = len(history.index)
     opening = f"Stops that distinguish the groups: {history.chart_points} of {count}"
     if history.chart_points == 0:

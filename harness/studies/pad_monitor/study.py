@@ -58,7 +58,7 @@ class PadMonitor(Study):
     ] = PRESSURE_OFFSET
 
     def page(self, work: Work) -> Page:
-        """Return what the monitor makes of all lives, and a figure of the first."""
+        """Return the verdicts of the monitor on all lives, and a figure of the first."""
         design, plan = MonitorDesign(), lives(self.seeds, self.stops, self.pressure_offset)
         evidence = work.map(evidence_of_life, plan)
         assessment = assessment_of(plan, evidence, design)
@@ -143,7 +143,7 @@ def _delays(delays: Sequence[int | None]) -> str:
 
 
 def assessment_of(plan: Sequence[Life], evidence: Sequence[Sequence[Evidence]], design: MonitorDesign) -> Assessment:
-    """Return what the monitor makes of lives whose evidence is known: delays and false alarms."""
+    """Return the performance of the monitor on lives with known evidence: delays and false alarms."""
     worn_delays: list[int | None] = []
     stuck_delays: list[int | None] = []
     healthy = false_alarms = right = alarms_due = 0

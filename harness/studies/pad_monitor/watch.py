@@ -18,11 +18,11 @@ _UNKNOWN = 0.2
 """Deviation of health of which nothing is known: lots and units of pads, and the faults that are looked for."""
 
 _TOGETHER = 0.05
-"""Scatter that all groups share, taken while there are no reference stops: the load of a train."""
+"""Common scatter of all groups before there are reference stops: the load of a train."""
 
 
 FEWEST = 5
-"""Stops that a scatter is taken from at least."""
+"""Minimum number of stops for a scatter."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,8 +33,8 @@ class MonitorDesign:
         reference: Stops of a brake known to be healthy, right after commissioning, that later ones are held against.
         tolerated: Share of friction that a group may lose and still be healthy: glazing and wear.
         failed: Share at which it must be found.
-        false_alarms: Rate that is designed for, a stop and group, at a loss of `tolerated`.
-        least_scatter: Scatter from stop to stop that is taken at least, share of friction.
+        false_alarms: Design rate for each stop and group, at a loss of `tolerated`.
+        least_scatter: Minimum scatter from stop to stop, share of friction.
         largest_deviation: Evidence with a larger standard deviation does not distinguish groups and is not charted.
         largest_step: Of the chart, in deviations; one odd stop must not alarm alone.
         drift: Random walk of health that the index follows, share a stop.
@@ -101,7 +101,7 @@ class History:
 
 
 def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
-    """Return what the monitor makes of stops, oldest first.
+    """Return the verdict of the monitor on stops, oldest first.
 
     A load that is not the nominal one, wet pads and a wind move all groups together; a fault moves one. So a group is
     charted by its health over the median of the others, relative to the same ratio in the reference stops. All
@@ -148,9 +148,10 @@ def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
 def threshold_for(scatter: float, design: MonitorDesign) -> float:
     """Return the threshold of the chart, in deviations, for the designed rate of false alarms.
 
-    Between alarms of a chart with Gaussian steps of mean −δ lie (exp(2δb) − 2δb − 1)/(2δ²) stops, with b = h + 1.166.
-    δ is the distance of the tolerated loss from the chart's slack, which lies in the middle between tolerated and
-    failed. The threshold is no less than what two of the largest steps leave behind, so that no stop alarms alone.
+    The mean number of stops between alarms of a chart with Gaussian steps of mean −δ is (exp(2δb) − 2δb − 1)/(2δ²),
+    with b = h + 1.166. δ is the distance of the tolerated loss from the slack of the chart, which is the middle of
+    tolerated and failed. The threshold is not below the sum of two of the largest steps, so that a single stop does not
+    alarm.
 
     Source: Siegmund, Sequential Analysis (1985), for the cumulated sum of a shifted mean.
     """
@@ -223,7 +224,7 @@ def _follow(
     Args:
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
-        residual: Deviation of each group from stop to stop beside that, shape (groups,).
+        residual: Remaining deviation of each group from stop to stop, shape (groups,).
         alarms: Of the chart.
         design: Of the monitor.
     """
@@ -247,7 +248,7 @@ def _follow(
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: MonitorDesign) -> tuple[Vector, Vector]:
     """Return the slope of health over the last stops and its deviation, share a stop, each shape (groups,).
 
-    A straight line by least squares through the stops that distinguish the groups; its deviation comes from what they
+    A straight line by least squares through the stops that distinguish the groups; its deviation comes from their
     scatter about it.
     """
     number = np.flatnonzero(apart)

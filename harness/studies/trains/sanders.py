@@ -1,6 +1,6 @@
 """The trial of sanders: the density of sand is fitted on one of its five distances.
 
-The other four are no blind prediction: further assumptions of the trial were chosen with all five in view.
+The other four are not a blind prediction: further assumptions of the trial were chosen with all five known.
 """
 
 from collections.abc import Mapping
@@ -64,9 +64,9 @@ class SanderTrial(Table):
 
 
 Comparison = Mapping[str, Any]
-"""A distance of the trial beside ours, as sanders.json has it: `sanders`; `distance_m`, None for a train that did not
-stop within the horizon; `measured_m`; `fitted`, whether the density of sand was found on it; `at_least`, true where the
-trial gives only a bound."""
+"""A distance of the trial and the simulated one, as in sanders.json: `sanders`; `distance_m`, None for a train that did
+not stop within the horizon; `measured_m`; `fitted`, whether the density of sand was fitted to it; `at_least`, true
+where the trial gives only a bound."""
 
 
 def trial_of() -> SanderTrial:

@@ -56,7 +56,7 @@ class Filling:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DryStop:
-    """A dry emergency stop of a train beside its calculation by hand.
+    """A dry emergency stop of a train, and its calculation by hand.
 
     Attributes:
         states: Of the FMU.
@@ -90,7 +90,7 @@ def dry_stop(train: str | Path) -> DryStop:
     """Build a train if need be, by its name or file; stop it from the speed of its first published stop, and time it.
 
     Raises:
-        ScenarioError: It does not come to stand.
+        ScenarioError: The train does not stop.
     """
     data = load_train(Path(train))
     from_speed = data.reference[0].speed if data.reference else USUAL_SPEED
@@ -136,7 +136,7 @@ def protected_stop(estimator_period: float) -> dict[str, float]:
         of some runs, and simulated time over that of the processor.
 
     Raises:
-        ScenarioError: It does not come to stand.
+        ScenarioError: The train does not stop.
     """
     service = read_toml(EQUIPMENT / "service.toml")
     del service["vehicle"]
@@ -157,7 +157,7 @@ def _timed(scenario: Scenario, subject: str) -> tuple[float, Ending, Assembled]:
     """Return the time of the processor for a stop [s], its result, and the parts that were run.
 
     Raises:
-        ScenarioError: It does not come to stand; the sentence begins with `subject`.
+        ScenarioError: The train does not stop; the sentence begins with `subject`.
     """
     with assembled(scenario) as parts:
         begin = process_time()
@@ -188,7 +188,7 @@ def filling_of(train: Train, trace: Any) -> Filling:
 
 
 def multiplied(text: str, cars: int) -> str:
-    """Return the text of a train file of so many cars like the second one of another file."""
+    """Return the text of a train file with a number of cars like the second one of another file."""
     head, _, second, *_ = text.split("[[cars]]")
     second = second.split("[[")[0]
     name = re.search(r'^name = "(.*)"$', head, re.MULTILINE)

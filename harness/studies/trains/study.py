@@ -36,14 +36,14 @@ PAGE = Path("docs/train_models.md")
 """From the folder of the project, where the command runs."""
 
 WRITTEN = ("distances", "published", "filling", "forces")
-"""Tables that go into it, beside that of the sanders."""
+"""Tables of the page, in addition to that of the sanders."""
 
 HAND = "EN 14531-1 by hand"
 
 
 @dataclass(frozen=True)
 class Trains(Study):
-    """Stop the trains of this project, compare them with what is published, and fit sand to a trial of sanders."""
+    """Stop the built-in trains, compare them with published stops, and fit sand to a trial of sanders."""
 
     write: Annotated[bool, Option("--write", help="Write its tables into docs/train_models.md.")] = False
     quick: bool = False
@@ -190,7 +190,7 @@ def _answer(stops: Sequence[DryStop]) -> str:
 
 
 def table_of(stops: Sequence[DryStop]) -> Table:
-    """Return the dry stops beside the calculation by hand."""
+    """Return the dry stops and the calculation by hand."""
     rows = [
         {
             "train": stop.train.name,
@@ -222,7 +222,7 @@ def table_of_protected(stops: Sequence[Mapping[str, float]]) -> Table:
 
 
 def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
-    """Return the distances of the trial beside ours."""
+    """Return the distances of the trial and the simulated ones."""
     rows = [
         {
             "sanders": row["sanders"],

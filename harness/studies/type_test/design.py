@@ -21,7 +21,7 @@ from railgrip.base.units import GRAVITY, cut
 KMH: Final = 3.6
 
 CASES, QUICK = 240, 24
-"""Numbers of cases of a whole test, and of one that shows where a controller stands."""
+"""Number of cases of a full test, and of a quick one."""
 
 SEED, VALIDATION_SEED, TRAINING_SEED = 15595, 54105, 2021
 """Of the type test; of the set for a finished controller; of the set that controllers are tuned on.
@@ -118,7 +118,7 @@ class Case:
         }
 
     def tables(self, groups: int) -> dict[str, Any]:
-        """Return what it lays over the scenario of a train with so many groups."""
+        """Return the overrides for the scenario of a train with a number of groups."""
         radii = RADII[self.radius]
         truth = {
             "load": LOADS[self.load],
@@ -157,7 +157,7 @@ class Case:
 
 
 def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
-    """Return so many cases, the same ones for the same seed."""
+    """Return a number of cases, the same ones for the same seed."""
     faults = [*FAULTS, *["none"] * (len(FAULTS) - 2)]
     tables = (LOADS, RADII, PADS, GRADIENTS)
     axes: tuple[Sequence[str], ...] = (CURVES, RAILS, *map(tuple, tables), tuple(faults))
@@ -194,7 +194,7 @@ def case_named(name: str) -> Case:
     """Return the case of a name, which says of how many and of which set it is.
 
     Raises:
-        ScenarioError: There is no such case.
+        ScenarioError: The case does not exist.
     """
     match = re.fullmatch(r"\d+of(\d{1,5})-(\d{1,9})", name)
     design = cases(int(match[1]), int(match[2])) if match and int(match[1]) else ()

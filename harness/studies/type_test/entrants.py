@@ -1,4 +1,4 @@
-"""Who takes part: controllers of this project, or one of a user's own, on a train of ours or theirs."""
+"""Entrants: built-in controllers or a user's, on a built-in train or a user's."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -27,7 +27,7 @@ _SCENARIOS = Path(__file__).parents[2] / "scenario"
 _ANY_TRAIN = {"free_wheels": True, "load_deviation": 0.1}
 """Radars fail, and passengers, a fifth of a railcar's mass, are not weighed."""
 _FILTER = {"model": "TrainPredictionDisturbed", **_ANY_TRAIN}
-"""Of our train, the same for everyone who wants estimates: one that knows of no gradient."""
+"""Estimator of the built-in train, the same for all entrants with estimates: one that does not know the gradient."""
 _OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
 
 
@@ -35,7 +35,7 @@ Role = Literal["reference", "bound", "baseline", "entrant"]
 
 
 class Entrant(Table):
-    """One that takes part; other keys are tables laid over each case."""
+    """An entrant; other keys are tables that override those of each case."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
@@ -67,12 +67,13 @@ def entrants() -> dict[str, Entrant]:
 
 
 def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dict[str, Entrant]:
-    """Return those that a user names: one of ours, a scenario's [controller] and [estimator], an FMU, module:Class.
+    """Return the entrants that a user names: built-in ones, [controller] and [estimator] of a scenario, an FMU,
+    module:Class.
 
     An FMU and a class are shown what the filter of the train estimates; a scenario may say otherwise.
 
     Raises:
-        ScenarioError: There is no such entrant.
+        ScenarioError: The entrant does not exist.
     """
     selection: dict[str, Entrant] = {}
     for argument in arguments:
@@ -125,7 +126,7 @@ def train_of(argument: str | None) -> dict[str, Any]:
     It is ours, a recipe, an FMU, that of a scenario, or one in a train file, which the decentralised filter knows.
 
     Raises:
-        ScenarioError: There is no such train.
+        ScenarioError: The train does not exist.
     """
     table = merged(
         read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "equipment" / "service.toml")
@@ -154,7 +155,7 @@ def train_of(argument: str | None) -> dict[str, Any]:
 
 
 def task_of(path: Path) -> dict[str, Any]:
-    """Return what a scenario asks of everyone in every case: its [demand], and how wheelsets clean the rail.
+    """Return the tables of a scenario that override those of every case: [demand], and the cleaning of the rail.
 
     Raises:
         ScenarioError: It has neither.
@@ -176,12 +177,12 @@ _TRAINING_SPEED = 60 / 3.6
 
 
 def training_cases(count: int) -> list[Case]:
-    """Return so many short cases of the set that controllers are tuned on."""
+    """Return a number of short cases of the set that controllers are tuned on."""
     return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases(count, TRAINING_SEED)]
 
 
 def training(count: int) -> tuple[PlannedStop, ...]:
-    """Return so many stops of our train to tune controllers on, of a set of cases of their own.
+    """Return a number of stops of the built-in train to tune controllers on, from a separate set of cases.
 
     The axis `rail` names the case.
     """
@@ -208,11 +209,11 @@ def campaign_of(
         design: The cases.
         taking_part: By name.
         train: Tables of the train, `train_of`.
-        task: Tables laid over every case, `task_of`; full brake without it.
+        task: Tables that override those of every case, `task_of`; full brake without it.
         keep_traces: Whether each stop leaves its trace.
 
     Raises:
-        ScenarioError: A combination is no scenario.
+        ScenarioError: A combination is not a valid scenario.
     """
     bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
     groups = VehicleData(bare).formation.groups

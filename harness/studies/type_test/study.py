@@ -61,7 +61,7 @@ PAGE: Final = Path("docs/type_test.md")
 _ON_PAGE_ONLY: Final = ("compared", "K_wet (10 %)")
 """Columns of the leaderboard that are left out there and on the screen."""
 _NOT_OF_STOPS: Final = ("NEES (10 – 90 %)", "K_wet (10 %)")
-"""Columns of the leaderboard that have a table of their own on the page."""
+"""Columns of the leaderboard that are in a separate table on the page."""
 
 _WORST: Final = 10
 _SAME: Final = 0.002
@@ -105,7 +105,7 @@ class TypeTest(Study):
         return "/".join([*names, "cases"] if self.case else names)
 
     def page(self, work: Work) -> Page:
-        """Run what is missing, judge it with what was there, and rank the controllers."""
+        """Run missing stops, judge all stops, and rank the controllers."""
         if self.write and (self.controller or self.train or self.task or self.case or self.limits):
             raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
         judging, ours = limits_of(self.limits), entrants()
@@ -113,7 +113,7 @@ class TypeTest(Study):
         taking_part = ours | candidates
         if self.against is not None and self.against not in taking_part:
             raise ScenarioError(f"--against {self.against}: is none of {', '.join(taking_part)}")
-        # What others are measured with is run, too; what they are compared with comes from earlier runs.
+        # References are run, too; stops of other controllers come from earlier runs.
         running = {name for name, entrant in ours.items() if entrant.role in {"reference", "bound"}} | candidates.keys()
         if self.case:
             design = tuple(case_named(name) for name in self.case)
@@ -222,8 +222,8 @@ def page_of(
     Args:
         found: Stops that were run; a controller without a stop is left out.
         taking_part: By name.
-        limits: What stops are judged by.
-        beside: Stops that come with this package; they are shown where they were not run.
+        limits: Limits of the clauses.
+        beside: Stops that come with this package, for controllers that were not run.
         notes: Sentences about `beside`.
         candidates: Controllers that the page is about; all without one.
         missing: Names of stops without a result.
@@ -283,7 +283,7 @@ def _drawings(
 
 
 def _values(stops: Sequence[Judged], board: Sequence[Summary], limits: Limits) -> dict[str, object]:
-    """Return what the template shows of all controllers and cases."""
+    """Return the variables of the template for all controllers and cases."""
     leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
     return {
         "board": leaders.without(_NOT_OF_STOPS),
@@ -311,7 +311,7 @@ def table_of(stops: Sequence[Judged]) -> Table:
 def compared(cases: Sequence[Mapping[str, Any]], against: str) -> Table:
     """Return how much longer than one controller the others stop in the same cases, which are as in type_test.json.
 
-    Figures are of the cases in which both come to a stand; differences are positive where a stop is longer.
+    Figures are of the cases in which both stop; differences are positive if a stop is longer.
     """
     distances: dict[str, dict[str, float | None]] = {}
     for row in cases:
@@ -373,7 +373,7 @@ def leaderboard(board: Sequence[Summary]) -> Table:
 
 
 def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> Table:
-    """Return what each controller is, and whether its stops were run or come with the package."""
+    """Return a description of each controller, and whether its stops were run or come with the package."""
     rows = [
         {
             "controller": summary.controller,
@@ -391,7 +391,7 @@ def _or_endless(value: float | None, median: float | None) -> float | str | None
 
 
 def _with_interval(value: float | str | None, interval: tuple[float | None, float | None]) -> str:
-    """Return a value with its interval in brackets, of which an endless end is no stop."""
+    """Return a value with its interval in brackets; an infinite end is written as no stop."""
     text = "" if value is None else value if isinstance(value, str) else f"{value:.3f}"
     low, high = interval
     if low is None:
@@ -442,7 +442,7 @@ def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
 
 
 def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Sequence[str] = ()) -> str:
-    """Return where the best candidate stands beside the others and the ideal bound, and its weakest clause.
+    """Return a sentence comparing the best candidate with the others and the ideal bound, with its weakest clause.
 
     Without candidates these are all controllers, without those that are shown the truth.
     """
@@ -460,7 +460,7 @@ def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Seq
 
 
 def _weakest(summary: Summary, board: Sequence[Summary], limits: Limits) -> str:
-    """Return a sentence about the clause that a controller keeps most rarely beside the ideal bound."""
+    """Return a sentence about the clause that a controller keeps most rarely in comparison with the ideal bound."""
     bound: Mapping[str, float | None] = next((one.kept for one in board if one.role == "bound"), {})
     possible = {clause: 1.0 if kept is None else kept for clause, kept in bound.items()}
     behind = {clause: possible.get(clause, 1.0) - kept for clause, kept in summary.kept.items() if kept is not None}
