@@ -17,7 +17,7 @@ from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.plausible import strange_estimates, strange_signals
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import Specification, estimate_of, load_specification, prediction_for
-from railgrip.report.console import progress, remark, say, show_table
+from railgrip.report.console import complain, progress, remark, say, show_table
 from railgrip.report.estimation import estimated, information
 from railgrip.report.table import Form, Table, share
 from railgrip.trace.samples import knows
@@ -165,6 +165,8 @@ def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
         recording = recording_of_estimation(specification, **source)
     for sentence in recording.attrs.get("flags", ()):
         say(f"{recording.attrs['name']}: {sentence}")
+    for sentence in recording.attrs.get("warnings", ()):
+        complain(sentence)
     return recording
 
 

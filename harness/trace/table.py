@@ -122,4 +122,7 @@ class DataTable(Table):
         default=None, description="of a csv file; found unless given"
     )
     decimal: Literal[".", ","] | None = Field(default=None, description="likewise")
+    contradictions: Literal["refuse", "warn"] = Field(
+        default="refuse", description="signals that contradict each other as on no vehicle are refused or only reported"
+    )
     columns: dict[str, Column] = Field(description="by the name of the signal of the model")
