@@ -197,7 +197,7 @@ class _Comparison:
         count = round(SETTLING / self._period)
         kernel = np.zeros(2 * count + 1, dtype=np.bool_)
         kernel[count:] = True  # a true sample reaches to the samples after it
-        return ~binary_dilation(self._applied(), kernel)
+        return np.logical_not(binary_dilation(self._applied(), kernel))
 
     # ---- scale --------------------------------------------------------------------------------------------------
 
@@ -252,7 +252,7 @@ class _Comparison:
         """Return the deceleration; zero for a recording too short to be differentiated [m/s2]."""
         if self._speed is None or self._time.size < 2 * self._smoothed:
             return np.zeros(self._time.size)
-        return -savgol_filter(self._speed, self._smoothed, 2, deriv=1, delta=self._period)
+        return -np.asarray(savgol_filter(self._speed, self._smoothed, 2, deriv=1, delta=self._period), dtype=np.float64)
 
     # ---- timing -------------------------------------------------------------------------------------------------
 
@@ -276,7 +276,7 @@ class _Comparison:
             delay = float(np.median(shift[slowest]))
             if delay > LATE:
                 late[name] = delay
-            elif name in self._ratio and (lead := _lead(self._time[usable], speed[usable], shift)) is not None:
+            elif name in self._ratio and (lead := _lead(speed[usable], shift)) is not None:
                 early[name] = lead
         found = [self._delay(names, delay, shifts, usable) for names, delay in _alike(late, 0.3)]
         # What looks like a lead of some wheelsets is slip.
@@ -477,26 +477,26 @@ def _alike(values: Mapping[str, float], difference: float = 0.08) -> list[tuple[
     return groups
 
 
-def _line(time: Vector, values: Vector) -> tuple[float, float]:
+def _line(x: Vector, y: Vector) -> tuple[float, float]:
     """Return the values at both ends of a line through the medians of the first and the last third."""
-    third = max(time.size // 3, 1)
-    at = [float(np.median(time[part])) for part in (slice(0, third), slice(-third, None))]
-    medians = [float(np.median(values[part])) for part in (slice(0, third), slice(-third, None))]
+    third = max(x.size // 3, 1)
+    at = [float(np.median(x[part])) for part in (slice(0, third), slice(-third, None))]
+    medians = [float(np.median(y[part])) for part in (slice(0, third), slice(-third, None))]
     slope = (medians[1] - medians[0]) / (at[1] - at[0]) if at[1] > at[0] else 0.0
-    return medians[0] + slope * (time[0] - at[0]), medians[1] + slope * (time[-1] - at[1])
+    return medians[0] + slope * (x[0] - at[0]), medians[1] + slope * (x[-1] - at[1])
 
 
-def _lead(time: Vector, speed: Vector, shift: Vector) -> float | None:
+def _lead(speed: Vector, shift: Vector) -> float | None:
     """Return by how much a wheelset is ahead of the speed, as a negative delay [s], or None if slip explains it.
 
-    Slip of a braked wheelset is proportional to its speed or irregular; a lead is steady, or grows with time.
+    Slip of a braked wheelset vanishes with the speed or is irregular; a lead remains and is steady.
     """
-    if np.max(speed) < 2.0 * np.min(speed):
+    if np.max(speed) < 3.0 * np.min(speed):
         return None
-    begin, end = _line(time, shift)
-    span = time[-1] - time[0]
-    trend = begin + (end - begin) * (time - time[0]) / span if span > 0.0 else np.full(time.size, begin)
-    low, high = np.quantile(shift - trend, (0.25, 0.75))
-    lead = float(np.median(shift))
-    is_steady = high - low <= SCATTER * abs(lead) and end <= 0.7 * begin
-    return lead if lead < -EARLY and is_steady else None
+    order = np.argsort(speed)
+    speed, shift = speed[order], shift[order]
+    slow, fast = _line(speed, shift)
+    slope = (fast - slow) / (speed[-1] - speed[0])
+    lead = slow - slope * speed[0]
+    low, high = np.quantile(shift - lead - slope * speed, (0.25, 0.75))
+    return float(lead) if lead < -EARLY and high - low <= SCATTER * abs(lead) else None

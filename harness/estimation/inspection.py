@@ -16,7 +16,7 @@ from scipy.optimize import linear_sum_assignment
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
-from railgrip.estimation.spec import Specification, load_specification
+from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
 from railgrip.scenario.file import is_file
 from railgrip.trace.files import (
@@ -108,6 +108,7 @@ class Inspection:
         signals: Signal → column that was recognised as it.
         proposal: An estimation as TOML that reads the recording.
         unrecognised: Signals of the proposal whose column or unit its reader has to fill in.
+        parameters: Data of the vehicle that the model needs, with the values that it has without the reader's.
     """
 
     findings: tuple[Finding, ...]
@@ -115,6 +116,7 @@ class Inspection:
     signals: Mapping[str, str]
     proposal: str
     unrecognised: tuple[str, ...]
+    parameters: tuple[ModelParameter, ...]
 
 
 def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> Inspection:
@@ -140,10 +142,15 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
     recognised = _recognised(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
     lines, unrecognised = _columns(wanted, recognised)
+    parameters = tuple(model_parameters(specification))
     head = [
         f"# How `railgrip estimate` reads {path.name}. Correct what you know better, and fill in each '{_UNKNOWN}'.",
         f"extends = {_toml(base)}",
         f"name = {_toml(re.sub(r'[^A-Za-z0-9_.-]', '_', path.stem))}",
+        "",
+        "[model.parameters]",
+        "# The filter uses these values of the library. Remove the # in front of a line to give that of your vehicle.",
+        *map(_parameter_line, parameters),
         "",
         "[data]",
         _clock_line(clock, path),
@@ -160,7 +167,14 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
         signals={signal: finding.name for signal, finding in recognised.items()},
         proposal="\n".join([*head, *lines]) + "\n",
         unrecognised=tuple(unrecognised),
+        parameters=parameters,
     )
+
+
+def _parameter_line(parameter: ModelParameter) -> str:
+    key = _toml(parameter.name) if "[" in parameter.name else parameter.name
+    value = f"{parameter.value:g}" if parameter.unit == "1" else _toml(f"{parameter.value:g} {parameter.unit}")
+    return f"# {key} = {value}  # {' '.join(parameter.description.split())}"
 
 
 # ---- what the file holds ----------------------------------------------------------------------------------------

@@ -242,6 +242,13 @@ def test_every_late_wheelset_is_reported(vehicle, delay):
 
 
 @few
+@given(TAME, st.floats(0.5, 3.0))
+def test_every_early_wheelset_is_reported(vehicle, lead):
+    """At good adhesion: a steady slip speed, as on a bad rail, cannot be told from a lead."""
+    assert "timing" in kinds(changed(wagon(**vehicle), "wheelset_speed", later(-lead)))
+
+
+@few
 @given(TAME, st.floats(0.01, 0.05))
 def test_every_slow_clock_is_reported(vehicle, drift):
     """From a long run: 1 % of 40 s is 0.4 s."""
