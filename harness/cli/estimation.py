@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -145,6 +146,13 @@ def estimate(
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
 
 
+class Decimal(StrEnum):
+    """Decimal signs."""
+
+    POINT = "."
+    COMMA = ","
+
+
 def inspect(
     run: Annotated[Path, typer.Argument(metavar="RUN", help="A recording: csv, parquet, mat or mf4.")],
     estimation: Annotated[
@@ -157,6 +165,9 @@ def inspect(
         ),
     ] = Path("field"),
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Column of time; recognised unless given.")] = None,
+    decimal: Annotated[
+        Decimal | None, typer.Option(metavar="SIGN", help="Decimal sign of a csv file, . or ,; found unless given.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="File for the proposal (.toml), which must not exist; printed unless given.")
     ] = None,
@@ -165,7 +176,7 @@ def inspect(
     """Show what a recording holds and which data the model needs, and propose how to read it."""
     if out is not None and out.exists():
         raise InputError(f"{out} is already there; name another file.")
-    inspection = inspect_recording(run, estimation, time)
+    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None)
     if out is not None:
         write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
         write_schema("estimation", out)

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -20,6 +20,7 @@ from railgrip.estimation.spec import ModelParameter, Specification, load_specifi
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
 from railgrip.scenario.file import is_file
 from railgrip.trace.files import (
+    Columns,
     Series,
     name_without_unit,
     read_mf4,
@@ -48,7 +49,9 @@ _NAMES = {
 }
 """Other names of signals in recordings, beside those of plants."""
 
-_FROM_ANOTHER = {"pad_force": 'a pressure becomes a force with unit = "bar", factor = "8 kN/bar"; '}
+_FROM_ANOTHER = {
+    "pad_force": 'a pressure becomes a force with unit = "bar", factor = "8 kN/bar", offset = -4.0, minimum = "0 N"; '
+}
 """How a column of another quantity becomes the signal."""
 _NOT_MEASURED = {"cmd", "command", "demand", "setpoint", "target", "soll", "init", "initial"}
 """Words of names of columns with commands and initial values, which are not measured."""
@@ -119,13 +122,16 @@ class Inspection:
     parameters: tuple[ModelParameter, ...]
 
 
-def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> Inspection:
+def inspect_recording(
+    path: Path, estimation: Path, time: str | None = None, decimal: Literal[".", ","] | None = None
+) -> Inspection:
     """Return what a recording holds, with a proposal of how an estimation reads it.
 
     Args:
         path: csv, parquet, mat or mf4.
         estimation: File or name of the estimation whose signals are looked for.
         time: Column of time; recognised when None.
+        decimal: Decimal sign of a csv file; found when None.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -134,7 +140,7 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
     specification = load_specification(estimation)
     # The proposal may lie elsewhere than where the command was given.
     base = str(estimation.resolve()) if is_file(estimation) else str(estimation)
-    clock, series, texts = _read(path, time)
+    clock, series, texts = _read(path, time, decimal)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
         raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
@@ -155,6 +161,7 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
         "[data]",
         _clock_line(clock, path),
         f'period = "{1e3 * period:.6g} ms"',
+        *([] if decimal is None else [f"decimal = {_toml(decimal)}"]),
         *_gap_lines([finding for name, finding in recognised.items() if wanted[name][1]], period),
         'frozen = "2 s"  # readings that repeat exactly for longer are left out',
         "spike = 8.0  # so are samples as many deviations off their neighbours",
@@ -180,18 +187,19 @@ def _parameter_line(parameter: ModelParameter) -> str:
 # ---- what the file holds ----------------------------------------------------------------------------------------
 
 
-def _read(path: Path, time: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
+def _read(path: Path, time: str | None, decimal: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
     """Return the column of time, the columns of numbers, and the names of the others."""
     if path.suffix.lower() == ".mf4":
         return TimeColumn(column="time", unit="s"), read_mf4(path), []
-    frame = read_table(path)
-    clock = _clock(path, frame, time)
+    file = read_table(path, decimal=decimal)
+    frame = file.values
+    clock = _clock(path, file, time)
     numbers = [name for name, values in frame.items() if name != clock.column and _is_numeric(values)]
     table = DataTable(
         time=clock.model_copy(update={"unit": clock.unit or "s"}), period=1.0, longest_gap=1.0, frozen=1.0, spike=8.0,
         columns={},
     )  # fmt: skip
-    series = series_of_table(path, frame, table, numbers)
+    series = series_of_table(path, file, table, numbers)
     return clock, series, [name for name in frame if name not in (clock.column, *numbers)]
 
 
@@ -199,17 +207,19 @@ def _is_numeric(values: Any) -> bool:
     array = np.asarray(values)
     if array.ndim != 1 or array.dtype.kind in "fiub":
         return array.ndim == 1
-    numbers: Any = pd.to_numeric(pd.Series(values), errors="coerce")
-    return bool(numbers.notna().any())
+    filled: Any = pd.Series(values).dropna()
+    numbers: Any = pd.to_numeric(filled, errors="coerce")
+    return 2 * int(numbers.notna().sum()) > len(filled)  # a remark may be a number
 
 
-def _clock(path: Path, frame: Mapping[str, Any], time: str | None) -> TimeColumn:
-    """Return the column of time with its unit, None where nothing tells it."""
+def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
+    """Return the column of time with its unit, None if the file does not state it."""
+    frame = file.values
     if time is not None and time not in frame:
         raise EstimationError(f"{path.name}: has no column {short(time)}; it has {', '.join(frame)}.")
     for name in [time] if time is not None else sorted(frame, key=_is_called_time, reverse=True):
         values = np.asarray(frame[name])
-        text = unit_in_brackets(name) or unit_at_end(name, "s")
+        text = file.units.get(name) or unit_in_brackets(name) or unit_at_end(name, "s")
         if values.dtype.kind not in "fiu" and not _is_numeric(values):
             if _is_called_time(name) or time is not None:
                 return TimeColumn(column=name, unit="timestamp")

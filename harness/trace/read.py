@@ -119,6 +119,8 @@ def _columns(
         time, values = _rising(path, name, series[column.column], flags)
         gain, shift = _converted(path, name, column, series[column.column].unit, target)
         values = gain * values + shift
+        if column.minimum is not None:
+            values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
         is_number = np.abs(values) < _LARGEST
         file_time = time[is_number]
         if name.startswith(TRUTH):  # a reference, not a sensor: its samples are not judged
