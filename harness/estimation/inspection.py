@@ -223,7 +223,7 @@ def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
         if values.dtype.kind not in "fiu" and not _is_numeric(values):
             if _is_called_time(name) or time is not None:
                 return TimeColumn(column=name, unit="timestamp")
-        elif time is not None or ((_is_called_time(name) or text) and bool((np.diff(values.astype(float)) >= 0).all())):
+        elif time is not None or ((_is_called_time(name) or text) and _rises(values)):
             with suppress(UnitError):
                 conversion(unit(text or ""), unit("s"))
                 return TimeColumn(column=name, unit=text)
@@ -232,6 +232,11 @@ def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
     raise EstimationError(
         f"{path.name}: no column of time was recognised among {', '.join(frame)}; name it with --time COLUMN."
     )
+
+
+def _rises(values: Any) -> bool:
+    """Return whether a column has numbers that never fall, and nothing else."""
+    return bool((np.diff(np.asarray(pd.to_numeric(pd.Series(values), errors="coerce"), dtype=float)) >= 0.0).all())
 
 
 def _is_called_time(name: str) -> bool:
