@@ -68,6 +68,8 @@ LOADING = 1.3
 """Mass over that of the model, and the other way round."""
 FRICTION = (0.2, 0.55)
 """Pad friction of any brake, mean of a stop."""
+USUAL_FRICTION = 0.35
+"""Nominal friction of organic pads by UIC 541-3, for an estimation that starts with none."""
 GRADIENT = 25e-3
 """Of a track whose force is not recorded; the steepest main lines have 27 per mille over some kilometres."""
 RESIDUAL = 5e-3
@@ -371,11 +373,12 @@ class _Comparison:
         return values if len(values) == len(found) else None
 
     def _friction(self) -> Vector:
-        """Return the pad friction of each unit that the estimation starts with."""
+        """Return the pad friction of each unit that the estimation starts with, or else the usual one."""
         prediction = equations_for(self._specification)
         pads = [state for state in prediction.states if _base(state) == "mu_b"]
         mean = self._specification.start.mean
-        return by_name("[start] mean", {name: v for name, v in mean.items() if name.startswith("mu_b")}, pads)
+        given = {name: value for name, value in mean.items() if _base(name) == "mu_b"}
+        return by_name("[start] mean", {"mu_b": USUAL_FRICTION} | given, pads)
 
     def _model_forces(self, mass: float, weights: Vector, at: NDArray[np.intp]) -> tuple[Vector, Vector]:
         """Return brake force and the other forces on the train, without adhesion, at some samples [N]."""
