@@ -22,12 +22,11 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, uniform_filter1d
 from scipy.signal import savgol_filter
 
-from railgrip.base.errors import EstimationError, UnitError
-from railgrip.base.units import GRAVITY, Unit, conversion, mistake, unit
+from railgrip.base.errors import EstimationError
+from railgrip.base.units import GRAVITY, mistake, unit
 from railgrip.estimation.run import by_name, model_of
 from railgrip.estimation.spec import Specification, equations_for, parameters_for
 from railgrip.estimators.belief import Vector
-from railgrip.trace.files import unit_at_end, unit_in_brackets
 from railgrip.trace.samples import has_reading, period_of, samples
 
 Mask = NDArray[np.bool_]
@@ -151,6 +150,7 @@ class _Comparison:
         self._specification, self._recording = specification, recording
         self._time = recording["time"].values
         self._period = period_of(recording)
+        self._columns: Mapping[str, tuple[str, str]] = recording.attrs.get("columns", {})
         self._smoothed = 2 * max(1, round(SMOOTHING / self._period) // 2) + 1
         model = model_of(specification.model.class_)
         self._units = {variable.name: variable.unit for variable in (*model.inputs, *model.outputs)}
@@ -238,7 +238,9 @@ class _Comparison:
         if abs(ratio) < STANDING and len(names) < len(self._wheels):
             cause, is_impossible = "Is the sensor dead, or the wheelset blocked?", False
         else:
-            cause = self._units_for({"speed": ratio, first: 1.0 / ratio if ratio else np.inf}, ratio, mistake(ratio))
+            cause = self._units_for(
+                {"speed": ratio, first: 1.0 / ratio if ratio else np.inf}, ratio, 0.08, mistake(ratio)
+            )
             if not is_impossible:
                 cause = f"Is r_wheel that of your vehicle? {(self._radius(first) or 0.0) / ratio:.3g} m would fit."
                 cause += "" if is_rolling else " Or is one of the columns late?"
@@ -348,7 +350,7 @@ class _Comparison:
         sentence = (
             f"the brake force computed from {self._described(names)}, {expected / 1e3:.3g} kN on average, is {text} "
             f"the {observed / 1e3:.3g} kN that slow {mass / 1e3:.3g} t in {self._described(['speed'])}. "
-            f"{self._units_for({names[0]: 1.0 / ratio if ratio else np.inf}, ratio)}"
+            f"{self._units_for({names[0]: 1.0 / ratio if ratio else np.inf}, ratio, 0.5)}"
         )
         return [
             Disagreement(
@@ -423,44 +425,30 @@ class _Comparison:
         return f"{name} ({'column' if len(columns) == 1 else 'columns'} {', '.join(columns)})" if columns else name
 
     def _column(self, name: str) -> str:
-        data = self._specification.data
-        column = None if data is None else data.columns.get(name)
-        return "" if column is None or column.column is None else f"'{column.column}'"
+        column, _ = self._columns.get(name, ("", ""))
+        return f"'{column}'" if column else ""
 
-    def _units_for(self, factors: Mapping[str, float], ratio: float, otherwise: str = "") -> str:
+    def _units_for(self, factors: Mapping[str, float], ratio: float, tolerance: float, otherwise: str = "") -> str:
         """Return which units of which columns would multiply their signals by these factors, as a question.
 
         Args:
             factors: By signal; one of them would suffice.
             ratio: That was found.
+            tolerance: Of the logarithm of a factor.
             otherwise: Cause if no unit has the factor.
         """
         questions: list[str] = []
         for name, factor in factors.items():
-            source = self._unit_of_column(name)
-            if source is None:
-                continue
+            _, unit_of_column = self._columns.get(name, ("", ""))
+            source = unit(unit_of_column)
             for text in (*_SPEEDS, *_ROTATIONS, *_FORCES, *_PRESSURES):
                 other = unit(text)
-                # Radii differ by 8 %, loads and friction by more; the units in question are further apart.
-                if other.exponents == source.exponents and abs(factor * source.factor / other.factor - 1.0) < 0.08:
+                is_same_kind = other.exponents == source.exponents and factor > 0.0
+                if is_same_kind and abs(np.log(factor * source.factor / other.factor)) < tolerance:
                     questions.append(f"is column {self._column(name)} in {text}, not {source.name}?")
         if not questions:
             questions.append(f"{otherwise or 'another scale of the column, or another vehicle in [model.parameters]'}?")
         return f"Ratio {ratio:.3g}: {' Or '.join(questions)}"
-
-    def _unit_of_column(self, name: str) -> Unit | None:
-        data = self._specification.data
-        column = None if data is None else data.columns.get(name)
-        if column is None or column.column is None:
-            return None
-        text = column.unit or unit_in_brackets(column.column) or unit_at_end(column.column, self._units.get(name, "1"))
-        try:
-            source = unit(text or "")
-            conversion(source, unit(self._units[name]))
-        except (KeyError, UnitError):
-            return None
-        return source
 
 
 def _base(name: str) -> str:

@@ -168,6 +168,17 @@ def test_a_right_recording_has_no_warning(tmp_path):
     assert xarray.load_dataset(tmp_path / "out" / "estimates.nc", engine="h5netcdf").attrs["warnings"] == ""
 
 
+def test_a_unit_in_the_header_is_named_as_the_cause(tmp_path):
+    """A force in newton that the header gives in kilonewton is a thousand times too large."""
+    arguments = written(tmp_path, changed(wagon(), "pad_force", times(1e3)))
+    for name in ("run.csv", "run.toml"):
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        text = text.replace(', unit = "kN"', "").replace('"F1"', '"F1 [kN]"').replace('"F2"', '"F2 [kN]"')
+        (tmp_path / name).write_text(text.replace("F1,F2", "F1 [kN],F2 [kN]"), encoding="utf-8")
+    result = CliRunner().invoke(app, arguments)
+    assert "is column 'F1 [kN]' in N, not kN?" in str(result.exception)
+
+
 # ---- the same over random values ------------------------------------------------------------------------------------
 
 SLIDES = st.lists(
