@@ -173,7 +173,10 @@ def inspect(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show what a recording holds and which data the model needs, and propose how to read it."""
+    """Show what a recording holds, and propose its [data].
+
+    The proposal lists the data of the vehicle that the model needs.
+    """
     if out is not None and out.exists():
         raise InputError(f"{out} is already there; name another file.")
     inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None)
