@@ -159,6 +159,8 @@ def test_a_wrong_scale_or_clock_is_refused_or_reported(tmp_path, base, change, c
     (warning,) = estimates.attrs["warnings"].splitlines()[:1]
     assert re.search(rf"^run\.csv: .*{sentence}", warning)
     assert warning in result.output
+    if not code:
+        assert f"warning: {warning}" in repr(rg.estimate(tmp_path / "run.csv", tmp_path / "run.toml"))
 
 
 def test_a_right_recording_has_no_warning(tmp_path):
