@@ -4,7 +4,7 @@ import copy
 from collections.abc import Callable, Collection, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import PrivateAttr
 
@@ -248,7 +248,7 @@ def estimate(
 
     Raises:
         ScenarioError: The file is no estimation.
-        EstimationError: The recording does not fit it.
+        EstimationError: The recording does not fit it, or its signals contradict each other as on no vehicle.
     """
     from railgrip.estimation.check import require_consistent
     from railgrip.estimation.sources import completed, recording_of_estimation
@@ -267,13 +267,21 @@ def estimate(
     return as_estimates(estimate_of(specification, completed(specification, recording)))
 
 
-def inspect(recording: str | Path, model: str | Path = "field", time: str | None = None) -> "Inspection":
+def inspect(
+    recording: str | Path,
+    model: str | Path = "field",
+    time: str | None = None,
+    decimal: Literal[".", ","] | None = None,
+) -> "Inspection":
     """Return what a recording holds: `findings` by column, `signals` recognised, a `proposal` of how to read it.
+
+    `parameters` are the data of the vehicle that the model needs.
 
     Args:
         recording: csv, parquet, mat or mf4.
         model: The estimation that is to read it, a file or a name.
         time: Column of time; recognised when None.
+        decimal: Decimal sign of a csv file; found when None.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -281,7 +289,9 @@ def inspect(recording: str | Path, model: str | Path = "field", time: str | None
     """
     from railgrip.estimation.inspection import inspect_recording
 
-    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time)
+    if decimal not in (None, ".", ","):
+        raise EstimationError(f"decimal is {short(decimal)}; expected is '.' or ','")
+    return inspect_recording(_path(recording, "recording"), _path(model, "model"), time, decimal)
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:

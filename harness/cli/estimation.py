@@ -1,6 +1,9 @@
 """Estimates from recordings, and the states that a recording determines."""
 
 import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,13 +14,22 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import remove, write_bytes, write_text
 from railgrip.cli.app import ImportFrom, Overrides, complete, fail
 from railgrip.cli.library import write_schema
+from railgrip.cli.output import Json, print_json
 from railgrip.estimation.inspection import inspect_recording
-from railgrip.estimation.judge import judge
+from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.plausible import strange_estimates, strange_signals
+from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
-from railgrip.estimation.spec import Specification, estimate_of, load_specification, prediction_for
-from railgrip.report.console import progress, remark, say, show_table
+from railgrip.estimation.spec import (
+    ModelParameter,
+    Specification,
+    estimate_of,
+    load_specification,
+    model_parameters,
+    prediction_for,
+)
+from railgrip.report.console import complain, progress, remark, say, show_table
 from railgrip.report.estimation import estimated, information
 from railgrip.report.table import Form, Table, share
 from railgrip.trace.samples import knows
@@ -57,6 +69,9 @@ def observability(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
+    _print_recording(recording)
+    for sentence in recording.attrs.get("warnings", ()):
+        complain(sentence)
     if data is not None:
         with progress(f"{specification.name}: filter"):
             recording = with_estimates_as_truth(specification, recording)
@@ -88,6 +103,7 @@ def estimate(
     seed: Seed = None,
     data: Data = None,
     import_from: ImportFrom = None,
+    as_json: Json = False,
 ) -> None:
     """Run the filter of an estimation over its recording."""
     specification = load_specification(file, overrides or [])
@@ -98,14 +114,43 @@ def estimate(
         estimates = estimate_of(specification, recording)
     remove(folder, "estimates.nc", "estimates.png")  # not before: a refusal leaves the earlier result
     write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
-    _print_errors(recording, estimates)
     strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(estimates)
+    problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
+    parameters = model_parameters(specification)
+    judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
     with progress(f"{specification.name}: figure"):
         picture = estimated(recording, estimates, prediction.inputs, folder / "estimates.png")
-    say(f"{folder}/estimates.nc, {picture}")
-    problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
+    if as_json:
+        print_json(
+            {
+                "estimation": specification.name,
+                "recording": recording.attrs["name"],
+                "repairs": list(recording.attrs.get("flags", ())),
+                "warnings": list(recording.attrs.get("warnings", ())),
+                "problems": problems,
+                "nis_ratio": estimates.attrs["nis_ratio"],
+                "parameters": [_as_json(each) for each in parameters],
+                "states": _last_estimates(specification, estimates),
+                "errors": {state: asdict(judgement) for state, judgement in judgements.items()},
+                "files": [str(folder / "estimates.nc"), str(picture)],
+            }
+        )
+    else:
+        _print_recording(recording)
+        _show_parameters(specification, parameters, is_users=data is not None)
+        _print_errors(recording, estimates, judgements)
+        say(f"{folder}/estimates.nc, {picture}")
+    for sentence in recording.attrs.get("warnings", ()):
+        complain(sentence)
     if problems:
         fail(*(f"{specification.name}: {sentence}" for sentence in problems))
+
+
+class Decimal(StrEnum):
+    """Decimal signs."""
+
+    POINT = "."
+    COMMA = ","
 
 
 def inspect(
@@ -120,14 +165,36 @@ def inspect(
         ),
     ] = Path("field"),
     time: Annotated[str | None, typer.Option(metavar="COLUMN", help="Column of time; recognised unless given.")] = None,
+    decimal: Annotated[
+        Decimal | None, typer.Option(metavar="SIGN", help="Decimal sign of a csv file, . or ,; found unless given.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option(help="File for the proposal (.toml), which must not exist; printed unless given.")
     ] = None,
+    as_json: Json = False,
 ) -> None:
-    """Show what a recording holds, and propose its [data]."""
+    """Show what a recording holds, and propose its [data].
+
+    The proposal lists the data of the vehicle that the model needs.
+    """
     if out is not None and out.exists():
         raise InputError(f"{out} is already there; name another file.")
-    inspection = inspect_recording(run, estimation, time)
+    inspection = inspect_recording(run, estimation, time, decimal.value if decimal else None)
+    if out is not None:
+        write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
+        write_schema("estimation", out)
+    if as_json:
+        print_json(
+            {
+                "columns": [asdict(finding) for finding in inspection.findings],
+                "texts": inspection.texts,
+                "signals": dict(inspection.signals),
+                "unrecognised": inspection.unrecognised,
+                "parameters": [_as_json(each) for each in inspection.parameters],
+                "proposal": inspection.proposal,
+            }
+        )
+        return
     rows = [
         {
             "column": finding.name,
@@ -152,31 +219,79 @@ def inspect(
     if out is None:
         say(inspection.proposal)
     else:
-        write_text(out, f"#:schema ./estimation.schema.json\n{inspection.proposal}")
-        write_schema("estimation", out)
+        _show_parameters(load_specification(out), inspection.parameters, is_users=True)
         say(f"{out}; go on with: railgrip estimate {out} --data {run}")
     if inspection.unrecognised:
         remark(f"Fill in what was not recognised: {', '.join(inspection.unrecognised)}.")
 
 
 def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
-    """Return the recording of an estimation, see `recording_of_estimation`; print what was mended in a user's file."""
+    """Return the recording of an estimation, see `recording_of_estimation`."""
     with progress(f"{specification.name}: recording"):
-        recording = recording_of_estimation(specification, **source)
+        return recording_of_estimation(specification, **source)
+
+
+def _print_recording(recording: xarray.Dataset) -> None:
+    """Print what was repaired in a user's file."""
     for sentence in recording.attrs.get("flags", ()):
         say(f"{recording.attrs['name']}: {sentence}")
-    return recording
 
 
-def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset) -> None:
-    """Print how far off each state was whose truth is known."""
+def _show_parameters(specification: Specification, parameters: Sequence[ModelParameter], *, is_users: bool) -> None:
+    """Print the parameters of a model with their origin, elements of an array in one row.
 
+    Defaults are remarked on if the recording is of a user's vehicle.
+    """
+    rows: dict[tuple[str, str], list[ModelParameter]] = {}
+    for each in parameters:
+        rows.setdefault((each.name.partition("[")[0], each.origin), []).append(each)
+    table = [
+        {
+            "parameter": name if len(elements) > 1 else elements[0].name,
+            "value": ", ".join(f"{each.value:g}" for each in elements),
+            "unit": elements[0].unit,
+            "origin": origin,
+            "meaning": " ".join(elements[0].description.split()),
+        }
+        for (name, origin), elements in rows.items()
+    ]
+    title = f"Parameters of {specification.model.class_}"
+    show_table(Table(table, left=("parameter", "value", "unit", "origin", "meaning"), title=title))
+    defaults = sum(each.is_default for each in parameters)
+    if defaults and is_users:
+        remark(
+            f"{defaults} of {len(parameters)} parameters are library defaults: give the values of your vehicle in "
+            "[model.parameters]."
+        )
+
+
+def _as_json(parameter: ModelParameter) -> dict[str, Any]:
+    return asdict(parameter) | {"is_default": parameter.is_default}
+
+
+def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> list[dict[str, Any]]:
+    """Return mean and standard deviation of each state at the last sample, with its unit."""
+    units = units_of(specification.model.class_)
+    mean, sd = (estimates[name].values[-1] for name in ("mean", "sd"))
+    names = [str(state) for state in estimates["state"].values]
+    return [
+        {"state": name, "unit": units[name] or "1", "mean": float(mean[i]), "sd": float(sd[i])}
+        for i, name in enumerate(names)
+    ]
+
+
+def _known_states(recording: xarray.Dataset, estimates: xarray.Dataset) -> list[str]:
+    """Return the states whose true values the recording has."""
+    return [str(state) for state in estimates["state"].values if knows(recording, str(state))]
+
+
+def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgements: Mapping[str, Judgement]) -> None:
+    """Print the consistency of the filter, and the errors of each state whose true values are known."""
     say(
         f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
         "filter is surer than its readings allow."
     )
-    states = [str(state) for state in estimates["state"].values if knows(recording, str(state))]
-    if not states:
+    if not judgements:
         return
     rows = [
         {
@@ -188,8 +303,7 @@ def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset) -> None:
             "NEES": judgement.nees,
             "within 2 sd": judgement.coverage,
         }
-        for state in states
-        for judgement in (judge(recording, estimates, state),)
+        for state, judgement in judgements.items()
     ]
     forms: dict[str, Form] = {
         **dict.fromkeys(("rmse", "of the best constant", "largest"), "{:.4g}"),

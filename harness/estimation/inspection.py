@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -16,10 +16,11 @@ from scipy.optimize import linear_sum_assignment
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.units import conversion, short, turning_of, unit
 from railgrip.estimation.check import ACCELERATION, UNITS_OF_RUN, signals_of
-from railgrip.estimation.spec import Specification, load_specification
+from railgrip.estimation.spec import ModelParameter, Specification, load_specification, model_parameters
 from railgrip.fmi.draft import OTHER_NAMES, bare_name, likeness
 from railgrip.scenario.file import is_file
 from railgrip.trace.files import (
+    Columns,
     Series,
     name_without_unit,
     read_mf4,
@@ -48,7 +49,9 @@ _NAMES = {
 }
 """Other names of signals in recordings, beside those of plants."""
 
-_FROM_ANOTHER = {"pad_force": 'a pressure becomes a force with unit = "bar", factor = "8 kN/bar"; '}
+_FROM_ANOTHER = {
+    "pad_force": 'a pressure becomes a force with unit = "bar", factor = "8 kN/bar", offset = -4.0, minimum = "0 N"; '
+}
 """How a column of another quantity becomes the signal."""
 _NOT_MEASURED = {"cmd", "command", "demand", "setpoint", "target", "soll", "init", "initial"}
 """Words of names of columns with commands and initial values, which are not measured."""
@@ -108,6 +111,7 @@ class Inspection:
         signals: Signal → column that was recognised as it.
         proposal: An estimation as TOML that reads the recording.
         unrecognised: Signals of the proposal whose column or unit its reader has to fill in.
+        parameters: Data of the vehicle that the model needs, with the values that it has without the reader's.
     """
 
     findings: tuple[Finding, ...]
@@ -115,15 +119,19 @@ class Inspection:
     signals: Mapping[str, str]
     proposal: str
     unrecognised: tuple[str, ...]
+    parameters: tuple[ModelParameter, ...]
 
 
-def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> Inspection:
+def inspect_recording(
+    path: Path, estimation: Path, time: str | None = None, decimal: Literal[".", ","] | None = None
+) -> Inspection:
     """Return what a recording holds, with a proposal of how an estimation reads it.
 
     Args:
         path: csv, parquet, mat or mf4.
         estimation: File or name of the estimation whose signals are looked for.
         time: Column of time; recognised when None.
+        decimal: Decimal sign of a csv file; found when None.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -132,7 +140,7 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
     specification = load_specification(estimation)
     # The proposal may lie elsewhere than where the command was given.
     base = str(estimation.resolve()) if is_file(estimation) else str(estimation)
-    clock, series, texts = _read(path, time)
+    clock, series, texts = _read(path, time, decimal)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
         raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
@@ -140,14 +148,20 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
     recognised = _recognised(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
     lines, unrecognised = _columns(wanted, recognised)
+    parameters = tuple(model_parameters(specification))
     head = [
         f"# How `railgrip estimate` reads {path.name}. Correct what you know better, and fill in each '{_UNKNOWN}'.",
         f"extends = {_toml(base)}",
         f"name = {_toml(re.sub(r'[^A-Za-z0-9_.-]', '_', path.stem))}",
         "",
+        "[model.parameters]",
+        "# The filter uses these values of the library. Remove the # in front of a line to give that of your vehicle.",
+        *map(_parameter_line, parameters),
+        "",
         "[data]",
         _clock_line(clock, path),
         f'period = "{1e3 * period:.6g} ms"',
+        *([] if decimal is None else [f"decimal = {_toml(decimal)}"]),
         *_gap_lines([finding for name, finding in recognised.items() if wanted[name][1]], period),
         'frozen = "2 s"  # readings that repeat exactly for longer are left out',
         "spike = 8.0  # so are samples as many deviations off their neighbours",
@@ -160,24 +174,32 @@ def inspect_recording(path: Path, estimation: Path, time: str | None = None) -> 
         signals={signal: finding.name for signal, finding in recognised.items()},
         proposal="\n".join([*head, *lines]) + "\n",
         unrecognised=tuple(unrecognised),
+        parameters=parameters,
     )
+
+
+def _parameter_line(parameter: ModelParameter) -> str:
+    key = _toml(parameter.name) if "[" in parameter.name else parameter.name
+    value = f"{parameter.value:g}" if parameter.unit == "1" else _toml(f"{parameter.value:g} {parameter.unit}")
+    return f"# {key} = {value}  # {' '.join(parameter.description.split())}"
 
 
 # ---- what the file holds ----------------------------------------------------------------------------------------
 
 
-def _read(path: Path, time: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
+def _read(path: Path, time: str | None, decimal: str | None) -> tuple[TimeColumn, dict[str, Series], list[str]]:
     """Return the column of time, the columns of numbers, and the names of the others."""
     if path.suffix.lower() == ".mf4":
         return TimeColumn(column="time", unit="s"), read_mf4(path), []
-    frame = read_table(path)
-    clock = _clock(path, frame, time)
+    file = read_table(path, decimal=decimal)
+    frame = file.values
+    clock = _clock(path, file, time)
     numbers = [name for name, values in frame.items() if name != clock.column and _is_numeric(values)]
     table = DataTable(
         time=clock.model_copy(update={"unit": clock.unit or "s"}), period=1.0, longest_gap=1.0, frozen=1.0, spike=8.0,
         columns={},
     )  # fmt: skip
-    series = series_of_table(path, frame, table, numbers)
+    series = series_of_table(path, file, table, numbers)
     return clock, series, [name for name in frame if name not in (clock.column, *numbers)]
 
 
@@ -185,21 +207,23 @@ def _is_numeric(values: Any) -> bool:
     array = np.asarray(values)
     if array.ndim != 1 or array.dtype.kind in "fiub":
         return array.ndim == 1
-    numbers: Any = pd.to_numeric(pd.Series(values), errors="coerce")
-    return bool(numbers.notna().any())
+    filled: Any = pd.Series(values).dropna()
+    numbers: Any = pd.to_numeric(filled, errors="coerce")
+    return 2 * int(numbers.notna().sum()) > len(filled)  # a remark may be a number
 
 
-def _clock(path: Path, frame: Mapping[str, Any], time: str | None) -> TimeColumn:
-    """Return the column of time with its unit, None where nothing tells it."""
+def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
+    """Return the column of time with its unit, None if the file does not state it."""
+    frame = file.values
     if time is not None and time not in frame:
         raise EstimationError(f"{path.name}: has no column {short(time)}; it has {', '.join(frame)}.")
     for name in [time] if time is not None else sorted(frame, key=_is_called_time, reverse=True):
         values = np.asarray(frame[name])
-        text = unit_in_brackets(name) or unit_at_end(name, "s")
+        text = file.units.get(name) or unit_in_brackets(name) or unit_at_end(name, "s")
         if values.dtype.kind not in "fiu" and not _is_numeric(values):
             if _is_called_time(name) or time is not None:
                 return TimeColumn(column=name, unit="timestamp")
-        elif time is not None or ((_is_called_time(name) or text) and bool((np.diff(values.astype(float)) >= 0).all())):
+        elif time is not None or ((_is_called_time(name) or text) and _rises(values)):
             with suppress(UnitError):
                 conversion(unit(text or ""), unit("s"))
                 return TimeColumn(column=name, unit=text)
@@ -208,6 +232,11 @@ def _clock(path: Path, frame: Mapping[str, Any], time: str | None) -> TimeColumn
     raise EstimationError(
         f"{path.name}: no column of time was recognised among {', '.join(frame)}; name it with --time COLUMN."
     )
+
+
+def _rises(values: Any) -> bool:
+    """Return whether a column has numbers that never fall, and nothing else."""
+    return bool((np.diff(np.asarray(pd.to_numeric(pd.Series(values), errors="coerce"), dtype=float)) >= 0.0).all())
 
 
 def _is_called_time(name: str) -> bool:

@@ -35,7 +35,9 @@ SIGNALS: Final[Mapping[str, Bounds]] = {
     "acceleration": Bounds(-30.0, 30.0, "an emergency brake reaches 3 m/s2, a hard coupling 20"),
     "deflection": Bounds(-0.2, 0.2, "primary suspensions give way by 0.05 m"),
     "cylinder_pressure": Bounds(-2e4, 1.2e6, "brakes are supplied with 10 bar"),
-    "pad_force": Bounds(-2e3, 5e5, "pads press, they do not pull"),
+    "pad_force": Bounds(
+        -2e3, 5e5, "pads press, they do not pull; with a spring write minimum = '0 N' in [data.columns]"
+    ),
     "track_force": Bounds(-5e6, 5e6, "a train of 5000 t on a slope of 10 %"),
     "wheel_torque": Bounds(-2e5, 2e5, "a locomotive's axle reaches 60 kN.m"),
 }

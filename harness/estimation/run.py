@@ -210,7 +210,8 @@ def estimate(
         with its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` is empty
         for a sound filter. Otherwise it states why and from when on its beliefs are meaningless: the filter diverged,
         and later values are NaN, or it is lost (`railgrip.estimators.consistency.loss_step`).
-        `nis_ratio` is the median of NIS over its expected one, NaN without readings.
+        `nis_ratio` is the median of NIS over its expected one, NaN without readings. `warnings` has a line for each
+        disagreement between signals of the recording.
 
     Raises:
         EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
@@ -245,6 +246,7 @@ def estimate(
             "period": data.period,
             "name": recording.attrs.get("name", ""),
             "nis_ratio": np.nan if ratio is None else ratio,
+            "warnings": "\n".join(recording.attrs.get("warnings", ())),
         },
     )
 

@@ -14,6 +14,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError
+from railgrip.estimation.agreement import require_agreement
 from railgrip.estimation.braking import braking_of
 from railgrip.estimation.check import require_consistent, signals_of
 from railgrip.estimation.run import model_of
@@ -40,6 +41,9 @@ def recording_of_estimation(
 ) -> xarray.Dataset:
     """Return the recording of an estimation.
 
+    Its attribute `flags` has a sentence for each repair of a user's file, `warnings` one for each comparison in which
+    its signals disagree (`railgrip.estimation.agreement`).
+
     Args:
         data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
         scenario: In place of that of [source].
@@ -47,7 +51,8 @@ def recording_of_estimation(
         import_from: Folders of classes that the scenario names.
 
     Raises:
-        EstimationError: There is no scenario or file, or it cannot be estimated from.
+        EstimationError: There is no scenario or file, it cannot be estimated from, or its signals contradict each other
+            as on no vehicle.
         ScenarioError: There is no such scenario, or it fails.
     """
     if data is not None:
@@ -58,8 +63,11 @@ def recording_of_estimation(
         scenario = scenario or source.scenario
         require_consistent(specification, scenario)
         recording = recording_of_stop(scenario, source.seed if seed is None else seed, source.noise, import_from)
-    recording = completed(specification, recording)
-    return recording if specification.course is None else braking_of(recording, specification.course).recording
+    run = completed(specification, recording)
+    recording = run if specification.course is None else braking_of(run, specification.course).recording
+    if data is None or data.suffix == ".nc":  # a trace has its units and one clock
+        return recording
+    return recording.assign_attrs(warnings=require_agreement(specification, run, recording, data.name))
 
 
 def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dataset:

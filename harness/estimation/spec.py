@@ -34,13 +34,14 @@ track_force = "0 N"
 scenario = "rig_slide"
 """
 
+import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import xarray
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
@@ -184,6 +185,12 @@ class Specification(Table):
     )
     source: SourceTable | None = None
     data: DataTable | None = None
+    _origins: dict[str, str] = PrivateAttr(default_factory=dict)
+
+    @property
+    def origins(self) -> dict[str, str]:
+        """Where each of [model.parameters] was given, as `given in run.toml` or `--set`, by name."""
+        return self._origins
 
     @model_validator(mode="after")
     def _has_one_track_force(self) -> Self:
@@ -204,6 +211,9 @@ class Specification(Table):
 
 LIBRARY = Path(__file__).parent / "library"
 
+DEFAULT = "library default"
+"""Origin of a parameter that no file and no option gives."""
+
 
 def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] = ()) -> Specification:
     """Return the estimation of a TOML file, or of the package by its name, with overrides on top.
@@ -217,8 +227,17 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     """
     path = located(path, "estimations")
     tables = _tables_in(path, ())
+    files = [(f"given in {name}", table) for name, table in tables.layers]
     tables = tables.laid(path.name, nested(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
-    return validated(Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers)
+    specification = validated(
+        Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers
+    )
+    # The uppermost layer decides, so it is written last.
+    for origin, table in reversed([("--set", tables.layers[0][1]), *files]):
+        model = table.get("model")
+        given = model.get("parameters") if isinstance(model, Mapping) else None
+        specification.origins.update(dict.fromkeys(given, origin) if isinstance(given, Mapping) else {})
+    return specification
 
 
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
@@ -276,8 +295,54 @@ def parameters_for(specification: Specification) -> dict[str, float]:
         EstimationError: There is no such parameter, or its unit has another dimension.
     """
     model = specification.model
-    units = {variable.name: variable.unit for variable in model_of(model.class_).parameters}
-    return in_units(f"{specification.name}: [model.parameters]", model.parameters, units)
+    variables = model_of(model.class_).parameters
+    units = {variable.name: variable.unit for variable in variables}
+    descriptions = {variable.name: variable.description for variable in variables}
+    return in_units(f"{specification.name}: [model.parameters]", model.parameters, units, descriptions)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ModelParameter:
+    """A parameter of the model with the value that the filter uses.
+
+    Attributes:
+        name: Of the model, an element of an array as `J[1]`.
+        value: In `unit`.
+        unit: As Modelica writes it; "1" for a ratio.
+        origin: `given in FILE` or `--set`, or `DEFAULT` where nothing else was given.
+        description: From the model.
+    """
+
+    name: str
+    value: float
+    unit: str
+    origin: str
+    description: str
+
+    @property
+    def is_default(self) -> bool:
+        """Whether it is an untouched default of the library."""
+        return self.origin == DEFAULT
+
+
+def model_parameters(specification: Specification) -> list[ModelParameter]:
+    """Return all parameters of the model that affect the estimates; start values come from [start].
+
+    Raises:
+        EstimationError: As for `parameters_for`.
+    """
+    values = parameters_for(specification)
+    return [
+        ModelParameter(
+            name=variable.name,
+            value=values.get(variable.name, variable.start),
+            unit=variable.unit or "1",
+            origin=specification.origins.get(variable.name, "given") if variable.name in values else DEFAULT,
+            description=variable.description,
+        )
+        for variable in model_of(specification.model.class_).parameters
+        if not variable.name.partition("[")[0].endswith("start") and not variable.name.startswith("start")
+    ]
 
 
 def settings_for(specification: Specification, period: float) -> Settings:
@@ -303,15 +368,21 @@ def settings_for(specification: Specification, period: float) -> Settings:
 def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
     """Return the beliefs of the filter of an estimation at every sample of a recording; see `run.estimate`.
 
+    The attribute `parameters` is JSON: name, value, unit and origin of each parameter of the model.
+
     Raises:
         EstimationError: The recording does not fit the model.
     """
+    parameters = [
+        {"name": each.name, "value": each.value, "unit": each.unit, "origin": each.origin}
+        for each in model_parameters(specification)
+    ]
     return estimate(
         recording,
         prediction_for(specification),
         settings_for(specification, period_of(recording)),
         units=units_of(specification.model.class_),
-    ).assign_attrs(estimation=specification.name)
+    ).assign_attrs(estimation=specification.name, parameters=json.dumps(parameters))
 
 
 def _gate(specification: Specification, gate: GateTable) -> Gate:

@@ -27,7 +27,7 @@ class Estimates(xarray.Dataset):
         return estimates_figure(xarray.Dataset() if recording is None else recording, self, ())
 
     def __repr__(self) -> str:
-        """Return what a reader wants to know first, in five lines; of a part of it what xarray says."""
+        """Return a summary in five lines and one for each warning; the representation of xarray for a part."""
         if not {"time", "state"} <= set(self.sizes) or not {"mean", "sd"} <= set(self) or not self.sizes["time"]:
             return super().__repr__()
         states = [str(state) for state in self["state"].values]
@@ -42,7 +42,8 @@ class Estimates(xarray.Dataset):
             f"  {self.attrs.get('ended') or 'The filter followed the recording to its end.'}",
             f"  xarray.Dataset with {', '.join(str(name) for name in self.data_vars)}",
         )
-        return "\n".join(lines)
+        warnings = (f"  warning: {line}" for line in str(self.attrs.get("warnings", "")).splitlines())
+        return "\n".join((*lines, *warnings))
 
     def _repr_html_(self) -> str:
         """Return the short form, then what xarray shows."""

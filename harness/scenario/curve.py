@@ -92,7 +92,7 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
     """Return the numbers of rows, each with the number of its line, shape (rows, count)."""
     try:
         values = np.array([row for _, row in rows], dtype=np.float64)
-        if values.shape[1:] == (count,) and np.isfinite(values).all():
+        if values.shape[1:] == (count,) and all(_is_of_numbers(row, count) for _, row in rows):
             return values
     except ValueError:  # a cell is no number, or rows differ in length
         pass
@@ -103,6 +103,7 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
 
 def _is_of_numbers(row: Sequence[str], count: int) -> bool:
     try:
-        return len(row) == count and all(math.isfinite(float(cell)) for cell in row)
+        # Python reads "50_000" as a number.
+        return len(row) == count and all(math.isfinite(float(cell)) and "_" not in cell for cell in row)
     except ValueError:
         return False

@@ -163,14 +163,18 @@ _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
 
 
 def in_units(
-    where: str, magnitudes: Mapping[str, Magnitude], expected: Mapping[str, str | units.Unit]
+    where: str,
+    magnitudes: Mapping[str, Magnitude],
+    expected: Mapping[str, str | units.Unit],
+    descriptions: Mapping[str, str] | None = None,
 ) -> dict[str, float]:
-    """Return what a table of parameters says in the units of those who take it.
+    """Return the values of a table of parameters in the units that its model expects.
 
     Args:
         where: The table, and its file where several are at hand, to open sentences with.
         magnitudes: By name.
         expected: Unit of every name that may be written.
+        descriptions: Of these names, by which a name such as "mass" is recognised as `m`, "Mass of the wagon".
 
     Raises:
         ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value; each
@@ -180,7 +184,7 @@ def in_units(
     problems: list[str] = []
     for name, magnitude in magnitudes.items():
         if name not in expected:
-            near = get_close_matches(name, expected, n=1)
+            near = _described_as(name, descriptions or {}) or get_close_matches(name, expected, n=1)
             arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
             if name in arrays:
                 hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'
@@ -198,6 +202,12 @@ def in_units(
     if problems:
         raise ScenarioError("\n".join(problems))
     return values
+
+
+def _described_as(name: str, descriptions: Mapping[str, str]) -> list[str]:
+    """Return the first name whose description begins with the words of another name, or an empty list."""
+    words = name.partition("[")[0].replace("_", " ").lower()
+    return [other for other, text in descriptions.items() if f"{text.lower()} ".startswith(f"{words} ")][:1]
 
 
 def _require_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:

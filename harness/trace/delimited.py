@@ -1,44 +1,79 @@
-"""Tables of text as loggers write them: encoding, separator and decimal sign are found in the file."""
+"""Tables of text as loggers write them: encoding, separator, decimal sign and a row of units are found in the file."""
 
 import csv
+import re
 import warnings
 from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from railgrip.base.errors import EstimationError
+from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.units import short, unit
 
 SEPARATORS = ("\t", ";", ",", "|")
 """In the order in which they are preferred where several split a file evenly."""
 
+SPELLINGS = {
+    **{"mps": "m/s", "kmh": "km/h", "mps2": "m/s2", "ms2": "m/s2", "rads": "rad/s", "radps": "rad/s"},
+    **{"degps": "deg/s", "pct": "percent", "upm": "rev/min", "u/min": "rev/min"},
+}
+"""Spellings of units in recordings, where slashes are unusual."""
+
 _BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 _LINES = 50
 """Lines after the header that a separator is judged by."""
-_COMMA_NUMBER = r"\s*[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?\s*"
+_COMMA_NUMBER = re.compile(r"\s*[+-]?(?:\d+,?\d*|,\d+)(?:[eE][+-]?\d+)?\s*")
+_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}(?:,\d{3})+\s*")
+"""A number whose commas may separate thousands: "50,000", but neither "0,500" nor "50,0"."""
 
 
-def read_delimited(path: Path, separator: str | None = None, decimal: str | None = None) -> pd.DataFrame:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TextTable:
+    """A table read from text.
+
+    Attributes:
+        frame: Its columns; a column with a cell that is not a number holds texts.
+        units: Unit of a column by its name, from a row below the header.
+        decimal: Decimal sign of its numbers.
+    """
+
+    frame: pd.DataFrame
+    units: Mapping[str, str]
+    decimal: str
+
+
+def read_delimited(path: Path, separator: str | None = None, decimal: str | None = None) -> TextTable:
     """Return the table in a text file; separators and decimal marks are detected unless given.
 
     Args:
-        path: The first line that is not empty has the names of the columns.
+        path: The first line that is not empty has the names of the columns; the second may have their units.
         separator: Of the columns.
         decimal: "." or ",".
 
     Raises:
-        EstimationError: No separator splits the lines into equally many columns.
+        EstimationError: No separator splits the lines into equally many columns, or commas in numbers may be decimal
+            signs as well as separators of thousands.
     """
     encoding = _encoding(path)
-    separator = separator or _separator(path, encoding)
-    frame = _table(path, encoding, separator, decimal or ".")
-    if decimal is None and _has_decimal_commas(frame):
-        frame = _table(path, encoding, separator, ",")
-    return frame.rename(columns={name: str(name).strip() for name in frame.columns})
+    lines = _first_lines(path, encoding)
+    separator = separator or _separator(path, [text for _, text in lines])
+    header, *rows = _cells([text for _, text in lines], separator)
+    units = _units(header, rows)
+    skipped = [lines[1][0]] if units else []
+    frame = _table(path, encoding, separator, decimal or ".", skipped)
+    if decimal is None and _has_decimal_commas(path, frame):
+        decimal = ","
+        frame = _table(path, encoding, separator, decimal, skipped)
+    frame = frame.rename(columns={name: str(name).strip() for name in frame.columns})
+    return TextTable(frame=frame, units=units, decimal=decimal or ".")
 
 
-def _table(path: Path, encoding: str, separator: str, decimal: str) -> pd.DataFrame:
+def _table(path: Path, encoding: str, separator: str, decimal: str, skipped: Sequence[int]) -> pd.DataFrame:
     with warnings.catch_warnings(action="error", category=pd.errors.ParserWarning):  # rows longer than the header
         return pd.read_csv(
             path,
@@ -47,6 +82,7 @@ def _table(path: Path, encoding: str, separator: str, decimal: str) -> pd.DataFr
             encoding=encoding,
             low_memory=False,
             skipinitialspace=True,
+            skiprows=list(skipped) or None,
             index_col=False,  # else a separator at the end of each row shifts the names by one column
         )
 
@@ -67,14 +103,24 @@ def _encoding(path: Path) -> str:
     return "utf-8"
 
 
-def _separator(path: Path, encoding: str) -> str:
-    """Return the separator that splits the header and most lines into equally many columns."""
+def _first_lines(path: Path, encoding: str) -> list[tuple[int, str]]:
+    """Return the header and the lines that a separator is judged by, with their numbers from 0, without empty lines."""
     with path.open(encoding=encoding, newline="") as file:
-        lines = [line for _, line in zip(range(_LINES + 1), (line for line in file if line.strip()), strict=False)]
+        written = ((number, line) for number, line in enumerate(file) if line.strip())
+        lines = [line for _, line in zip(range(_LINES + 1), written, strict=False)]
     if not lines:
-        raise EstimationError(f"{path.name}: is empty; wanted are names of columns and samples.")
+        raise EstimationError(f"{path.name}: is empty; expected are names of columns and samples.")
+    return lines
+
+
+def _cells(lines: Sequence[str], separator: str) -> list[list[str]]:
+    return list(csv.reader(lines, delimiter=separator, skipinitialspace=True))
+
+
+def _separator(path: Path, lines: Sequence[str]) -> str:
+    """Return the separator that splits the header and most lines into equally many columns."""
     for separator in SEPARATORS:
-        header, *rows = csv.reader(lines, delimiter=separator, skipinitialspace=True)
+        header, *rows = _cells(lines, separator)
         # A separator at the end of each row closes it.
         widths = Counter(len(row) - (len(row) > len(header) and not row[-1].strip()) for row in rows)
         usual = widths.most_common(1)[0][0] if widths else len(header)
@@ -86,11 +132,80 @@ def _separator(path: Path, encoding: str) -> str:
     )
 
 
-def _has_decimal_commas(frame: pd.DataFrame) -> bool:
-    """Say whether a column of texts holds numbers with decimal commas only."""
-    for name in frame.columns:
-        if not pd.api.types.is_numeric_dtype(frame[name]):
-            texts: Any = frame[name].dropna().astype(str)
-            if texts.str.contains(",").any() and texts.str.fullmatch(_COMMA_NUMBER).all():
-                return True
-    return False
+def _units(header: Sequence[str], rows: Sequence[Sequence[str]]) -> dict[str, str]:
+    """Return the units in the row below the header by column; empty if that row has something else.
+
+    A row of units has no number but "1", and a unit in half of its cells or more; others may hold "-" or a word.
+    """
+    cells = [cell.strip().strip("[]()").strip() for cell in rows[0]] if rows else []
+    filled = [cell for cell in cells if cell not in ("", "-")]
+    known = [cell for cell in filled if _is_unit(cell)]
+    if len(rows) < 2 or not any(cell != "1" for cell in known) or 2 * len(known) < len(filled):
+        return {}
+    if any(_is_number(cell) and cell != "1" for cell in filled) or not any(map(_is_number, rows[1])):
+        return {}
+    return {
+        name.strip(): SPELLINGS.get(cell.lower(), cell)
+        for name, cell in zip(header, cells, strict=False)
+        if cell not in ("", "-")
+    }
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        unit(SPELLINGS.get(text.lower(), text))
+    except UnitError:
+        return False
+    return True
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
+
+
+def _has_decimal_commas(path: Path, frame: pd.DataFrame) -> bool:
+    """Return whether commas in numbers are decimal signs.
+
+    They are if a column of texts holds nothing but numbers with commas, and one of these cannot be read as a separator
+    of thousands.
+
+    Raises:
+        EstimationError: All of these commas may separate thousands, or other numbers of the file have points.
+    """
+    commas: dict[str, list[str]] = {}
+    for name in map(str, frame.columns):
+        column: Any = frame[name]
+        if not pd.api.types.is_numeric_dtype(column):
+            texts = [str(text) for text in column.dropna().unique()]
+            with_comma = [text for text in texts if "," in text]
+            if with_comma and all(map(_COMMA_NUMBER.fullmatch, texts)):
+                commas[name] = with_comma
+    if not commas:
+        return False
+    first = next(iter(commas))
+    where = f"{path.name}: column {short(first)} has numbers such as {short(commas[first][0].strip())}"
+    points = next((str(name) for name in frame.columns if _has_points(frame[name])), None)
+    if points is not None:
+        raise EstimationError(
+            f"{where}, and column {short(points)} numbers with points; write all numbers of the file with one decimal "
+            "sign and without separators of thousands."
+        )
+    if all(_THOUSANDS.fullmatch(text) for texts in commas.values() for text in texts):
+        raise EstimationError(
+            f"{where}, whose comma is a decimal sign or separates thousands; write decimal = ',' in [data] (inspect: "
+            "--decimal ,) if it is a decimal sign, else remove the separators from the file."
+        )
+    return True
+
+
+def _has_points(column: Any) -> bool:
+    """Return whether a column of numbers has fractions, which a file with decimal commas cannot have."""
+    if not pd.api.types.is_float_dtype(column):
+        return False
+    values = column.to_numpy()
+    values = values[np.isfinite(values)]
+    return bool((values != np.round(values)).any())

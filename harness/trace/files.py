@@ -9,9 +9,10 @@ import logging
 import re
 import sys
 import traceback
+import warnings
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
@@ -26,7 +27,7 @@ from scipy.io import loadmat
 from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.units import conversion, cut, place, short, unit
 from railgrip.scenario.file import is_file
-from railgrip.trace.delimited import read_delimited
+from railgrip.trace.delimited import SPELLINGS, read_delimited
 from railgrip.trace.table import DataTable
 
 Vector = NDArray[np.float64]
@@ -34,11 +35,6 @@ Vector = NDArray[np.float64]
 FORMATS = (".csv", ".parquet", ".mat", ".mf4")
 
 _UNIT_IN_NAME = re.compile(r".*[\[(]\s*([^\[\]()]+?)\s*[\])]\s*")
-_SUFFIXES = {
-    **{"mps": "m/s", "kmh": "km/h", "mps2": "m/s2", "ms2": "m/s2", "rads": "rad/s", "radps": "rad/s"},
-    **{"degps": "deg/s", "pct": "percent", "upm": "rev/min", "u/min": "rev/min"},
-}
-"""Spellings of units at the end of names, where slashes are unusual."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +52,30 @@ class Series:
     unit: str | None
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Columns:
+    """The columns of a file as the library of its format gives them.
+
+    Attributes:
+        values: By name.
+        units: Those that the file states apart from the names, by name.
+        decimal: Decimal sign of numbers in texts.
+    """
+
+    values: Mapping[str, Any]
+    units: Mapping[str, str] = field(default_factory=dict[str, str])
+    decimal: str = "."
+
+
+@contextmanager
+def _quietly() -> Generator[None]:
+    """Keep warnings of the libraries that read files from the user: what they find is said by this program."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+@_quietly()
 def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     """Return the columns that a map asks for, by the file's names.
 
@@ -65,14 +85,15 @@ def read_series(path: Path, table: DataTable) -> dict[str, Series]:
     columns = list(dict.fromkeys(c.column for c in table.columns.values() if c.column is not None))
     if path.suffix.lower() == ".mf4":
         return read_mf4(path, columns)
-    frame = read_table(path, [table.time.column, *columns], table.separator, table.decimal)
-    return series_of_table(path, frame, table, columns)
+    file = read_table(path, [table.time.column, *columns], table.separator, table.decimal)
+    return series_of_table(path, file, table, columns)
 
 
+@_quietly()
 def read_table(
     path: Path, columns: Sequence[str] | None = None, separator: str | None = None, decimal: str | None = None
-) -> Mapping[str, Any]:
-    """Return the columns of a table by their names, as the library of its format gives them.
+) -> Columns:
+    """Return the columns of a table.
 
     Args:
         path: csv, parquet or mat.
@@ -124,23 +145,26 @@ def _library(path: Path, module: str, extra: str) -> Any:
         ) from problem
 
 
-def _csv(path: Path, separator: str | None, decimal: str | None) -> Mapping[str, Any]:
+def _csv(path: Path, separator: str | None, decimal: str | None) -> Columns:
     with _reading(path, "a csv file"):
-        frame = read_delimited(path, separator, decimal)
-    return {str(name): frame[name].to_numpy() for name in frame.columns}
+        table = read_delimited(path, separator, decimal)
+    frame = table.frame
+    return Columns(
+        values={str(name): frame[name].to_numpy() for name in frame.columns}, units=table.units, decimal=table.decimal
+    )
 
 
-def _parquet(path: Path, columns: Sequence[str] | None) -> Mapping[str, Any]:
+def _parquet(path: Path, columns: Sequence[str] | None) -> Columns:
     parquet = _library(path, "pyarrow.parquet", "parquet")
     with _reading(path, "a parquet file"):
         if columns is not None:
             _all_there(path, columns, parquet.read_schema(path).names)
             columns = list(dict.fromkeys(columns))
         frame = parquet.read_table(path, columns=columns).to_pandas()
-    return {str(name): frame[name].to_numpy() for name in frame.columns}
+    return Columns(values={str(name): frame[name].to_numpy() for name in frame.columns})
 
 
-def _mat(path: Path) -> Mapping[str, Any]:
+def _mat(path: Path) -> Columns:
     """Return the vectors of a MATLAB file; those inside structures as `structure.field`."""
     variables: dict[str, Any] = {}
 
@@ -164,23 +188,22 @@ def _mat(path: Path) -> Mapping[str, Any]:
             for name, value in loadmat(path, simplify_cells=True).items():
                 if not name.startswith("__"):
                     collect(name, value)
-    return variables
+    return Columns(values=variables)
 
 
-def series_of_table(
-    path: Path, frame: Mapping[str, Any], table: DataTable, columns: Sequence[str]
-) -> dict[str, Series]:
+@_quietly()
+def series_of_table(path: Path, file: Columns, table: DataTable, columns: Sequence[str]) -> dict[str, Series]:
     """Return columns of a table, all on its column of time; see `read_series`."""
-    _all_there(path, [table.time.column, *columns], list(frame))
-    time = _instants(path, frame[table.time.column], table)
+    _all_there(path, [table.time.column, *columns], list(file.values))
+    time = _instants(path, file, table)
     series: dict[str, Series] = {}
     for name in columns:
-        values = _numbers(path, name, frame[name], table)
+        values = _numbers(path, name, file)
         if values.shape != time.shape:
             raise EstimationError(
                 f"{path.name}: column '{name}' has {values.size} samples, its time '{table.time.column}' {time.size}."
             )
-        series[name] = Series(time=time, values=values, unit=unit_in_brackets(name))
+        series[name] = Series(time=time, values=values, unit=file.units.get(name) or unit_in_brackets(name))
     return series
 
 
@@ -199,7 +222,7 @@ def unit_at_end(name: str, target: str) -> str | None:
     *_, before, last = ("", *_words(name))
     for text in (f"{before}/{last}", last) if before else ():
         with suppress(UnitError):
-            source = unit(_SUFFIXES.get(text.lower(), text))
+            source = unit(SPELLINGS.get(text.lower(), text))
             conversion(source, unit(target))
             return source.name
     return None
@@ -211,7 +234,7 @@ def name_without_unit(name: str) -> str:
     words = _words(name if bracketed is None else re.sub(r"[\[(][^\[\]()]*[\])]\s*$", "", name))
     while len(words) > 1 and not words[-1].isdigit():
         try:
-            unit(_SUFFIXES.get(words[-1].lower(), words[-1]))
+            unit(SPELLINGS.get(words[-1].lower(), words[-1]))
         except UnitError:
             break
         words.pop()
@@ -238,28 +261,35 @@ def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None
     raise EstimationError(f"{path.name}: has no column {', '.join(short(name) for name in missing)}; {hint}{only}")
 
 
-def _numbers(path: Path, name: str, raw: Any, table: DataTable) -> Vector:
+def _numbers(path: Path, name: str, file: Columns) -> Vector:
     """Return a column as floats; empty cells are NaN."""
+    raw = file.values[name]
     values = np.asarray(raw)
     if values.ndim != 1 or values.dtype.kind == "c":
-        raise EstimationError(f"{path.name}: column '{name}' wants one real number a sample.")
+        raise EstimationError(f"{path.name}: column '{name}' must have one real number in each sample.")
     if values.dtype.kind in "fiub":
         return values.astype(np.float64)
-    numbers: Any = pd.to_numeric(pd.Series(raw), errors="coerce")
-    wrong = numbers.isna().to_numpy() & ~pd.isna(pd.Series(raw)).to_numpy()
+    column: Any = pd.Series(raw)
+    numbers: Any = pd.to_numeric(column, errors="coerce")
+    wrong = numbers.isna().to_numpy() & ~pd.isna(column).to_numpy()
+    if file.decimal == ",":  # pandas would read "50.000" as 50
+        wrong |= column.astype(str).str.contains(".", regex=False).to_numpy()
     if wrong.any():
         row = int(np.argmax(wrong))
-        why = " Is its decimal sign another one?" if "," in str(raw[row]) and table.decimal != "," else ""
+        signs = {",", "."} & set(str(raw[row]))
+        why = f" The decimal sign of the file is '{file.decimal}'; see decimal in [data]." if signs else ""
         raise EstimationError(
-            f"{path.name}: column '{name}' wants numbers, sample {row + 1} of {values.size} is {short(raw[row])}.{why}"
+            f"{path.name}: column '{name}' must have numbers, sample {row + 1} of {values.size} is {short(raw[row])}."
+            f"{why}"
         )
     return np.asarray(numbers, dtype=np.float64)
 
 
-def _instants(path: Path, values: Any, table: DataTable) -> Vector:
-    """Return a column of time in seconds; time stamps count from the first."""
+def _instants(path: Path, file: Columns, table: DataTable) -> Vector:
+    """Return the column of time in seconds; time stamps count from the first."""
     name = table.time.column
-    text = table.time.unit or unit_in_brackets(name) or unit_at_end(name, "s")
+    values = file.values[name]
+    text = table.time.unit or file.units.get(name) or unit_in_brackets(name) or unit_at_end(name, "s")
     if text == "timestamp":
         try:
             stamps: Any = pd.to_datetime(pd.Series(values), utc=True)
@@ -280,9 +310,10 @@ def _instants(path: Path, values: Any, table: DataTable) -> Vector:
         raise EstimationError(f"[data.time] unit: {problem} Time stamps have the unit 'timestamp'.") from problem
     if np.asarray(values).dtype.kind == "M":
         raise EstimationError(f"{path.name}: column '{name}' holds time stamps; write unit = 'timestamp'.")
-    return _numbers(path, name, values, table) * gain
+    return _numbers(path, name, file) * gain
 
 
+@_quietly()
 def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Series]:
     """Return channels of an MDF file by name, each on its own instants; all of numbers when None; see `read_series`."""
     _require_file(path)

@@ -37,7 +37,8 @@ class FileRecording:
     """A recording out of a file.
 
     Attributes:
-        recording: On an even grid; its attribute `flags` holds the sentences.
+        recording: On an even grid. Its attribute `flags` holds the sentences, `columns` the name and unit of the column
+            of each signal.
         flags: What was found and done, by signal and time.
     """
 
@@ -95,15 +96,19 @@ def recorded(
         name=path.stem,
     )
     recording.attrs["flags"] = summary(flags)
+    recording.attrs["columns"] = {
+        name: (str(table.columns[name].column), column.unit) for name, column in columns.items()
+    }
     return FileRecording(recording=recording, flags=tuple(flags))
 
 
 class _Samples(NamedTuple):
-    """The usable samples of a column in the model's unit, and the instants at which the file has a number."""
+    """The usable samples of a column in the model's unit, the instants at which the file has a number, and its unit."""
 
     time: Vector
     values: Vector
     file_time: Vector
+    unit: str
 
 
 def _columns(
@@ -117,8 +122,10 @@ def _columns(
             continue
         target = units[name.removeprefix(TRUTH)]
         time, values = _rising(path, name, series[column.column], flags)
-        gain, shift = _converted(path, name, column, series[column.column].unit, target)
+        unit_of_column, gain, shift = _converted(path, name, column, series[column.column].unit, target)
         values = gain * values + shift
+        if column.minimum is not None:
+            values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
         is_number = np.abs(values) < _LARGEST
         file_time = time[is_number]
         if name.startswith(TRUTH):  # a reference, not a sensor: its samples are not judged
@@ -131,7 +138,7 @@ def _columns(
             raise EstimationError(
                 f"{path.name}: {name} (column {short(column.column)}) has {time.size} usable samples."
             )
-        columns[name] = _Samples(time, values, file_time)
+        columns[name] = _Samples(time, values, file_time, unit_of_column)
     return columns
 
 
@@ -184,8 +191,8 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     return time[~again], values[~again]
 
 
-def _converted(path: Path, name: str, column: Column, file_unit: str | None, target: str) -> tuple[float, float]:
-    """Return gain and shift from a column's numbers to the model's unit.
+def _converted(path: Path, name: str, column: Column, file_unit: str | None, target: str) -> tuple[str, float, float]:
+    """Return the unit of a column, and gain and shift from its numbers to the model's unit.
 
     Raises:
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
@@ -208,7 +215,7 @@ def _converted(path: Path, name: str, column: Column, file_unit: str | None, tar
         raise EstimationError(
             f"{where}: the file says it is in '{file_unit}', the map says '{text}'; correct the map{advice}."
         )
-    return gain, shift
+    return text, gain, shift
 
 
 def _contradict(text: str, other: Unit, wanted: Unit) -> bool:

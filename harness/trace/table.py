@@ -12,7 +12,7 @@ separator = ";"                             # csv only, as is decimal = ","; bot
 speed = { column = "v_gps", unit = "km/h" }
 "wheelset_speed[1]" = { column = "n1", unit = "rev/min", range = ["0 rad/s", "120 rad/s"] }
 "cylinder_pressure[1]" = { column = "pC1", unit = "bar", offset = -1.013 }     # was absolute
-pad_force = { column = "p1", unit = "bar", factor = "8 kN/bar", offset = -4.0 }    # [kN], of a pressure
+pad_force = { column = "p1", unit = "bar", factor = "8 kN/bar", offset = -4.0, minimum = "0 N" }   # offset [kN]
 track_force = { value = "0 N" }             # not measured, this value throughout
 """
 
@@ -52,6 +52,9 @@ class Column(Table):
     )
     offset: Number = Field(
         default=0.0, description="added after the factor, in the column's unit times that of the factor"
+    )
+    minimum: Magnitude | None = Field(
+        default=None, description="smaller values become this, as the force of pads below the force of their spring"
     )
     range: tuple[Magnitude, Magnitude] | None = Field(default=None, description="samples outside are left out")
     holds: StrictBool = Field(default=False, description="repeats its last value until a new one comes")
@@ -122,4 +125,7 @@ class DataTable(Table):
         default=None, description="of a csv file; found unless given"
     )
     decimal: Literal[".", ","] | None = Field(default=None, description="likewise")
+    contradictions: Literal["refuse", "warn"] = Field(
+        default="refuse", description="signals that contradict each other as on no vehicle are refused or only reported"
+    )
     columns: dict[str, Column] = Field(description="by the name of the signal of the model")

@@ -83,8 +83,10 @@ def test_the_command_reports_repairs_and_errors(case, tmp_path):
     ],
 )
 def test_an_implausible_recording_fails(case, tmp_path, column, factor, sentence):
-    """Wheel speeds in a wrong unit, forces of a wrong sign, km/h converted twice."""
+    """Wheel speeds in a wrong unit, forces of a wrong sign, km/h converted twice; also where [data] accepts them."""
     toml, file, _ = case
+    accepted = 'spike = 8.0\ncontradictions = "warn"\n'
+    toml.write_text(toml.read_text(encoding="utf-8").replace("spike = 8.0\n", accepted), encoding="utf-8")
     frame = pd.read_csv(file)
     frame[column] *= factor
     frame.to_csv(file, index=False)

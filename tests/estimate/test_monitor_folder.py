@@ -90,6 +90,12 @@ def test_recorded_files_give_the_evidence_of_the_stops_themselves(tmp_path):
     through, direct = evidence_of(read, cold), evidence_of(recording, cold)
     # Units there and back leave rounding; a spike that was left out, a hundredth of a deviation.
     assert (np.abs(through.health - direct.health) < 0.1 * direct.deviation).all()
+    wrong = folder.parent / "wrong"
+    wrong.mkdir()
+    pd.DataFrame(columns | {"v": columns["v"] / 3.6}).to_csv(wrong / "stop-1.csv", index=False)
+    result = CliRunner().invoke(app, ["monitor", str(wrong), "--map", str(tmp_path / "map.toml")])
+    assert "stop-1.csv: left out: stop-1.csv: wheelset_speed" in " ".join(result.output.split())
+    assert "is column 'v' in m/s, not km/h?" in " ".join(result.output.split())
     # The same run as that of a train whose pistons are a quarter smaller: pads that brake as much rub better by a
     # third, and, since 1.2 kN of return spring stay, by a half at 1.5 bar.
     smaller = 0.75 * 0.0324

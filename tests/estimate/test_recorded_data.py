@@ -1,5 +1,6 @@
 """Recordings from a user's file: formats, units, faults, and messages about invalid files."""
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from scipy.io import savemat
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
+from railgrip.estimation.plausible import strange_signals
 from railgrip.scenario.load import validated
 from railgrip.trace.cleaning import spikes, standing
 from railgrip.trace.flag import Flag, summary
@@ -309,6 +311,18 @@ def test_a_factor_with_a_unit_turns_a_pressure_into_a_force(tmp_path):
         np.testing.assert_allclose(reading_of(result.recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
 
 
+def test_the_recipe_of_the_documentation_gives_no_negative_force(tmp_path):
+    """A piston moves its pads once it overcomes its spring: below 0.5 bar there is no force."""
+    page = Path(__file__).parents[2] / "docs" / "how_to" / "recorded_data.md"
+    (line,) = [line for line in page.read_text(encoding="utf-8").splitlines() if line.startswith("pad_force = ")]
+    force = tomllib.loads(line)["pad_force"]
+    frame = stop().assign(**{force["column"]: np.linspace(0.0, 3.8, 1000)})
+    recording = taken(csv(tmp_path, frame), columns={"pad_force": force}).recording
+    expected = np.maximum(8e3 * frame[force["column"]] - 4e3, 0.0)
+    np.testing.assert_allclose(reading_of(recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
+    assert strange_signals(recording, ["pad_force"]) == []
+
+
 PINT = pint.UnitRegistry()
 FACTORS = [
     ("bar", "kN/bar", "N"), ("kPa", "cm**2", "N"), ("mbar", "kN/Pa", "N"), ("A", "N*m/A", "N*m"), ("mm", "kN/mm", "N"),
@@ -387,7 +401,9 @@ def test_repeated_instants_are_flagged_and_decreasing_time_is_refused(tmp_path):
 def test_a_cell_that_is_not_a_number_is_refused(tmp_path):
     frame = stop().astype({"v": object})
     frame.loc[41, "v"] = "71,2"
-    with pytest.raises(EstimationError, match=r"column 'v' wants numbers, sample 42 of 1000 is '71,2'.*decimal sign"):
+    with pytest.raises(
+        EstimationError, match=r"column 'v' must have numbers, sample 42 of 1000 is '71,2'.*decimal sign"
+    ):
         taken(csv(tmp_path, frame))
 
 

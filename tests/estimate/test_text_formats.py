@@ -2,6 +2,7 @@
 
 import csv
 import io
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,8 @@ from hypothesis import strategies as st
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import conversion, unit
+from railgrip.estimation.inspection import inspect_recording
+from railgrip.scenario.curve import read_curve
 from railgrip.scenario.load import validated
 from railgrip.trace.delimited import read_delimited
 from railgrip.trace.files import unit_at_end
@@ -129,8 +132,121 @@ def test_g_is_gravity_where_an_acceleration_is_wanted_and_a_mass_elsewhere():
 def test_separator_and_decimal_sign_are_found(tmp_path, text, columns):
     path = tmp_path / "run.csv"
     path.write_text(text, encoding="utf-8")
-    frame = read_delimited(path)
+    frame = read_delimited(path).frame
     assert {name: frame[name].tolist() for name in columns} == columns
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("t;F\n0;50,000\n1;48,500\n", r"column 'F' has numbers such as '50,000', whose comma is .* or separates thous"),
+        ("t;F\n0;950\n1;1,050\n", r"'1,050', whose comma is .* decimal = ','"),
+        ('t,F\n0,"50,000"\n1,"48,500"\n', r"'50,000', whose comma is"),
+        ("t;F\n0.5;50,000\n1.5;48,500\n", r"column 'F' .* '50,000', and column 't' numbers with points"),
+        ("t;F\n0.5;50,5\n1.5;48,5\n", r"column 'F' .* '50,5', and column 't' numbers with points"),
+    ],
+)
+def test_a_comma_that_may_separate_thousands_is_refused(tmp_path, text, sentence):
+    path = tmp_path / "run.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(EstimationError, match=rf"^run\.csv: .*{sentence}"):
+        read_delimited(path)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("t;F\n0;0,500\n1;48,500\n", 48.5),
+        ("t;F\n0,001;50,000\n1,001;48,500\n", 48.5),
+        ("t;F\n0;50,0\n1;48,500\n", 48.5),
+    ],
+)
+def test_a_decimal_comma_anywhere_in_a_file_settles_all_its_commas(tmp_path, text, expected):
+    path = tmp_path / "run.csv"
+    path.write_text(text, encoding="utf-8")
+    assert read_delimited(path).frame["F"].tolist()[1] == expected
+
+
+def test_the_key_decimal_settles_what_a_comma_means(tmp_path):
+    """The value is 50 with a decimal comma; with a decimal point the text is refused, never read as another number."""
+    path = tmp_path / "run.csv"
+    path.write_text("t;F\n0;50,000\n1;48,500\n", encoding="utf-8")
+    table = {"time": {"column": "t", "unit": "s"}, "period": 1.0, "longest_gap": 1.5, "frozen": 9.0, "spike": 9.0}
+    table["columns"] = {"pad_force": {"column": "F", "unit": "kN"}}
+    arguments = {"pad_force": "N"}, ["pad_force"], []
+
+    def read(decimal):
+        return recorded(path, validated(DataTable, table | decimal, directory=tmp_path, origin="run.toml"), *arguments)
+
+    assert reading_of(read({"decimal": ","}).recording, "pad_force").tolist() == [50e3, 48.5e3]
+    for decimal in ({}, {"decimal": "."}):
+        with pytest.raises(EstimationError, match="50,000"):
+            read(decimal)
+    for text, decimal in (("t;F\n0,5;50.000\n1,5;48.000\n", {}), ("t;F\n0,5;50.000\n1,5;48.500\n", {"decimal": ","})):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(EstimationError, match=r"column 'F' must have numbers, .* '50\.000'.* decimal sign .* ','"):
+            read(decimal)
+
+
+def test_tables_of_a_scenario_refuse_separators_of_thousands(tmp_path):
+    """Friction, demand and track have one reader."""
+    path = tmp_path / "rail.csv"
+    for number in ('"1,000"', "1_000", "1 000", "1'000"):
+        path.write_text(f"distance,mu0\n0,0.1\n{number},0.1\n", encoding="utf-8")
+        with pytest.raises(ValueError, match="line 3: 2 finite numbers"):
+            read_curve(path)
+
+
+UNIT_ROWS = [
+    "s;km/h;rev/min;kN",
+    "[s];[km/h];[rpm];[kN]",
+    "(s);kmh;U/min;kN",
+    "s;km/h;rev/min;kN;-",
+]
+
+
+@pytest.mark.parametrize("row", UNIT_ROWS)
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_a_second_header_line_has_the_units(tmp_path, row, decimal):
+    path, names = tmp_path / "run.csv", "t;v;n;F"
+    numbers = [f"{0.01 * k:.2f};{72 - 0.1 * k:.1f};{300 - k:.1f};12.5".replace(".", decimal) for k in range(40)]
+    if row.endswith("-"):
+        names, numbers = f"{names};remark", [f"{line};ok" for line in numbers]
+    path.write_text("\n".join([names, row, *numbers]), encoding="utf-8")
+    columns = {"speed": "v", "wheelset_speed": "n", "pad_force": "F"}
+    written = {
+        "time": {"column": "t"}, "period": PERIOD, "longest_gap": 0.1, "frozen": 9.0, "spike": 9.0,
+        "columns": {name: {"column": column, "may_rest": True} for name, column in columns.items()},
+    }  # fmt: skip
+    units = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N"}
+    table_of_file = validated(DataTable, written, directory=Path(), origin="run.toml")
+    recording = recorded(path, table_of_file, units, ["pad_force"], ["speed", "wheelset_speed"]).recording
+    assert reading_of(recording, "speed")[0] == pytest.approx(20.0)
+    assert reading_of(recording, "wheelset_speed")[0] == pytest.approx(10 * np.pi)
+    assert reading_of(recording, "pad_force")[0] == pytest.approx(12.5e3)
+    assert not inspect_recording(path, Path("rig_own")).unrecognised
+    written["columns"]["speed"]["unit"] = "m/s"
+    with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
+        recorded(
+            path, validated(DataTable, written, directory=Path(), origin="run.toml"), units, ["pad_force"], list(units)
+        )
+
+
+@pytest.mark.parametrize("row", ["0;1", "1;1", "start;stop", "0;s"])
+def test_a_row_of_numbers_or_words_is_not_a_row_of_units(tmp_path, row):
+    path = tmp_path / "run.csv"
+    path.write_text(f"t;v\n{row}\n2;3\n", encoding="utf-8")
+    assert read_delimited(path).units == {}
+    assert len(read_delimited(path).frame) == 2
+
+
+def test_no_warning_of_a_library_leaves_a_reader(tmp_path):
+    """pandas warns about dates without a common format; the user cannot act on it."""
+    path = tmp_path / "run.csv"
+    path.write_text("Datum;v [km/h];F [kN]\n12:00:01;3;1\n12:00:02;4;1\n12:00:03;5;1\n", encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert inspect_recording(path, Path("rig_own")).findings[0].period == 1.0
 
 
 @pytest.mark.parametrize("text", ["t,v\n0,1,5\n1,2,5\n", "logged by X\nt;v\n0;1\n", ""])

@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.base.errors import EstimationError
-from railgrip.estimation.sources import recording_for
+from railgrip.estimation.agreement import require_agreement
+from railgrip.estimation.sources import completed, recording_for
 from railgrip.estimation.spec import Specification, parameters_for
 from railgrip.studies.pad_monitor.evidence import MODEL, Evidence, evidence_of, formation
 from railgrip.trace.files import FORMATS
@@ -64,9 +65,10 @@ def stops_in(
                 else:
                     assumptions += 1
             else:
-                temperatures = recording_for(specification, place)
-                recording = temperatures.recording
+                recording = recording_for(specification, place).recording
                 sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
+                run = completed(specification, recording)
+                sentences += require_agreement(specification, run, run, place.name)
                 assumptions += 1
             evidence[place.name] = evidence_of(recording, temperature, parameters)
         except EstimationError as problem:

@@ -1,0 +1,493 @@
+"""Checks that the signals of a recording agree with each other and with the model: scale, timing and brake force.
+
+A wrong unit, a late channel or another vehicle's data still give estimates, and often a better NIS than right ones,
+because adhesion and pad friction absorb the error. Three comparisons find them:
+
+    scale        r ω / v is near 1 while nothing brakes
+    timing       r ω <= v while a train slows: a wheelset that turns faster than it rolls is recorded late
+    brake force  m Δv + Σ J Δω / r = ∫ (F_external - Σ T_brake / r) dt
+
+The third is the balance of momentum with the adhesion between wheel and rail eliminated. It therefore holds in any
+slide, as long as the wheelsets turn: samples with a locked wheelset are left out. Its tolerance covers gradients of
+25 per mille where the track force is not recorded, loads of ±30 % and pad friction of 0.2 to 0.55.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+import xarray
+from numpy.typing import NDArray
+from scipy.ndimage import binary_dilation, uniform_filter1d
+from scipy.signal import savgol_filter
+
+from railgrip.base.errors import EstimationError
+from railgrip.base.units import GRAVITY, mistake, unit
+from railgrip.estimation.run import by_name, model_of
+from railgrip.estimation.spec import Specification, equations_for, parameters_for
+from railgrip.estimators.belief import Vector
+from railgrip.trace.samples import has_reading, period_of, samples
+
+Mask = NDArray[np.bool_]
+
+BRAKES: Final[Mapping[str, float]] = {"pad_force": 1.5e3, "cylinder_pressure": 2e4}
+"""Inputs that brake, and the value below which they do not [N, Pa], unless the estimation has a gate."""
+APPLIED = 0.05
+"""Share of the largest brake input above which the brake counts as applied."""
+SETTLING = 1.5
+"""Time after a release in which a sliding wheelset returns to the speed of the train [s]."""
+SLOWEST = 2.0
+"""Speed below which slip is too uncertain to be compared [m/s]."""
+ENOUGH = 1.0
+"""Time with usable samples that a comparison needs [s]."""
+
+ALIKE = 0.05
+"""Deviation of r ω / v from 1 without a warning: wheels differ by up to 3 % from a nominal radius, sensors by 1 %."""
+NO_RADIUS = (0.6, 1.6)
+"""r ω / v that no choice of r_wheel explains: radii of trains are 0.3 m to 0.65 m, defaults 0.38 m and 0.46 m."""
+STANDING = 0.02
+"""r ω / v of a dead sensor or a blocked wheelset, which is not a question of scale."""
+SLIDING = (0.35, 0.6)
+"""r ω / v at the smallest slip, if a brake is always applied: below the second it is reported, below the first refused.
+"""
+
+LATE = 0.15
+"""Delay of a wheelset behind the speed with a warning [s]: filters and receivers differ by 0.1 s."""
+EARLY = 0.3
+"""Lead with a warning [s]; a lead looks like slip and is only certain where it does not depend on the speed."""
+SLOWING = 0.3
+"""Deceleration from which on a delay can be seen [m/s2]."""
+SMOOTHING = 0.5
+"""Length of the moving mean over speeds, and of the parabola that gives their derivative [s]."""
+SCATTER = 0.2
+"""Interquartile range of a lead over its median; slip by braking varies by more."""
+
+LOADING = 1.3
+"""Mass over that of the model, and the other way round."""
+FRICTION = (0.2, 0.55)
+"""Pad friction of any brake, mean of a stop."""
+USUAL_FRICTION = 0.35
+"""Nominal friction of organic pads by UIC 541-3, for an estimation that starts with none."""
+GRADIENT = 25e-3
+"""Of a track whose force is not recorded; the steepest main lines have 27 per mille over some kilometres."""
+RESIDUAL = 5e-3
+"""Gradient that corresponds to the error of a recorded or computed track force."""
+BEYOND = 2.0
+"""Factor outside the tolerance of the brake force from which a recording is refused."""
+EVALUATED = 4000
+"""Samples at which the model is evaluated, at most."""
+
+_SPEEDS = ("m/s", "km/h", "mph", "km/min")
+_ROTATIONS = ("rad/s", "rev/min", "rev/s", "deg/s")
+_FORCES = ("N", "kN", "MN", "lbf")
+_PRESSURES = ("Pa", "hPa", "kPa", "bar", "MPa", "psi", "mbar")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Disagreement:
+    """Signals of a recording that contradict each other or the model.
+
+    Attributes:
+        kind: Which comparison failed.
+        signals: Names of the signals concerned.
+        value: The ratio that was found; for `timing` the delay of the wheelsets at the end of the braking [s].
+        sentence: The same for a reader, with columns and probable cause.
+        is_impossible: Whether no vehicle has this value.
+    """
+
+    kind: str
+    signals: tuple[str, ...]
+    value: float
+    sentence: str
+    is_impossible: bool
+
+
+def require_agreement(
+    specification: Specification, run: xarray.Dataset, braking: xarray.Dataset, file: str
+) -> list[str]:
+    """Return a sentence for each comparison that fails; refuse a recording with values that no vehicle has.
+
+    With `contradictions = "warn"` in [data] nothing is refused.
+
+    Args:
+        specification: The estimation that maps the columns.
+        run: The whole recording.
+        braking: The part that the filter uses, with its track force.
+        file: Name of the recording's file, to open sentences with.
+
+    Raises:
+        EstimationError: A comparison has a result that no vehicle has.
+    """
+    found = disagreements(specification, run, braking)
+    may_refuse = specification.data is None or specification.data.contradictions == "refuse"
+    impossible = [each for each in found if each.is_impossible]
+    if may_refuse and impossible:
+        lines = [f"{file}: {each.sentence}" for each in impossible]
+        lines[-1] += ' Correct [data.columns]; if the recording is right, write contradictions = "warn" in [data].'
+        raise EstimationError("\n".join(lines))
+    return [f"{file}: {each.sentence}" for each in found]
+
+
+def disagreements(
+    specification: Specification, run: xarray.Dataset, braking: xarray.Dataset | None = None
+) -> list[Disagreement]:
+    """Return what does not fit in a recording; arguments as for `require_agreement`.
+
+    Comparisons whose signals or parameters are missing are left out.
+    """
+    comparison = _Comparison(specification, run)
+    found = comparison.scales()
+    if not any(each.is_impossible for each in found):
+        found += comparison.delays()
+    return found + _Comparison(specification, run if braking is None else braking).forces()
+
+
+class _Comparison:
+    """The signals of a recording and the parameters of the model that they are compared by."""
+
+    def __init__(self, specification: Specification, recording: xarray.Dataset) -> None:
+        self._specification, self._recording = specification, recording
+        self._time = recording["time"].values
+        self._period = period_of(recording)
+        self._columns: Mapping[str, tuple[str, str]] = recording.attrs.get("columns", {})
+        self._smoothed = 2 * max(1, round(SMOOTHING / self._period) // 2) + 1
+        model = model_of(specification.model.class_)
+        self._units = {variable.name: variable.unit for variable in (*model.inputs, *model.outputs)}
+        self._parameters = {v.name: v.start for v in model.parameters} | parameters_for(specification)
+        names = [variable.name for variable in (*model.inputs, *model.outputs) if has_reading(recording, variable.name)]
+        signals = {name: values for name in names if (values := self._signal(name)) is not None}
+        self._speed = signals.get("speed")
+        self._wheels = {
+            name: v for name, v in signals.items() if _base(name) == "wheelset_speed" and self._radius(name)
+        }
+        self._brakes = {name: values for name, values in signals.items() if _base(name) in BRAKES}
+        self._ratio = dict[str, float]()
+        """r ω / v of each wheelset while nothing brakes."""
+
+    def _signal(self, name: str) -> Vector | None:
+        """Return a signal in the unit of the model, interpolated where nothing was sampled."""
+        unit_of_name = self._units.get(name)
+        values = samples(self._recording, [name], None if unit_of_name is None else [unit_of_name])[:, 0]
+        known = np.isfinite(values)
+        return np.interp(self._time, self._time[known], values[known]) if known.sum() > 1 else None
+
+    def _radius(self, wheelset: str) -> float | None:
+        index = wheelset.partition("[")[2]
+        return self._parameters.get("r_wheel", self._parameters.get(f"r_wheel[{index}"))
+
+    def _rim(self, wheelset: str) -> Vector:
+        """Return r ω."""
+        return (self._radius(wheelset) or np.nan) * self._wheels[wheelset]
+
+    def _is_long(self, where: Mask) -> bool:
+        return bool(where.sum() * self._period >= ENOUGH and where.sum() >= 10)
+
+    def _applied(self) -> Mask:
+        """Return where a brake is applied."""
+        gate = self._specification.gate
+        applied = np.zeros(self._time.size, dtype=np.bool_)
+        for name, values in self._brakes.items():
+            released = BRAKES[_base(name)]
+            if gate is not None and name in gate.inputs:
+                released = max(released, gate.threshold.si(self._units[name]))
+            applied |= values > max(released, APPLIED * float(values.max()))
+        return applied
+
+    def _released(self) -> Mask:
+        """Return where no brake has been applied for `SETTLING`."""
+        count = round(SETTLING / self._period)
+        kernel = np.zeros(2 * count + 1, dtype=np.bool_)
+        kernel[count:] = True  # a true sample reaches to the samples after it
+        return np.logical_not(binary_dilation(self._applied(), kernel))
+
+    # ---- scale --------------------------------------------------------------------------------------------------
+
+    def scales(self) -> list[Disagreement]:
+        """Compare r ω with v."""
+        if self._speed is None or not self._wheels or max(map(abs, (self._speed.min(), self._speed.max()))) <= 0.0:
+            return []
+        top = float(np.quantile(np.abs(self._speed), 0.99))
+        fastest = max(float(np.quantile(np.abs(self._rim(name)), 0.99)) for name in self._wheels)
+        moving = np.abs(self._speed) > 0.15 * top
+        rolling = moving & self._released()
+        if max(top, fastest) < SLOWEST or not self._is_long(moving):
+            return []
+        found: dict[str, float] = {}
+        for name in self._wheels:
+            if self._is_long(rolling):
+                ratio = float(np.median(self._rim(name)[rolling] / self._speed[rolling]))
+                self._ratio[name] = ratio
+                low = 1.0 - ALIKE
+            else:  # slip only makes the ratio smaller, so its upper end is compared
+                ratio, low = float(np.quantile(self._rim(name)[moving] / self._speed[moving], 0.95)), SLIDING[1]
+                if abs(ratio) < STANDING:  # locked by the brake
+                    continue
+            if not low <= ratio <= 1.0 + ALIKE:
+                found[name] = ratio
+        return [self._scale(names, ratio, self._is_long(rolling)) for names, ratio in _alike(found)]
+
+    def _scale(self, names: Sequence[str], ratio: float, is_rolling: bool) -> Disagreement:
+        first = names[0]
+        when = "while nothing brakes" if is_rolling else "where slip is smallest"
+        what = (
+            f"{self._described(names)} times r_wheel ({self._radius(first):g} m) is {ratio:.3g} times "
+            f"{self._described(['speed'])} {when}; expected is 1"
+        )
+        is_impossible = not (NO_RADIUS if is_rolling else SLIDING)[0] <= ratio <= NO_RADIUS[1]
+        if abs(ratio) < STANDING and len(names) < len(self._wheels):
+            cause, is_impossible = "Is the sensor dead, or the wheelset blocked?", False
+        else:
+            cause = self._units_for(
+                {"speed": ratio, first: 1.0 / ratio if ratio else np.inf}, ratio, 0.08, mistake(ratio)
+            )
+            if not is_impossible:
+                cause = f"Is r_wheel that of your vehicle? {(self._radius(first) or 0.0) / ratio:.3g} m would fit."
+                cause += "" if is_rolling else " Or is one of the columns late?"
+        return Disagreement(
+            kind="scale",
+            signals=("speed", *names),
+            value=ratio,
+            sentence=f"{what}. {cause}",
+            is_impossible=is_impossible,
+        )
+
+    def _slowing(self) -> Vector:
+        """Return the deceleration; zero for a recording too short to be differentiated [m/s2]."""
+        if self._speed is None or self._time.size < 2 * self._smoothed:
+            return np.zeros(self._time.size)
+        return -np.asarray(savgol_filter(self._speed, self._smoothed, 2, deriv=1, delta=self._period), dtype=np.float64)
+
+    # ---- timing -------------------------------------------------------------------------------------------------
+
+    def delays(self) -> list[Disagreement]:
+        """Compare the instants of r ω and v while the train slows."""
+        if self._speed is None:
+            return []
+        speed, slowing = self._speed, self._slowing()
+        usable = (slowing > SLOWING) & (speed > SLOWEST)
+        if not self._is_long(usable):
+            return []
+        late: dict[str, float] = {}
+        early: dict[str, float] = {}
+        shifts: dict[str, Vector] = {}
+        for name in self._wheels:
+            # Without a sample of free rolling the radius is known to ALIKE only.
+            rim = self._rim(name) / self._ratio.get(name, 1.0 + ALIKE)
+            shift = (uniform_filter1d(rim - speed, self._smoothed) / np.where(usable, slowing, 1.0))[usable]
+            shifts[name] = shift
+            slowest = speed[usable] <= np.median(speed[usable])  # here a delay is the largest part of the speed
+            delay = float(np.median(shift[slowest]))
+            if delay > LATE:
+                late[name] = delay
+            elif name in self._ratio and (lead := _lead(speed[usable], shift)) is not None:
+                early[name] = lead
+        found = [self._delay(names, delay, shifts, usable) for names, delay in _alike(late, 0.3)]
+        # What looks like a lead of some wheelsets is slip.
+        if len(early) == len(self._wheels):
+            found += [self._delay(names, lead, shifts, usable) for names, lead in _alike(early, 0.3)]
+        return found
+
+    def _delay(self, names: Sequence[str], delay: float, shifts: Mapping[str, Vector], usable: Mask) -> Disagreement:
+        time = self._time[usable]
+        begin, end = _line(time, shifts[names[0]])
+        direction = "behind" if delay > 0.0 else "ahead of"
+        what = f"{self._described(names)} is about {abs(delay):.2g} s {direction} {self._described(['speed'])}"
+        elapsed = float(time[-1] - self._time[0])
+        if elapsed > 0.0 and abs(end - begin) > 0.5 * abs(delay) and abs(end) > abs(begin):
+            what += f", {abs(begin):.2g} s at {time[0]:.1f} s and {abs(end):.2g} s at {time[-1]:.1f} s"
+            cause = f"Does one of their clocks run {100 * abs(end) / elapsed:.1g} % slow?"
+        else:
+            cause = "Does one of them come through a filter or from another logger?"
+        return Disagreement(
+            kind="timing",
+            signals=("speed", *names),
+            value=delay,
+            sentence=f"{what} while the train slows. {cause} Shift the column in the file.",
+            is_impossible=False,
+        )
+
+    # ---- brake force --------------------------------------------------------------------------------------------
+
+    def forces(self) -> list[Disagreement]:
+        """Compare the momentum that a train loses in braking with the brake force that the model computes."""
+        mass, inertias = self._mass(), self._inertias()
+        if self._speed is None or not self._wheels or mass is None or inertias is None or not self._brakes:
+            return []
+        rims = np.stack([self._rim(name) for name in self._wheels], axis=1)
+        applied = self._applied()
+        is_braked = self._is_long(applied)
+        if not is_braked:  # what slows the train all the same?
+            applied = self._slowing() > 2.0 * GRADIENT * GRAVITY
+        usable = applied & (self._speed > SLOWEST) & (rims > 0.05 * self._speed[:, None]).all(axis=1)
+        # Both ends of a step must be usable.
+        steps = usable[:-1] & usable[1:]
+        if not self._is_long(steps):
+            return []
+        weights = np.array([inertias[name] / (self._radius(name) or 1.0) for name in self._wheels])
+        momentum = mass * self._speed + np.stack(list(self._wheels.values()), axis=1) @ weights
+        brake, other = self._model_forces(mass, weights, np.flatnonzero(usable))
+        duration = float(steps.sum() * self._period)
+        lost = -float(np.diff(momentum)[steps].sum()) / duration
+        expected = float(np.mean(brake))
+        observed = lost + float(np.mean(other))
+        recorded_track = has_reading(self._recording, "track_force") and np.ptp(
+            samples(self._recording, ["track_force"])[:, 0]
+        )
+        margin = mass * GRAVITY * (RESIDUAL if recorded_track else GRADIENT)
+        friction = float(np.mean(self._friction()))
+        weakest, strongest = (expected * bound / friction for bound in FRICTION)
+        largest, smallest = LOADING * (observed + margin), (observed - margin) / LOADING
+        names = list(self._brakes)
+        if expected > 0.0 and weakest > max(largest, 0.0):
+            excess = weakest / max(largest, 1e-9)
+        elif smallest > strongest:
+            excess = smallest / max(strongest, 1e-9)
+        else:
+            return []
+        ratio = expected / observed if observed > 0.0 else np.inf
+        text = f"{ratio:.3g} times" if np.isfinite(ratio) else "far more than"
+        sentence = (
+            f"the brake force computed from {self._described(names)}, {expected / 1e3:.3g} kN on average, is {text} "
+            f"the {observed / 1e3:.3g} kN that slow {mass / 1e3:.3g} t in {self._described(['speed'])}. "
+            f"{self._units_for({names[0]: 1.0 / ratio if ratio else np.inf}, ratio, 0.5)}"
+        )
+        return [
+            Disagreement(
+                kind="brake force",
+                signals=("speed", *names),
+                value=ratio,
+                sentence=sentence,
+                is_impossible=is_braked and excess > BEYOND,
+            )
+        ]
+
+    def _mass(self) -> float | None:
+        masses = [value for name, value in self._parameters.items() if _base(name) == "m_wheelset"]
+        return self._parameters.get("m", self._parameters.get("m_imitated", sum(masses) or None))
+
+    def _inertias(self) -> dict[str, float] | None:
+        found = {
+            name: self._parameters.get(f"J[{name.partition('[')[2]}", self._parameters.get("J"))
+            for name in self._wheels
+        }
+        values = {name: value for name, value in found.items() if value is not None}
+        return values if len(values) == len(found) else None
+
+    def _friction(self) -> Vector:
+        """Return the pad friction of each unit that the estimation starts with, or else the usual one."""
+        prediction = equations_for(self._specification)
+        pads = [state for state in prediction.states if _base(state) == "mu_b"]
+        mean = self._specification.start.mean
+        given = {name: value for name, value in mean.items() if _base(name) == "mu_b"}
+        return by_name("[start] mean", {"mu_b": USUAL_FRICTION} | given, pads)
+
+    def _model_forces(self, mass: float, weights: Vector, at: NDArray[np.intp]) -> tuple[Vector, Vector]:
+        """Return brake force and the other forces on the train, without adhesion, at some samples [N]."""
+        at = at[:: max(1, at.size // EVALUATED)]
+        prediction = equations_for(self._specification)
+        mean = self._specification.start.mean
+        states = np.zeros((at.size, len(prediction.states)))
+        friction = iter(self._friction())
+        for column, state in enumerate(prediction.states):
+            base, _, index = state.partition("[")
+            wheelset = f"wheelset_speed[{index}" if index else "wheelset_speed"
+            if base == "mu_b":
+                states[:, column] = next(friction)
+            elif base == "v" and self._speed is not None:
+                states[:, column] = self._speed[at]
+            elif base == "w" and wheelset in self._wheels:
+                states[:, column] = self._wheels[wheelset][at]
+            elif base != "alpha":
+                states[:, column] = mean.get(state, mean.get(base, 0.0))
+        inputs = samples(self._recording, prediction.inputs, [self._units[name] for name in prediction.inputs])[at]
+        without = inputs.copy()
+        without[:, [prediction.inputs.index(name) for name in self._brakes]] = 0.0
+        places = [prediction.states.index("v")] + [
+            prediction.states.index(name.replace("wheelset_speed", "w")) for name in self._wheels
+        ]
+        factors = np.concatenate([[mass], weights])
+
+        def force(applied: Vector) -> Vector:
+            rows = [prediction.derivative(x, u)[places] @ factors for x, u in zip(states, applied, strict=True)]
+            return np.array(rows)
+
+        free = force(without)
+        return free - force(inputs), free
+
+    # ---- words --------------------------------------------------------------------------------------------------
+
+    def _described(self, names: Sequence[str]) -> str:
+        """Return the name of a signal, or of all elements of an array, with their columns."""
+        elements = [name for name in self._units if _base(name) == _base(names[0])]
+        name = _base(names[0]) if len(names) == len(elements) else ", ".join(names)
+        columns = [column for each in names if (column := self._column(each))]
+        return f"{name} ({'column' if len(columns) == 1 else 'columns'} {', '.join(columns)})" if columns else name
+
+    def _column(self, name: str) -> str:
+        column, _ = self._columns.get(name, ("", ""))
+        return f"'{column}'" if column else ""
+
+    def _units_for(self, factors: Mapping[str, float], ratio: float, tolerance: float, otherwise: str = "") -> str:
+        """Return which units of which columns would multiply their signals by these factors, as a question.
+
+        Args:
+            factors: By signal; one of them would suffice.
+            ratio: That was found.
+            tolerance: Of the logarithm of a factor.
+            otherwise: Cause if no unit has the factor.
+        """
+        questions: list[str] = []
+        for name, factor in factors.items():
+            _, unit_of_column = self._columns.get(name, ("", ""))
+            source = unit(unit_of_column)
+            for text in (*_SPEEDS, *_ROTATIONS, *_FORCES, *_PRESSURES):
+                other = unit(text)
+                is_same_kind = other.exponents == source.exponents and factor > 0.0
+                if is_same_kind and abs(np.log(factor * source.factor / other.factor)) < tolerance:
+                    questions.append(f"is column {self._column(name)} in {text}, not {source.name}?")
+        if not questions:
+            questions.append(f"{otherwise or 'another scale of the column, or another vehicle in [model.parameters]'}?")
+        return f"Ratio {ratio:.3g}: {' Or '.join(questions)}"
+
+
+def _base(name: str) -> str:
+    return name.partition("[")[0]
+
+
+def _alike(values: Mapping[str, float], difference: float = 0.08) -> list[tuple[list[str], float]]:
+    """Return names whose values differ by no more than a share, with the first value of each list."""
+    groups: list[tuple[list[str], float]] = []
+    for name, value in values.items():
+        for names, first in groups:
+            if abs(value - first) <= difference * abs(first):
+                names.append(name)
+                break
+        else:
+            groups.append(([name], value))
+    return groups
+
+
+def _line(x: Vector, y: Vector) -> tuple[float, float]:
+    """Return the values at both ends of a line through the medians of the first and the last third."""
+    third = max(x.size // 3, 1)
+    at = [float(np.median(x[part])) for part in (slice(0, third), slice(-third, None))]
+    medians = [float(np.median(y[part])) for part in (slice(0, third), slice(-third, None))]
+    slope = (medians[1] - medians[0]) / (at[1] - at[0]) if at[1] > at[0] else 0.0
+    return medians[0] + slope * (x[0] - at[0]), medians[1] + slope * (x[-1] - at[1])
+
+
+def _lead(speed: Vector, shift: Vector) -> float | None:
+    """Return by how much a wheelset is ahead of the speed, as a negative delay [s], or None if slip explains it.
+
+    Slip of a braked wheelset vanishes with the speed or is irregular; a lead remains and is steady.
+    """
+    if np.max(speed) < 3.0 * np.min(speed):
+        return None
+    order = np.argsort(speed)
+    speed, shift = speed[order], shift[order]
+    slow, fast = _line(speed, shift)
+    slope = (fast - slow) / (speed[-1] - speed[0])
+    lead = slow - slope * speed[0]
+    low, high = np.quantile(shift - lead - slope * speed, (0.25, 0.75))
+    return float(lead) if lead < -EARLY and high - low <= SCATTER * abs(lead) else None

@@ -1,0 +1,295 @@
+"""A recording whose signals contradict each other is refused or reported, and one that is right is not.
+
+Right recordings come from Newton's second law: speed and slip are chosen, and pad forces follow from
+
+    F = m (-v' + g gradient) - drag,    T_i = r_i F_i - J w_i'
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from typer.testing import CliRunner
+
+import railgrip as rg
+from railgrip.base.errors import EstimationError
+from railgrip.cli.main import app
+from railgrip.estimation.agreement import disagreements
+from railgrip.estimation.sources import recording_of_estimation
+from railgrip.estimation.spec import LIBRARY, load_specification
+from railgrip.trace.samples import recording_of
+
+PERIOD, G = 0.02, 9.81
+MASS, INERTIA, RADIUS, UNITS, R_FRICTION, DRAG = 40e3, 130.0, 0.46, 2.0, 0.25, 1.2 / 2 * 0.9 * 10.0
+"""Parameters of WagonPrediction."""
+
+NOISE = {"speed": 0.01, "wheelset_speed": 0.02, "pad_force": 100.0}
+SIGNALS = ("speed", "wheelset_speed[1]", "wheelset_speed[2]", "pad_force[1]", "pad_force[2]")
+
+
+def wagon(
+    *,
+    start=30.0,
+    braking=0.8,
+    gradient=0.0,
+    loading=1.0,
+    friction=0.35,
+    radii=(1.0, 1.0),
+    slides=(),
+    coasting=8.0,
+    seed=0,
+) -> dict[str, np.ndarray]:
+    """Time and signals of a wagon that coasts and brakes to 1 m/s.
+
+    Args:
+        braking: Retardation by the brakes [m/s2].
+        gradient: Positive downhill.
+        loading, radii: Mass and radii over those of the model.
+        slides: Wheelset, begin after the brake [s], length [s] and depth of each slide.
+    """
+    mass, radius = MASS * loading, RADIUS * np.array(radii)
+    time, speed, forces = [0.0], [start], []
+    while speed[-1] > 1.0 and time[-1] < 150.0:
+        forces.append(mass * braking * np.clip((time[-1] - coasting) / 1.0, 0.0, 1.0))
+        slowing = (forces[-1] + DRAG * speed[-1] ** 2) / mass - G * gradient
+        speed.append(speed[-1] - PERIOD * slowing)
+        time.append(time[-1] + PERIOD)
+    t, v, force = np.array(time[:-1]), np.array(speed[:-1]), np.array(forces)
+    slip = np.outer(0.01 * force / mass, [1.0, 1.0])
+    for wheelset, begin, length, depth in slides:
+        inside = np.clip((t - coasting - 1.0 - begin) / length, 0.0, 1.0)
+        slip[:, wheelset] += depth * np.sin(np.pi * inside) ** 2
+    w = (1.0 - np.minimum(slip, 0.97)) * v[:, None] / radius
+    torque = radius * force[:, None] / 2.0 - INERTIA * np.gradient(w, PERIOD, axis=0)
+    pads = np.maximum(torque / (UNITS * friction * R_FRICTION), 0.0) * (force[:, None] > 0.0)
+    noise = np.random.default_rng(seed).standard_normal((5, t.size))
+    values = [v, w[:, 0], w[:, 1], pads[:, 0], pads[:, 1]]
+    signals = {
+        name: column + NOISE[name.partition("[")[0]] * white
+        for name, column, white in zip(SIGNALS, values, noise, strict=True)
+    }
+    return {"time": t} | signals
+
+
+def recording(signals: dict[str, np.ndarray]) -> xarray.Dataset:
+    units = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N"}
+    readings = {name: (signals[name], units[name.partition("[")[0]]) for name in SIGNALS}
+    count = signals["time"].size
+    readings |= {name: (np.zeros(count), "N.m") for name in ("wheel_torque[1]", "wheel_torque[2]")}
+    return recording_of(readings | {"track_force": (np.zeros(count), "N")}, period=PERIOD, name="run")
+
+
+def changed(signals: dict[str, np.ndarray], base: str, change) -> dict[str, np.ndarray]:
+    """Return signals of which those named `base` are changed by a function of time and values."""
+    return {name: change(signals["time"], x) if name.startswith(base) else x for name, x in signals.items()}
+
+
+def times(factor):
+    return lambda time, values: factor * values
+
+
+def later(delay=0.0, drift=0.0):
+    return lambda time, values: np.interp((1.0 - drift) * time - delay, time, values)
+
+
+def kinds(signals: dict[str, np.ndarray]) -> list[str]:
+    return [each.kind for each in disagreements(load_specification(Path("wagon")), recording(signals))]
+
+
+# ---- six recordings that were estimated without a word ------------------------------------------------------------
+
+MAP = """
+extends = "wagon"
+[data]
+time = { column = "time", unit = "s" }
+period = "20 ms"
+longest_gap = "100 ms"
+frozen = "2 s"
+spike = 8.0
+CONTRADICTIONS
+[data.columns]
+speed = { column = "v", unit = "km/h" }
+"wheelset_speed[1]" = { column = "n1", unit = "rev/min" }
+"wheelset_speed[2]" = { column = "n2", unit = "rev/min" }
+"pad_force[1]" = { column = "F1", unit = "kN" }
+"pad_force[2]" = { column = "F2", unit = "kN" }
+track_force = { value = "0 N" }
+"wheel_torque[1]" = { value = "0 N.m" }
+"wheel_torque[2]" = { value = "0 N.m" }
+"""
+CASES = [
+    ("speed", times(1 / 3.6), 2, r"\(column 'v'\).*Ratio 3\.6: is column 'v' in m/s, not km/h\?"),
+    ("wheelset_speed", times(np.pi / 30), 2, r"\(columns 'n1', 'n2'\).*is column 'n1' in rad/s, not rev/min\?"),
+    ("wheelset_speed", times(2.0), 2, r"wheelset_speed \(columns 'n1', 'n2'\).* is 2 times speed .* expected is 1"),
+    ("pad_force", times(10.0), 2, r"brake force computed from pad_force \(columns 'F1', 'F2'\).* is 10 times"),
+    ("wheelset_speed", later(0.5), 0, r"wheelset_speed \(columns 'n1', 'n2'\) is about 0\.\d+ s behind speed"),
+    ("wheelset_speed", later(drift=0.01), 0, r"wheelset_speed .* behind .* clocks run (1|0\.9) % slow\?"),
+]  # fmt: skip
+
+
+def written(folder: Path, signals: dict[str, np.ndarray], contradictions: str = "") -> list[str]:
+    """Write a recording in usual units and its estimation; return the arguments of `railgrip estimate`."""
+    rates = {"speed": 3.6, "wheelset_speed": 30 / np.pi, "pad_force": 1e-3}
+    columns = dict(zip(SIGNALS, ("v", "n1", "n2", "F1", "F2"), strict=True))
+    frame = {"time": signals["time"]}
+    frame |= {columns[name]: rates[name.partition("[")[0]] * signals[name] for name in SIGNALS}
+    pd.DataFrame(frame).to_csv(folder / "run.csv", index=False)
+    (folder / "run.toml").write_text(MAP.replace("CONTRADICTIONS", contradictions), encoding="utf-8")
+    return ["estimate", str(folder / "run.toml"), "--data", str(folder / "run.csv"), "--out", str(folder / "out")]
+
+
+@pytest.mark.parametrize(("base", "change", "code", "sentence"), CASES)
+def test_a_wrong_scale_or_clock_is_refused_or_reported(tmp_path, base, change, code, sentence):
+    """What no vehicle has is refused unless [data] accepts it; what may be is in the output and in the result."""
+    signals = changed(wagon(), base, change)
+    result = CliRunner().invoke(app, written(tmp_path, signals))
+    if code:
+        assert isinstance(result.exception, EstimationError), result.output
+        with pytest.raises(EstimationError, match=rf"^run\.csv: .*{sentence}"):
+            raise result.exception
+        assert not (tmp_path / "out").exists()
+        result = CliRunner().invoke(app, written(tmp_path, signals, 'contradictions = "warn"'))
+    assert result.exit_code in (0, 3), result.output
+    estimates = xarray.load_dataset(tmp_path / "out" / "estimates.nc", engine="h5netcdf")
+    (warning,) = estimates.attrs["warnings"].splitlines()[:1]
+    assert re.search(rf"^run\.csv: .*{sentence}", warning)
+    assert warning in result.output
+    if not code:
+        assert f"warning: {warning}" in repr(rg.estimate(tmp_path / "run.csv", tmp_path / "run.toml"))
+
+
+def test_a_right_recording_has_no_warning(tmp_path):
+    result = CliRunner().invoke(app, written(tmp_path, wagon()))
+    assert result.exit_code == 0, result.output
+    assert "run.csv" not in result.output
+    assert xarray.load_dataset(tmp_path / "out" / "estimates.nc", engine="h5netcdf").attrs["warnings"] == ""
+
+
+def test_a_unit_in_the_header_is_named_as_the_cause(tmp_path):
+    """A force in newton that the header gives in kilonewton is a thousand times too large."""
+    arguments = written(tmp_path, changed(wagon(), "pad_force", times(1e3)))
+    for name in ("run.csv", "run.toml"):
+        text = (tmp_path / name).read_text(encoding="utf-8")
+        text = text.replace(', unit = "kN"', "").replace('"F1"', '"F1 [kN]"').replace('"F2"', '"F2 [kN]"')
+        (tmp_path / name).write_text(text.replace("F1,F2", "F1 [kN],F2 [kN]"), encoding="utf-8")
+    result = CliRunner().invoke(app, arguments)
+    assert "is column 'F1 [kN]' in N, not kN?" in str(result.exception)
+
+
+# ---- the same over random values ------------------------------------------------------------------------------------
+
+SLIDES = st.lists(
+    st.tuples(st.integers(0, 1), st.floats(0.0, 20.0), st.floats(1.0, 5.0), st.floats(0.05, 0.9)), max_size=8
+)
+"""Up to eight slides, of one or both wheelsets, to a tenth of the speed."""
+VEHICLES = st.fixed_dictionaries(
+    {
+        "start": st.floats(12.0, 50.0),
+        "braking": st.floats(0.4, 1.3),
+        "gradient": st.floats(-25e-3, 25e-3),
+        "loading": st.floats(0.7, 1.3),
+        "friction": st.floats(0.25, 0.45),
+        "radii": st.tuples(st.floats(0.97, 1.03), st.floats(0.97, 1.03)),
+        "coasting": st.floats(0.0, 20.0),
+        "slides": SLIDES,
+        "seed": st.integers(0, 9),
+    }
+)
+TAME = st.fixed_dictionaries(
+    {
+        "start": st.floats(20.0, 50.0),
+        "braking": st.floats(0.6, 1.3),
+        "gradient": st.floats(-5e-3, 5e-3),
+        "radii": st.tuples(st.floats(0.98, 1.02), st.floats(0.98, 1.02)),
+        "coasting": st.floats(5.0, 20.0),
+        "seed": st.integers(0, 9),
+    }
+)
+"""Stops whose adhesion is good enough for a delay to be seen: slip hides it otherwise."""
+EITHER_WAY = st.booleans()
+few = settings(max_examples=25)
+
+
+@given(VEHICLES)
+def test_no_right_recording_disagrees(vehicle):
+    """Slides to a tenth of the speed, wheels 3 % off, gradients of 25 per mille, loads 30 % off, other pads."""
+    assert kinds(wagon(**vehicle)) == []
+
+
+@few
+@given(TAME, SLIDES, st.floats(1.75, 60.0), EITHER_WAY, st.sampled_from(["speed", "wheelset_speed"]))
+def test_every_wrong_scale_of_a_speed_is_impossible(vehicle, slides, factor, is_small, base):
+    signals = changed(wagon(**vehicle, slides=slides), base, times(1.0 / factor if is_small else factor))
+    found = disagreements(load_specification(Path("wagon")), recording(signals))
+    assert [each.kind for each in found][:1] == ["scale"]
+    assert found[0].is_impossible
+
+
+@few
+@given(TAME, st.floats(1.1, 1.5), EITHER_WAY)
+def test_every_wrong_radius_is_reported_and_accepted(vehicle, factor, is_small):
+    signals = changed(wagon(**vehicle), "wheelset_speed", times(1.0 / factor if is_small else factor))
+    found = disagreements(load_specification(Path("wagon")), recording(signals))
+    assert {each.kind for each in found} == {"scale"}
+    assert not any(each.is_impossible for each in found)
+
+
+@few
+@given(TAME, SLIDES, st.floats(0.7, 1.3), st.floats(8.0, 1000.0), EITHER_WAY)
+def test_every_wrong_scale_of_a_force_is_reported(vehicle, slides, loading, factor, is_small):
+    signals = changed(
+        wagon(**vehicle, slides=slides, loading=loading), "pad_force", times(1.0 / factor if is_small else factor)
+    )
+    assert "brake force" in kinds(signals)
+
+
+@few
+@given(TAME, st.floats(0.5, 3.0))
+def test_every_late_wheelset_is_reported(vehicle, delay):
+    assert "timing" in kinds(changed(wagon(**vehicle), "wheelset_speed", later(delay)))
+
+
+@few
+@given(TAME, st.floats(0.5, 3.0))
+def test_every_early_wheelset_is_reported(vehicle, lead):
+    """At good adhesion: a steady slip speed, as on a bad rail, cannot be told from a lead."""
+    assert "timing" in kinds(changed(wagon(**vehicle), "wheelset_speed", later(-lead)))
+
+
+@few
+@given(TAME, st.floats(0.01, 0.05))
+def test_every_slow_clock_is_reported(vehicle, drift):
+    """From a long run: 1 % of 40 s is 0.4 s."""
+    vehicle |= {"start": vehicle["start"] + 15.0, "coasting": vehicle["coasting"] + 10.0}
+    assert "timing" in kinds(changed(wagon(**vehicle), "wheelset_speed", later(drift=drift)))
+
+
+# ---- recordings of simulated stops ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["wagon", "rig_own", "rig_paper", "field"])
+def test_recordings_of_the_library_agree(name):
+    specification = load_specification(LIBRARY / f"{name}.toml")
+    assert disagreements(specification, recording_of_estimation(specification)) == []
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"vehicle.parameters": {f"r_wheel[{i}]": 0.38 * f for i, f in enumerate((0.97, 1.03, 1.0, 0.98), start=1)}},
+        {"controller": {"kind": "full_brake"}},
+    ],
+    ids=["slides", "radii", "locked"],
+)  # fmt: skip
+@pytest.mark.parametrize("scenario", ["trapezoid", "sine_sweep"])
+def test_stops_of_a_train_at_low_adhesion_agree(scenario, changes):
+    """The adhesion of these scenarios is a third of the demand, so that wheelsets slide throughout, or lock."""
+    stop = rg.run(rg.Scenario.load(scenario).changed(changes))
+    trace = stop.trace.assign(reading_track_force=("time", np.zeros(stop.trace.sizes["time"]), {"units": "N"}))
+    assert disagreements(load_specification(LIBRARY / "stop.toml"), trace) == []
