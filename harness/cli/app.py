@@ -226,6 +226,9 @@ ImportFrom = Annotated[
         help="Folder of modules that a file names as module:Class; their code runs. Repeatable.",
     ),
 ]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
+]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Number of processes.")]
 Formats = Annotated[
     str, typer.Option("--format", metavar="png,svg,pdf", help="Of the figures beside the page, separated by commas.")

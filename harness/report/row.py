@@ -56,9 +56,10 @@ class Row(Conditions):
         paper_distance_m: Published distance; None without one.
         paper_reduction: Published reduction against the published SBC.
         outcome: How the stop ended.
+        breaks: Clauses that the stop breaks; see `railgrip.report.limits`.
         longest_lock_s: Of any ω-group.
         valve_strokes: Of all groups; None without valves.
-        air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
+        air_l: Free air used, litres; None with ideal actuation and for a stop without a brake.
         nis: Median squared innovation of the estimator over the expected one; None without an estimator.
         outside: Largest share of time in which a true adhesion or pad friction was outside ±2σ of the estimate; None
             without an estimator.
@@ -77,6 +78,7 @@ class Row(Conditions):
     paper_distance_m: float | None
     paper_reduction: float | None
     outcome: str
+    breaks: tuple[str, ...]
     longest_lock_s: float | None
     valve_strokes: int | None
     air_l: float | None

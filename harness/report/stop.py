@@ -27,9 +27,8 @@ class Stop(stop.Stop):
 
     def _repr_html_(self) -> str:
         """Return headline and figures, for notebooks."""
-        return (
-            f"<pre>{self!r}</pre><details><summary>Figures</summary>{metrics_table(self.metrics).__html__()}</details>"
-        )
+        figures = metrics_table(self.record().figures)
+        return f"<pre>{self!r}</pre><details><summary>Figures</summary>{figures.__html__()}</details>"
 
 
 def metrics_table(metrics: Metrics) -> Table:
