@@ -119,7 +119,6 @@ _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "sensors": lambda row: row.sensors,
     "creep curve": lambda row: row.polach,
     "controller": lambda row: row.controller_label,
-    "estimator": lambda row: row.estimator,
     "distance": lambda row: f"none: {row.outcome}" if row.distance_m is None else row.distance_m,
     "repeated": lambda row: row.repeated,
     "paper": lambda row: row.paper_distance_m,
@@ -132,6 +131,7 @@ _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "breaks": lambda row: ", ".join(SUBJECTS[clause] for clause in row.breaks),
     "valve strokes": lambda row: row.valve_strokes,
     "air": lambda row: row.air_l,
+    "estimator": lambda row: row.estimator,
     "NIS": lambda row: row.nis,
     "outside ±2σ": lambda row: row.outside,
 }

@@ -88,9 +88,7 @@ def conduct(
         RailgripError: A case failed; earlier results are kept in the cache.
     """
     if scheduler is not None and not study.has_cases:
-        raise InputError(
-            f"--scheduler {scheduler}: study {study.name} has no cases for a cluster; omit it."
-        )
+        raise InputError(f"--scheduler {scheduler}: study {study.name} has no cases for a cluster; omit it.")
     folder = out / study.place
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
