@@ -9,6 +9,7 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import finite
+from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
@@ -141,6 +142,27 @@ def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> 
     if reference is not None:
         show_all([change_table(reference, changes)])
     say(headline(rows, reference, changes))
+
+
+def table(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of a run, of a stop in a campaign, or of a campaign.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="File to write, *.csv or *.parquet; CSV is printed unless given."),
+    ] = None,
+) -> None:
+    """Print or write the results in a folder as a table.
+
+    Of a run its samples over time, of a campaign a row for each stop with its metrics; in SI units.
+    """
+    frame = load_results(folder).to_pandas()
+    if out is None:
+        say(csv_of(frame).rstrip("\n"))
+    else:
+        write_table(frame, out)
+        say(str(out))
 
 
 def compare(
