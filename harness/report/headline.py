@@ -84,6 +84,7 @@ def _controllers(rows: Sequence[Row]) -> list[_Candidate]:
         if shares:
             median, smallest, largest = (change(of(shares)) for of in (statistics.median, max, min))
             text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
+            text = text if len(shares) > 1 else f"{median} in one stop"
             candidates.append(_Candidate(name=name, change=-statistics.median(shares), text=text, stops=own))
     return candidates
 
