@@ -4,21 +4,22 @@
 """
 
 import ast
+import logging
 import os
-import runpy
-import warnings
-from collections.abc import Iterator
-from contextlib import chdir
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import matplotlib
-import matplotlib.pyplot as plt
 import mkdocs_gen_files
 import nbformat
-from nbclient import NotebookClient
+from mkdocs.exceptions import PluginError
 from nbconvert import MarkdownExporter
+
+log = logging.getLogger("mkdocs.plugins.execute")
 
 DOCS = Path(__file__).parent
 GALLERY = sorted((DOCS / "gallery").glob("*.py"))
@@ -41,29 +42,42 @@ def write(path: str, content: str | bytes) -> None:
         file.write(content.encode() if isinstance(content, str) else content)
 
 
-def drawn(script: Path) -> Iterator[plt.Figure]:
-    """Run a script in an empty folder and yield its figures; none where the pattern leaves it out."""
-    if not fnmatch(script.stem, PATTERN):
-        return
-    matplotlib.use("Agg")
-    with TemporaryDirectory() as folder, chdir(folder), warnings.catch_warnings():
-        warnings.filterwarnings("ignore", message="FigureCanvasAgg is non-interactive")
-        runpy.run_path(str(script), run_name="__main__")
-    yield from map(plt.figure, plt.get_fignums())
-    plt.close("all")
+def run(path: Path, folder: Path) -> float:
+    """Run a script or notebook in a process of its own, which writes into a folder; return its duration [s].
+
+    Raises:
+        PluginError: The process has failed.
+    """
+    begin = time.monotonic()
+    command = [sys.executable, str(DOCS / "run_one.py"), str(path), str(folder)]
+    done = subprocess.run(command, capture_output=True, encoding="utf-8", errors="replace", check=False)
+    if done.returncode:
+        raise PluginError(f"{path.relative_to(DOCS.parent)} has failed:\n{done.stderr}")
+    return time.monotonic() - begin
 
 
-def gallery_page(script: Path) -> str:
-    """Write the page of a script and return its entry in the index."""
+def run_all(paths: list[Path], folder: Path) -> None:
+    """Run scripts and notebooks, one for each processor at a time, and log each as it ends."""
+    pool = ThreadPoolExecutor(max_workers=min(4, os.cpu_count() or 1))
+    try:
+        log.info("Running %d scripts and notebooks", len(paths))
+        for number, (path, seconds) in enumerate(
+            zip(paths, pool.map(run, paths, [folder] * len(paths)), strict=True), start=1
+        ):
+            log.info("%d of %d: %s, %.0f s", number, len(paths), path.name, seconds)
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def gallery_page(script: Path, folder: Path) -> str:
+    """Write the page of a script, with the figure in a folder if it was run, and return its entry in the index."""
     source = script.read_text(encoding="utf-8")
     title, _, text = (ast.get_docstring(ast.parse(source)) or "").partition("\n")
     code = source.partition('"""\n\n')[2]
     name = script.stem
-    figures = list(drawn(script))
+    figures = [figure for figure in (folder / f"{name}.png", folder / f"{name}_small.png") if figure.is_file()]
     for figure in figures:
-        for suffix, dpi in (("", 140), ("_small", 50)):
-            with mkdocs_gen_files.open(f"gallery/{name}{suffix}.png", "wb") as file:
-                figure.savefig(file, format="png", dpi=dpi)
+        write(f"gallery/{figure.name}", figure.read_bytes())
     picture = f"![{title}]({name}.png)" if figures else "*Not run.*"
     parts = [f"# {title}", text.strip(), picture, f"```python\n{code}```", f"[Download {name}.py]({name}.py)"]
     write(f"gallery/{name}.md", "\n\n".join(parts) + "\n")
@@ -71,12 +85,12 @@ def gallery_page(script: Path) -> str:
     return f"[{thumbnail}{title}]({name}.md)\n"
 
 
-def gallery() -> None:
-    """Write the pages of all scripts and their index."""
+def gallery(folder: Path) -> None:
+    """Write the pages of all scripts, with figures in a folder, and their index."""
     scripts = {script.stem: script for script in GALLERY}
     sections = [
         f'## {topic}\n\n<div class="gallery" markdown>\n\n'
-        + "\n".join(gallery_page(scripts.pop(name)) for name in names)
+        + "\n".join(gallery_page(scripts.pop(name), folder) for name in names)
         + "\n</div>"
         for topic, names in TOPICS.items()
     ]
@@ -88,21 +102,19 @@ def gallery() -> None:
     write("gallery/index.md", "\n\n".join(["# Gallery", introduction, *sections]) + "\n")
 
 
-def notebook_page(path: Path) -> None:
-    """Write the page of a notebook with its results."""
-    notebook = nbformat.read(path, as_version=4)
-    if fnmatch(path.stem, PATTERN):
-        with TemporaryDirectory() as folder:
-            quiet = ["--log-level=ERROR"]
-            NotebookClient(
-                notebook, timeout=600, extra_arguments=quiet, resources={"metadata": {"path": folder}}
-            ).execute()
+def notebook_page(path: Path, folder: Path) -> None:
+    """Write the page of a notebook, with the results in a folder if it was run."""
+    executed = folder / path.name
+    notebook = nbformat.read(executed if executed.is_file() else path, as_version=4)
     text, resources = MarkdownExporter().from_notebook_node(notebook, {"unique_key": path.stem})
     write(f"examples/{path.stem}.md", f"{text}\n[Download {path.name}]({path.name})\n")
     for name, content in resources["outputs"].items():
         write(f"examples/{name}", content)
 
 
-gallery()
-for path in NOTEBOOKS:
-    notebook_page(path)
+with TemporaryDirectory() as results:
+    # Notebooks take longest.
+    run_all([path for path in (*NOTEBOOKS, *GALLERY) if fnmatch(path.stem, PATTERN)], Path(results))
+    gallery(Path(results))
+    for notebook in NOTEBOOKS:
+        notebook_page(notebook, Path(results))

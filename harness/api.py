@@ -67,6 +67,7 @@ __all__ = [
     "compare",
     "estimate",
     "inspect",
+    "load",
     "open",
     "run",
     "sweep",
@@ -145,7 +146,7 @@ def run(
     *,
     import_from: Iterable[str | Path] = (),
 ) -> "Stop":
-    """Run a scenario and return its stop: `.outcome`, `.metrics`, `.trace` (xarray), `.write(folder)`.
+    """Run a scenario and return its stop: `.outcome`, `.metrics`, `.trace` (xarray), `.to_pandas()`, `.write(folder)`.
 
     Args:
         scenario: What to run.
@@ -231,6 +232,23 @@ def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str |
     from railgrip.report.comparison import compare as compared
 
     return compared(a, b, *more)
+
+
+def load(folder: str | Path) -> "Stop | Sweep":
+    """Return the results in a folder: of a run its stop, of a campaign its stops, as `run` and `sweep` return them.
+
+    Both have `.to_pandas()`. A campaign has its axes in the place of those of a sweep.
+
+    Args:
+        folder: Of a run, of a stop in a campaign, or of a campaign.
+
+    Raises:
+        RecordError: The folder holds no result, or a result is unreadable.
+        ScenarioError: A file that the scenario of the stop names is missing.
+    """
+    from railgrip.campaign.load import load_results
+
+    return load_results(_path(folder, "folder"))
 
 
 def estimate(

@@ -243,8 +243,9 @@ def test_a_sweep_of_fifty_stops_is_a_table_in_order(scenario):
     sweep = rg.sweep(scenario.changed({"limits.horizon": "100 ms"}), axes, controller=BangBang, workers=2)
     table = sweep.to_pandas()
     assert len(table) == 50
-    assert table["start.speed"].tolist() == ["30 km/h"] * 25 + ["40 km/h"] * 25
-    assert table["seed"].tolist() == [*range(25), *range(25)]
+    assert table.index.names == ["start.speed", "seed"]
+    assert table.index.get_level_values("start.speed").tolist() == ["30 km/h"] * 25 + ["40 km/h"] * 25
+    assert table.index.get_level_values("seed").tolist() == [*range(25), *range(25)]
     assert set(table["outcome"]) == {"horizon"}
     assert (table["distance_travelled"][25:].to_numpy() > table["distance_travelled"][:25].to_numpy()).all()
     grid = sweep.to_xarray()

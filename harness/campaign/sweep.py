@@ -2,6 +2,7 @@
 
 import html
 import itertools
+import json
 import math
 import pickle
 from collections import Counter
@@ -45,27 +46,46 @@ class Result:
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """The stops of every combination of values, in the order of the axes, the last one fastest.
+    """Stops over combinations of values, in the order of the axes, the last one fastest.
 
     Attributes:
         axes: Key → values.
-        results: Of each combination.
+        results: Result of each combination.
+        chosen: Values of each result, in the order of the axes, if only some combinations have a result, as in a
+            campaign that excludes some; None if all have one.
     """
 
     axes: Mapping[str, tuple[Any, ...]]
     results: tuple[Result, ...]
+    chosen: tuple[tuple[Any, ...], ...] | None = None
+
+    @property
+    def combinations(self) -> list[tuple[Any, ...]]:
+        """Values of each result, in the order of the axes."""
+        return list(itertools.product(*self.axes.values())) if self.chosen is None else list(self.chosen)
 
     @property
     def distances(self) -> NDArray[np.float64]:
-        """Braking distances, shape as the axes [m]; NaN without a standstill."""
-        shape = tuple(len(values) for values in self.axes.values())
+        """Braking distances, shape as the axes [m]; NaN without a standstill or a result."""
         each = [math.nan if result.metrics is None else result.metrics.distance for result in self.results]
-        return np.array(each).reshape(shape)
+        return self._on_axes(np.array(each, dtype=np.float64), math.nan)
+
+    def _on_axes(self, values: NDArray[Any], missing: object) -> NDArray[Any]:
+        """Return values of each result, shape (results, …), with the axes in place of the results."""
+        shape = tuple(len(values) for values in self.axes.values())
+        if self.chosen is None:
+            return values.reshape(*shape, *values.shape[1:])
+        grid = np.full((*shape, *values.shape[1:]), missing, dtype=values.dtype)
+        for value, combination in zip(values, self.chosen, strict=True):
+            place = [axis.index(choice) for axis, choice in zip(self.axes.values(), combination, strict=True)]
+            grid[tuple(place)] = value
+        return grid
 
     def __repr__(self) -> str:
         """Return what a reader wants to know first, in five lines."""
-        combinations = list(itertools.product(*self.axes.values()))
-        known = sorted((d, i) for i, d in enumerate(self.distances.ravel().tolist()) if math.isfinite(d))
+        combinations = self.combinations
+        distances = [math.nan if result.metrics is None else result.metrics.distance for result in self.results]
+        known = sorted((d, i) for i, d in enumerate(distances) if math.isfinite(d))
         outcomes = Counter(result.outcome for result in self.results)
 
         def line(rank: int) -> str:
@@ -96,23 +116,33 @@ class Sweep:
         return sweep_figure(self.axes, self.distances)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return a row for each stop: its values, outcome, reason and figures; `slip[2]` is the second group's."""
+        """Return outcome, reason and metrics of each stop, indexed by the values of the axes.
+
+        Metrics are in SI units, which `attrs["units"]` has by column; `longest_lock[2]` is that of the second group.
+        """
         rows = [
-            dict(zip(self.axes, values, strict=True))
-            | {"outcome": result.outcome, "reason": result.reason}
+            {"outcome": result.outcome, "reason": result.reason}
             | (_flat(result.metrics.to_plain()) if result.metrics else {})
-            for values, result in zip(itertools.product(*self.axes.values()), self.results, strict=True)
+            for result in self.results
         ]
-        return pandas.DataFrame(rows)
+        combinations = [tuple(map(_hashable, values)) for values in self.combinations]
+        index = pandas.MultiIndex.from_tuples(combinations, names=list(self.axes)) if self.axes and rows else None
+        if index is not None and len(self.axes) == 1:
+            index = index.get_level_values(0)
+        frame = pandas.DataFrame(rows, index=index)
+        units = {name: unit for name, (unit, _) in meanings().items()}
+        frame.attrs["units"] = {
+            column: unit for column in frame.columns if (unit := units.get(column.partition("[")[0])) is not None
+        }
+        return frame
 
     def to_xarray(self) -> xarray.Dataset:
         """Return outcome, reason and figures over the axes, and over groups and wheelsets, lead to trail.
 
         A figure that a stop does not have is NaN.
         """
-        shape = tuple(len(values) for values in self.axes.values())
         variables: dict[str, Any] = {
-            name: (tuple(self.axes), np.array([getattr(result, name) for result in self.results]).reshape(shape))
+            name: (tuple(self.axes), self._on_axes(np.array([getattr(result, name) for result in self.results]), ""))
             for name in ("outcome", "reason")
         }
         metrics = [result.metrics.to_plain() for result in self.results if result.metrics]
@@ -131,7 +161,7 @@ class Sweep:
             if not each:  # of the train, in a list of one
                 first, values = first.reshape(()), [value.reshape(()) for value in values]
             further = (each, "slip_class")[: first.ndim]
-            stacked = np.stack(values).reshape(*shape, *first.shape)
+            stacked = self._on_axes(np.stack(values), np.nan)
             variables[name] = ((*self.axes, *further), stacked, {"units": unit, "long_name": meaning})
         return xarray.Dataset(variables, coords={axis: list(values) for axis, values in self.axes.items()})
 
@@ -197,6 +227,11 @@ def _result(scenario: Scenario, objects: CustomParts) -> Result:
 
 def _failed(problem: RailgripError) -> Result:
     return Result("refused" if isinstance(problem, InputError) else "failed", str(problem), None)
+
+
+def _hashable(value: Any) -> Any:
+    """Return a value as the index of a table can hold it: tables and lists as JSON."""
+    return json.dumps(value, ensure_ascii=False, default=str) if isinstance(value, list | tuple | Mapping) else value
 
 
 def _flat(plain: Mapping[str, Any]) -> dict[str, Any]:

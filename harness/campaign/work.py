@@ -165,7 +165,13 @@ def call(task: Callable[[], R]) -> R:
 def work(
     study: str, folder: Path = Path(), *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
 ) -> Generator[Work]:
-    """Yield what runs the cases of a study, with progress; an exception ends what runs and leaves what is kept."""
+    """Yield what runs the cases of a study, with progress; an exception ends what runs and leaves what is kept.
+
+    Raises:
+        InputError: `scheduler` is not an address.
+    """
+    if scheduler is not None:
+        processes.require_address(scheduler)
     with progress(study, 0, is_count=True) as bar, ExitStack() as stack:
         yield Work(bar, stack, study, folder, workers, scheduler, fresh)
 

@@ -14,12 +14,14 @@ from multiprocessing import resource_tracker
 from multiprocessing.context import SpawnContext
 from types import FrameType
 from typing import Any, Final, ParamSpec, TypeVar
+from urllib.parse import urlsplit
 
 import pebble
 
 from railgrip.base.errors import InputError, RailgripError, for_user
 from railgrip.base.files import scratch
 from railgrip.base.interrupted import Interrupted, ignore_sigint
+from railgrip.base.units import cut
 from railgrip.report.console import remark
 
 _TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
@@ -61,6 +63,23 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
         finally:
             pool.join()
             context.locks.clear()
+
+
+def require_address(scheduler: str) -> None:
+    """Refuse what cannot be the address of a Dask scheduler, before anything is run.
+
+    Raises:
+        InputError: The text has no host or no port.
+    """
+    try:
+        address = urlsplit(scheduler if "://" in scheduler else f"tcp://{scheduler}")
+        is_address = bool(address.hostname and address.port)
+    except ValueError:
+        is_address = False
+    if not is_address:
+        raise InputError(
+            f"--scheduler {cut(scheduler)}: is not an address; write tcp://HOST:PORT, as tcp://node1:8786."
+        )
 
 
 @contextmanager

@@ -107,6 +107,7 @@ class _Main(Commands):
             "campaign": Command("campaigns:campaign", "Run the stops of campaigns and write tables and a report."),
             "report": Command("campaigns:report", "Make the page of the results in a folder."),
             "compare": Command("campaigns:compare", "Show in what results differ, and where along the track."),
+            "table": Command("campaigns:table", "Print or write the results in a folder as a table."),
             "study": Command("studies:studies", "Run a study and write its page; without a name, list them."),
         },
         "Files and parts": {
@@ -225,6 +226,9 @@ ImportFrom = Annotated[
         resolve_path=True,  # workers may run in another folder
         help="Folder of modules that a file names as module:Class; their code runs. Repeatable.",
     ),
+]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
 ]
 Workers = Annotated[int, typer.Option(min=1, max=64, help="Number of processes.")]
 Formats = Annotated[

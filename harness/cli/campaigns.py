@@ -9,23 +9,36 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import finite
+from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
-from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Workers
+from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, say, show_all
 from railgrip.report.distances import documented, rows_of, shown
-from railgrip.report.index import write_report
+from railgrip.report.headline import headline
+from railgrip.report.index import reference_of, write_report
 from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
-from railgrip.report.results import by_compiler, read_results
+from railgrip.report.results import Results, by_compiler, read_results
+from railgrip.report.row import Row
+from railgrip.report.variants import Reference, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign
 from railgrip.trace.stop import require_no_result
 
 BASELINES = Path("tests/baselines")
+
+Against = Annotated[
+    str | None,
+    typer.Option(
+        metavar="VARIANT",
+        help="Compare the other variants of its axis with this one, in pairs of stops that differ in nothing else: a "
+        "name, or AXIS=VARIANT.",
+    ),
+]
 
 
 def campaign(
@@ -40,6 +53,8 @@ def campaign(
     panels: Annotated[Panels | None, typer.Option(help="Which stops get a page, whatever the campaigns say.")] = None,
     figure_formats: Formats = "png",
     import_from: ImportFrom = None,
+    scheduler: Scheduler = None,
+    against: Against = None,
 ) -> None:
     """Run the stops of campaigns and write tables and a report.
 
@@ -47,6 +62,9 @@ def campaign(
     """
     formats = formats_of(figure_formats)
     campaigns = [load_campaign(file, overrides or []) for file in files]
+    if against is not None:
+        for loaded in campaigns:
+            Reference.named(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
     # Accepted distances are of the campaign as its file has it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
     folder = out if out is not None and len(files) == 1 else None
@@ -63,12 +81,17 @@ def campaign(
             notify=drawing,
             baseline=baselines[number],
             formats=formats,
+            against=against,
         )
 
-    problem = run_campaigns(runs, workers=workers, fresh=fresh, on_complete=draw, import_from=import_from or ())
+    problem = run_campaigns(
+        runs, workers=workers, scheduler=scheduler, fresh=fresh, on_complete=draw, import_from=import_from or ()
+    )
     for run, baseline in zip(runs, baselines, strict=True):
         results = read_results(run.directory)
-        show_all(shown(rows_of(results), hidden=_NOT_ON_SCREEN) or ["no results"])
+        rows = rows_of(results)
+        show_all(shown(rows, hidden=_NOT_ON_SCREEN) or ["no results"])
+        _show_result(results, rows, against)
         for sentence in by_compiler(results.stops):
             say(sentence)
         for sentence in [] if baseline is None else beyond_accepted(results, baseline):
@@ -82,6 +105,7 @@ def report(
     directory: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run or of a campaign.")],
     panels: Annotated[Panels, typer.Option(help="Which stops of a campaign get a page.")] = "all",
     figure_formats: Formats = "png",
+    against: Against = None,
     write: Annotated[
         Path | None, typer.Option(help="Markdown page between whose marks the tables of a campaign are written.")
     ] = None,
@@ -104,8 +128,41 @@ def report(
         def draw(what: str) -> None:
             bar.update(doing=f"drawing {what}")
 
-        page = write_report(directory, panels=panels, notify=draw, formats=formats)
+        page = write_report(directory, panels=panels, notify=draw, formats=formats, against=against)
+    if against is not None:
+        results = read_results(directory)
+        _show_result(results, rows_of(results), against)
     say(str(page))
+
+
+def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> None:
+    """Print the table of pairs of variants, if one was named, and the result in a sentence."""
+    reference = reference_of(results, against)
+    changes = () if reference is None else changes_against(reference, results.stops, rows)
+    if reference is not None:
+        show_all([change_table(reference, changes)])
+    say(headline(rows, reference, changes))
+
+
+def table(
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Folder of a run, of a stop in a campaign, or of a campaign.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="File to write, *.csv or *.parquet; CSV is printed unless given."),
+    ] = None,
+) -> None:
+    """Print or write the results in a folder as a table.
+
+    Of a run its samples over time, of a campaign a row for each stop with its metrics; in SI units.
+    """
+    frame = load_results(folder).to_pandas()
+    if out is None:
+        say(csv_of(frame).rstrip("\n"))
+    else:
+        write_table(frame, out)
+        say(str(out))
 
 
 def compare(
@@ -142,6 +199,7 @@ def run_campaigns(
     *,
     workers: int,
     fresh: bool,
+    scheduler: str | None = None,
     on_complete: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
     import_from: Sequence[Path] = (),
 ) -> int:
@@ -149,7 +207,7 @@ def run_campaigns(
 
     `on_complete` is called with the number of a campaign that is complete, and a function that shows progress.
     """
-    with work(", ".join(run.campaign.name for run in runs), workers=workers, fresh=fresh) as job:
+    with work(", ".join(run.campaign.name for run in runs), workers=workers, scheduler=scheduler, fresh=fresh) as job:
 
         def complete(number: int) -> None:
             on_complete(number, lambda what: job.notify(f"drawing {what}"))

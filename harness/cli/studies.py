@@ -9,7 +9,7 @@ from typing import Annotated, Any, Final, get_type_hints
 import typer
 from typer.core import TyperGroup
 
-from railgrip.cli.app import Formats, Fresh, ImportFrom, Overrides, Workers
+from railgrip.cli.app import Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
 from railgrip.report.console import say, show_all
 from railgrip.report.page import formats_of
 from railgrip.studies import names, summary
@@ -44,9 +44,7 @@ def _conduct(
     *,
     out: Annotated[Path | None, typer.Option(help="Folder for page and results; build/NAME unless given.")] = None,
     workers: Workers = 2,
-    scheduler: Annotated[
-        str | None, typer.Option(metavar="tcp://HOST:PORT", help="Dask cluster in place of processes here.")
-    ] = None,
+    scheduler: Scheduler = None,
     fresh: Fresh = False,
     figure_formats: Formats = "png",
     **options: Any,

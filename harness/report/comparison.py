@@ -381,7 +381,7 @@ _Figures = Mapping[str, tuple[float, str]]
 def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], title: str) -> Table:
     """Return the figures that differ, with the differences to the first stop."""
     letters = ascii_uppercase[: len(sides)]
-    figures = [figures_of(side.record.metrics) for side in sides]
+    figures = [figures_of(side.record.figures) for side in sides]
     rows: list[dict[str, Any]] = []
     if len({side.record.outcome for side in sides}) > 1:
         rows.append(_row("outcome", [side.record.outcome.value for side in sides], "", letters))

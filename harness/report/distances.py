@@ -11,6 +11,7 @@ from typing import Any
 
 from railgrip.base.files import write_json
 from railgrip.report.distribution import distribution_table, distributions_of
+from railgrip.report.limits import SUBJECTS, limits_of
 from railgrip.report.page import write_page
 from railgrip.report.reference import controller_of, label, references, setting_of
 from railgrip.report.results import Result, Results, from_elsewhere, makers
@@ -33,8 +34,9 @@ def rows_of(results: Results) -> tuple[Row, ...]:
     compared_with = references(
         results.stops, lambda stop: stop.record.scenario, lambda stop: stop.record.braking_distance
     )
+    limits = limits_of()
     return tuple(
-        _row(stop, published, tuned, constant)
+        _row(stop, published, tuned, constant, limits.broken_by(stop.record))
         for stop, (published, tuned) in zip(results.stops, compared_with, strict=True)
     )
 
@@ -117,7 +119,6 @@ _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "sensors": lambda row: row.sensors,
     "creep curve": lambda row: row.polach,
     "controller": lambda row: row.controller_label,
-    "estimator": lambda row: row.estimator,
     "distance": lambda row: f"none: {row.outcome}" if row.distance_m is None else row.distance_m,
     "repeated": lambda row: row.repeated,
     "paper": lambda row: row.paper_distance_m,
@@ -127,8 +128,10 @@ _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "duration": lambda row: row.duration_s,
     "adhesion used": lambda row: row.utilisation,
     "longest lock": lambda row: row.longest_lock_s,
+    "breaks": lambda row: ", ".join(SUBJECTS[clause] for clause in row.breaks),
     "valve strokes": lambda row: row.valve_strokes,
     "air": lambda row: row.air_l,
+    "estimator": lambda row: row.estimator,
     "NIS": lambda row: row.nis,
     "outside ±2σ": lambda row: row.outside,
 }
@@ -144,9 +147,11 @@ _FORMS: Mapping[str, Form] = {
 }
 
 
-def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Sequence[str]) -> Row:
+def _row(
+    result: Result, sbc: Result | None, tuned: Result | None, constant: Sequence[str], breaks: tuple[str, ...]
+) -> Row:
     record = result.record
-    scenario, metrics, distance = record.scenario, record.metrics, record.braking_distance
+    scenario, metrics, distance = record.scenario, record.figures, record.braking_distance
     actuation, sensors, polach = setting_of(scenario)
     return Row(
         scenario=scenario["name"],
@@ -171,6 +176,7 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Seq
         if sbc is None or sbc is result or sbc.paper_distance is None or result.paper_distance is None
         else 1 - result.paper_distance / sbc.paper_distance,
         outcome=record.outcome.value,
+        breaks=breaks,
         longest_lock_s=finite(max(metrics.longest_lock)),
         valve_strokes=round(sum(metrics.actuations)) if actuation == VALVES else None,
         air_l=finite(1000 * metrics.air_used),

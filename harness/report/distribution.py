@@ -111,8 +111,8 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
             "5–95 %": f"{_metres(distribution.low_m, '')} – {_metres(distribution.high_m)}",
             "worst (draw)": f"{_metres(distribution.worst_m)} ({distribution.worst_draw})",
             "longest lock, median": distribution.longest_lock_s,
-            **_paired_texts("SBC 10/15 %", distribution.vs_sbc),
-            **_paired_texts("best tuned SBC", distribution.vs_tuned),
+            **paired_texts("SBC 10/15 %", distribution.vs_sbc),
+            **paired_texts("best tuned SBC", distribution.vs_tuned),
         }
         for distribution in distributions
     ]
@@ -172,12 +172,19 @@ def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) 
     return Table(cells, {"distance": "{:.1f} m", "adhesion used": share, "longest lock": "{:.2f} s"})
 
 
-def _paired_texts(name: str, paired: Paired | None) -> dict[str, str]:
+def change_text(paired: Paired) -> str:
+    """Return the median change with its interval in brackets, if there are enough draws for one."""
+    median = percent(paired.change) or "endless"
+    if paired.change_interval is None:
+        return median
+    return f"{median} [{', '.join(percent(end) or 'endless' for end in paired.change_interval)}]"
+
+
+def paired_texts(name: str, paired: Paired | None) -> dict[str, str]:
+    """Return the columns of a table that compare with another controller or variant of this name."""
     change = shorter = ""
     if paired is not None:
-        change = percent(paired.change) or "endless"
-        if paired.change_interval is not None:
-            change += f" [{', '.join(percent(end) or 'endless' for end in paired.change_interval)}]"
+        change = change_text(paired)
         shorter = text(100 * paired.shorter, "{:.0f} %")
         shorter += f" [{', '.join(text(100 * end, '{:.0f}') for end in paired.shorter_interval)}]"
     return {f"change vs {name}": change, f"shorter than {name}": shorter}
@@ -188,7 +195,7 @@ def _metres(distance: float, unit: str = " m") -> str:
 
 
 def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: Sequence[Row] | None) -> Distribution:
-    distances = _by_draw(rows)
+    distances = by_draw(rows)
     values = list(distances.values())
     worst = max(distances, key=lambda draw: distances[draw])
     locks = [row.longest_lock_s for row in rows if row.longest_lock_s is not None]
@@ -210,7 +217,7 @@ def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: S
 
 def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | None:
     """Return the comparison of distances [m] by draw with those of another controller; None without a common draw."""
-    others = _by_draw(other)
+    others = by_draw(other)
     pairs = [(distances[draw], others[draw]) for draw in distances if draw in others]
     if not pairs:
         return None
@@ -227,5 +234,6 @@ def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | Non
     )
 
 
-def _by_draw(rows: Sequence[Row]) -> dict[int, float]:
+def by_draw(rows: Sequence[Row]) -> dict[int, float]:
+    """Return the distance [m] of each draw, infinite without standstill."""
     return {row.draw: endless(row.distance_m) for row in rows if row.draw is not None}

@@ -18,7 +18,7 @@ from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.reference import label
 from railgrip.report.results import Result
-from railgrip.report.row import Row
+from railgrip.report.row import Row, short_names
 from railgrip.trace.stop import StopRecord
 
 _CONTROLLER_COLOURS = {
@@ -214,7 +214,9 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
             title=f"actuation {actuation}, sensors {sensors}, creep curve {polach}",
         )
         panel.grid(visible=False, axis="x")
-    panels[-1].set_xticks(range(len(scenarios)), [name.replace("_", " ") for name in scenarios])
+    axes, names = short_names(rows)
+    panels[-1].set_xticks(range(len(scenarios)), [names[label] for label in scenarios])
+    panels[-1].set_xlabel(axes if len(scenarios) > 1 else "")
     panels[0].plot([], [], color=palette.VERMILION, linewidth=2.2, label="published")
     style.legend(panels[0], ncols=4, loc="lower left", bbox_to_anchor=(0, 1.16))
     return drawing

@@ -1,26 +1,28 @@
 """A report to open in a browser: one self-contained page of table, figures and definitions, made of result files."""
 
 import hashlib
-import statistics
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
-from railgrip.base.errors import RecordError
+from railgrip.base.errors import InputError, RecordError
 from railgrip.report import style
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.distances import rows_of, shown, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
+from railgrip.report.headline import headline
+from railgrip.report.limits import judged_by, limits_of
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
 from railgrip.report.results import Result, Results, from_elsewhere, provenance, read_results
 from railgrip.report.row import Row
 from railgrip.report.stop_page import stop_page
-from railgrip.report.table import Table, change, names
+from railgrip.report.table import Table, names
+from railgrip.report.variants import Reference, change_table, changes_against
 from railgrip.scenario.campaign import DRAW, Panels
 from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, others_like, read_stop
 
@@ -48,6 +50,7 @@ def write_report(
     notify: Notify = lambda _: None,
     baseline: Path | None = None,
     formats: Sequence[str] = FORMATS[:1],
+    against: str | None = None,
 ) -> Path:
     """Write index.html, and for a campaign table, figures and the pages of its stops; return the page.
 
@@ -58,16 +61,21 @@ def write_report(
         notify: Called with the name of what is drawn next.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
         formats: Of the figures beside the pages.
+        against: Variant of a campaign with which the others of its axis are compared in pairs; see `Reference.named`.
 
     Raises:
         RecordError: The folder has neither, or a result is unreadable.
+        InputError: The campaign has no variant `against`, or the folder is that of a stop.
     """
     if (directory / CAMPAIGN_FILE).exists():
         results = read_results(directory)
         notes = [] if baseline is None else beyond_accepted(results, baseline)
-        page = _with_stops(results, directory, panels=panels, notify=notify, notes=notes)
+        reference = reference_of(results, against)
+        page = _with_stops(results, directory, panels=panels, notify=notify, notes=notes, reference=reference)
         return page.write(directory, formats)
     if (directory / STOP_FILE).exists():
+        if against is not None:
+            raise InputError(f"--against {against}: {directory} holds a stop; only a campaign has variants.")
         record = read_stop(directory)
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
         notify("stop")
@@ -78,7 +86,24 @@ def write_report(
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
 
 
-def _with_stops(results: Results, directory: Path, *, panels: Panels, notify: Notify, notes: Sequence[str]) -> Page:
+def reference_of(results: Results, against: str | None) -> Reference | None:
+    """Find the variant of a campaign that a user has named; None if none was named.
+
+    Raises:
+        InputError: See `Reference.named`.
+    """
+    return None if against is None else Reference.named(against, [stop.variants for stop in results.stops])
+
+
+def _with_stops(
+    results: Results,
+    directory: Path,
+    *,
+    panels: Panels,
+    notify: Notify,
+    notes: Sequence[str],
+    reference: Reference | None,
+) -> Page:
     """Write the table of a campaign and the pages of its stops; return its own page."""
     notify("table")
     write_table(results, directory, notes)
@@ -93,7 +118,7 @@ def _with_stops(results: Results, directory: Path, *, panels: Panels, notify: No
     for stop in chosen:
         notify(stop.name)
         stop_page(stop, back="../index.html").write(directory / stop.name)
-    return campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify)
+    return campaign_page(results, notes=notes, pages=pages, pairs=pairs, notify=notify, reference=reference)
 
 
 def campaign_page(
@@ -103,6 +128,7 @@ def campaign_page(
     pages: Mapping[str, str],
     pairs: Sequence[tuple[Result, Result]],
     notify: Notify,
+    reference: Reference | None = None,
 ) -> Page:
     """Return the page of a campaign.
 
@@ -112,8 +138,10 @@ def campaign_page(
         pages: Name of a stop → address of its page.
         pairs: Stops with SBC and with ABC whose adhesion is drawn.
         notify: Called with the name of what is drawn next.
+        reference: Variant with which the others of its axis are compared.
     """
     rows = rows_of(results)
+    changes = () if reference is None else changes_against(reference, results.stops, rows)
     drawings: dict[str, tuple[str, Callable[[], Figure]]] = {}
     distributions = distributions_of(rows)
     if distributions:
@@ -140,10 +168,11 @@ def campaign_page(
     return Page(
         title=f"Campaign {results.name}",
         question="Which braking distance does each controller need in the same conditions? " + results.description,
-        answer=_answer(rows),
+        answer=headline(rows, reference, changes),
         template="report/campaign.md.jinja",
         values={
-            "references": " ".join(text for text, needs in _LEGEND.items() if any(map(needs, rows))),
+            "references": " ".join(_legend(rows)),
+            "changes": [] if reference is None else change_table(reference, changes).parts(),
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
             "worst": worst_table(rows, pages).parts(),
             "tables": shown(rows, pages),
@@ -157,24 +186,15 @@ def campaign_page(
     )
 
 
-def _answer(rows: Sequence[Row]) -> str:
-    """Return how many stops came to a standstill, and which controller needs the shortest distances."""
-    stood = sum(row.distance_m is not None for row in rows)
-    first = f"{stood} of {len(rows)} stops come to a standstill."
-    changes: dict[str, list[float]] = {}
-    for row in rows:
-        if row.reduction_vs_sbc is not None and row.controller != "ideal_bound":
-            changes.setdefault(row.controller_label, []).append(row.reduction_vs_sbc)
-    if not changes:
-        return first
-    best = max(changes, key=lambda label: statistics.median(changes[label]))
-    shares = changes[best]
-    median, least, most = (change(of(shares)) for of in (statistics.median, max, min))
-    others = f", the largest reduction of {len(changes)} controllers" if len(changes) > 1 else ""
-    return (
-        f"Against slip-based control with 10 and 15 %, {best} changes the distance by {median} in the median of "
-        f"{len(shares)} stops, from {least} to {most}{others}. {first}"
-    )
+def _legend(rows: Sequence[Row]) -> list[str]:
+    """Return the sentences on the columns that a campaign has."""
+    sentences = [text for text, needs in _LEGEND.items() if any(map(needs, rows))]
+    if any(row.breaks for row in rows):
+        sentences.append(
+            "Column “breaks” lists the limits of the type test that a stop does not keep. A controller or variant that "
+            f"breaks one in any stop is not recommended. Judged are: {judged_by(limits_of())}."
+        )
+    return sentences
 
 
 def _scenarios(stops: Sequence[Result]) -> Table:

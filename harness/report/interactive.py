@@ -199,6 +199,7 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
     }
     if len(places) == len(texts) and type(axis.get_major_formatter()).__name__ in ("FixedFormatter", "FuncFormatter"):
         plot |= {"tickvals": [float(place) for place in places], "ticktext": [_plain(text) for text in texts]}
+        plot["tickangle"] = 0  # as in the figure, which has left no room for other angles
     if letter == "y" and axes.get_aspect() == 1.0:
         plot |= {"scaleanchor": "x", "scaleratio": 1}
     return plot

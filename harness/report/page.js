@@ -40,7 +40,18 @@ function numbers({ bdata }) {
 
 // A figure is drawn as large as for a paper, or smaller with its letters, so that nothing overlaps that does not in print.
 const NARROWEST = 900;
-function fit(layout, width) {
+// Below this width, the legend of the signals is drawn below them.
+const NARROW = 700;
+function fit(layout, available) {
+  if (layout.meta.train) {  // panels below each other fit any width
+    layout.width = available;
+    if (available >= NARROW) return;
+    layout.legend = { ...layout.legend, orientation: "h", x: 0, y: -0.06, yanchor: "top" };
+    layout.margin = { ...layout.margin, l: 50 };
+    layout.height += 80;
+    return;
+  }
+  const width = Math.max(NARROWEST, available);
   const share = Math.min(1, width / (layout.meta.width ?? width));
   layout.width = Math.min(width, layout.meta.width ?? width);
   layout.height *= share;
@@ -57,7 +68,7 @@ async function draw() {
   for (const place of document.querySelectorAll(".plot")) {
     const { data, layout } = plots[place.dataset.plot];
     if (layout.meta.train) for (const line of data) line.x = layout.meta.train.time;
-    fit(layout, Math.max(NARROWEST, place.clientWidth));
+    fit(layout, place.clientWidth);
     await Plotly.newPlot(place, data, layout, { displaylogo: false });
     if (layout.meta.train) train(place, layout.meta.train);
   }
@@ -70,14 +81,22 @@ const PAPER = document.querySelector("table.wide") ? { width: 1030, height: 690 
 addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll("details:not([open])")) { one.open = true; one.dataset.closed = "yes"; }
   for (const one of document.querySelectorAll(".plot")) {
-    const { width, height } = one.layout ?? PAPER;
-    const above = one.closest(".summary") ? one.offsetTop : 0;  // stands on the first page, below the answer
-    one.style.zoom = Math.min(1, PAPER.width / width, (PAPER.height - above) / height);
+    if (!one.layout) continue;
+    const { width, height, meta } = one.layout;
+    const above = one.closest(".summary") ? one.offsetTop : 0;  // on the first page, below the answer
+    const free = PAPER.height - above - 40;  // room for the caption
+    if (meta.train) {
+      one.dataset.size = JSON.stringify({ width, height });
+      Plotly.relayout(one, { width: PAPER.width, height: Math.min(height, free) });
+    } else one.style.zoom = Math.min(PAPER.width / width, free / height);
   }
 });
 addEventListener("afterprint", () => {
   for (const one of document.querySelectorAll("details[data-closed]")) one.open = false;
-  for (const one of document.querySelectorAll(".plot")) one.style.zoom = "";
+  for (const one of document.querySelectorAll(".plot")) {
+    one.style.zoom = "";
+    if (one.dataset.size) Plotly.relayout(one, JSON.parse(one.dataset.size));
+  }
 });
 
 // The train over its signals: axles coloured by slip or adhesion at a cursor that the mouse or a clock moves.
@@ -89,7 +108,7 @@ function train(place, { positions, cars, time, distance, signals }) {
   box.innerHTML = `<div class="controls"><button>▶ Play</button><input type="range" min="0" max="${time.length - 1}" value="0">
     <label>axles by <select class="by">${Object.keys(signals).map((name) => `<option>${name}</option>`).join("")}</select></label>
     <label>over <select class="over"><option value="time">time</option><option value="distance">distance</option></select></label></div>
-    <svg viewBox="-30 0 1060 105" width="100%" style="max-height: 8rem"></svg>`;
+    <p class="caption"></p><svg viewBox="-30 14 1060 76" width="100%" style="max-height: 7rem"></svg>`;
   place.before(box);
   const [button, slider, by, over] = ["button", "input", ".by", ".over"].map((name) => box.querySelector(name));
   const svg = box.querySelector("svg"), at = (wheelset) => (1000 * positions[wheelset]) / length;
@@ -98,9 +117,8 @@ function train(place, { positions, cars, time, distance, signals }) {
   svg.innerHTML =
     bodies.map((axles) => `<rect x="${Math.min(...axles) - 20}" y="18" width="${Math.max(...axles) - Math.min(...axles) + 40}" height="36" rx="8" fill="#eef2f5" stroke="#777"/>`).join("") +
     `<line x1="-30" x2="1030" y1="${64 + radius}" y2="${64 + radius}" stroke="#777" stroke-width="2"/>` +
-    positions.map((_, k) => `<circle cx="${at(k)}" cy="64" r="${radius}" stroke="#000"><title>wheelset ${k + 1}</title></circle>`).join("") +
-    '<text x="-30" y="12" font-size="13"></text>';
-  const wheels = [...svg.querySelectorAll("circle")], text = svg.querySelector("text");
+    positions.map((_, k) => `<circle cx="${at(k)}" cy="64" r="${radius}" stroke="#000"><title>wheelset ${k + 1}</title></circle>`).join("");
+  const wheels = [...svg.querySelectorAll("circle")], text = box.querySelector(".caption");
   const shade = (share, colours) => {
     const place = Math.max(0, Math.min(1, share || 0)) * (colours.length - 1), low = Math.min(Math.floor(place), colours.length - 2);
     return `rgb(${colours[low].map((part, k) => Math.round(part + (place - low) * (colours[low + 1][k] - part)))})`;

@@ -63,7 +63,8 @@ def creep_curves_of(scenario: Mapping[str, Any]) -> str:
     """Return the names of the creep curves of a resolved scenario."""
     adhesion = scenario["adhesion"]
     of_places = (patch["polach"] for patch in adhesion.get("patch", ()) if patch.get("polach"))
-    curves = (adhesion["polach"], *adhesion.get("polach_of_wheelset", ()), *of_places)
+    of_leaves = filter(None, [adhesion.get("polach_of_patches")])
+    curves = (adhesion["polach"], *adhesion.get("polach_of_wheelset", ()), *of_leaves, *of_places)
     return ", ".join(dict.fromkeys(curve["name"] for curve in curves))
 
 

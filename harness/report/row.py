@@ -1,5 +1,6 @@
 """One stop in a table of braking distances."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -57,9 +58,10 @@ class Row(Conditions):
         paper_distance_m: Published distance; None without one.
         paper_reduction: Published reduction against the published SBC.
         outcome: How the stop ended.
+        breaks: Clauses that the stop breaks; see `railgrip.report.limits`.
         longest_lock_s: Of any ω-group.
         valve_strokes: Of all groups; None without valves.
-        air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
+        air_l: Free air used, litres; None with ideal actuation and for a stop without a brake.
         nis: Median squared innovation of the estimator over the expected one; None without an estimator.
         outside: Largest share of time in which a true adhesion or pad friction was outside ±2σ of the estimate; None
             without an estimator.
@@ -78,9 +80,31 @@ class Row(Conditions):
     paper_distance_m: float | None
     paper_reduction: float | None
     outcome: str
+    breaks: tuple[str, ...]
     longest_lock_s: float | None
     valve_strokes: int | None
     air_l: float | None
     nis: float | None
     outside: float | None
     stop: str
+
+
+def short_names(rows: Iterable[Row]) -> tuple[str, dict[str, str]]:
+    """Return what differs between the cases of rows: names of the axes, and label of a row → its variants, a line each.
+
+    Scenario and axes that are equal in all rows are left out, unless there is only one case.
+    """
+    parts = {row.label: [f"scenario {row.scenario}", *filter(None, row.case.split(", "))] for row in rows}
+    columns = list(zip(*parts.values(), strict=False))
+    if len({len(each) for each in parts.values()}) > 1 or any(len(_axes(column)) > 1 for column in columns):
+        return "", {label: label.replace("_", " ").replace(", ", "\n") for label in parts}
+    kept = [number for number, column in enumerate(columns) if len(set(column)) > 1] or [0]
+    title = ", ".join(axis for number in kept for axis in _axes(columns[number]))
+    return title.replace("_", " "), {
+        label: "\n".join(each[number].partition(" ")[2].replace("_", " ") for number in kept)
+        for label, each in parts.items()
+    }
+
+
+def _axes(column: Iterable[str]) -> set[str]:
+    return {part.partition(" ")[0] for part in column}

@@ -1,7 +1,7 @@
 """A stop that shows itself in a notebook."""
 
 from math import isnan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from railgrip.report.results import Result
 from railgrip.report.table import Table
@@ -10,11 +10,15 @@ from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.recorder import thinned
 
 if TYPE_CHECKING:
+    import pandas
     from matplotlib.figure import Figure
 
 
 class Stop(stop.Stop):
-    """One run of one scenario: `.outcome`, `.reason`, `.metrics`, `.trace` (xarray), `.write(folder)`, `.plot()`."""
+    """One run of one scenario: `.outcome`, `.reason`, `.metrics`, `.trace` (xarray).
+
+    `.to_pandas()` returns the samples, `.write(folder)` keeps the stop, `.plot()` draws it.
+    """
 
     __slots__ = ()
 
@@ -25,11 +29,31 @@ class Stop(stop.Stop):
         result = Result(name=self.scenario.name, variants={}, record=self.record(), paper_distance=None)
         return signals_figure(result, thinned(self.trace, self.scenario.periods.every("trace")))
 
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Return the samples over time [s]; `slip[2]` is the slip of the second group.
+
+        Values are in SI units, which `attrs["units"]` has by column.
+        """
+        import pandas
+
+        columns: dict[str, Any] = {}
+        units: dict[str, str] = {}
+        for name, variable in self.trace.data_vars.items():
+            if variable.dims[:1] != ("time",):
+                continue
+            values = variable.values.reshape(variable.sizes["time"], -1)
+            for number, column in enumerate(values.T, start=1):
+                label = f"{name}[{number}]" if variable.ndim > 1 else str(name)
+                columns[label] = column
+                units[label] = variable.attrs.get("units", "1")
+        frame = pandas.DataFrame(columns, index=pandas.Index(self.trace["time"].values, name="time"))
+        frame.attrs["units"] = {"time": "s", **units}
+        return frame
+
     def _repr_html_(self) -> str:
         """Return headline and figures, for notebooks."""
-        return (
-            f"<pre>{self!r}</pre><details><summary>Figures</summary>{metrics_table(self.metrics).__html__()}</details>"
-        )
+        figures = metrics_table(self.record().figures)
+        return f"<pre>{self!r}</pre><details><summary>Figures</summary>{figures.__html__()}</details>"
 
 
 def metrics_table(metrics: Metrics) -> Table:

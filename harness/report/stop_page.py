@@ -39,7 +39,7 @@ def stop_page(result: Result, *, back: str = "") -> Page:
             "reason": record.reason,
             "description": scenario.get("description", ""),
             "scenario": scenario_table(scenario),
-            "metrics": metrics_table(record.metrics),
+            "metrics": metrics_table(record.figures),
         },
         plots={"signals": signals_plot(record.trace())} if record.has_trace else {},
         provenance=provenance(record),

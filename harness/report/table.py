@@ -13,7 +13,7 @@ from railgrip.base.files import replacing
 
 TEXT_COLUMNS = frozenset(
     {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "draws", "stop", "figure", "state",
-     "unit"}
+     "unit", "breaks"}
 )  # fmt: skip
 """What is read from the left, unless a table says otherwise; all other columns are numbers."""
 

@@ -1,5 +1,6 @@
 """The friction that each wheelset finds: the profile of a scenario as a fast function of time and place."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import assert_never
 
@@ -8,7 +9,17 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import Curve
-from railgrip.scenario.profile import Conditioning, Constant, FromTable, Patch, Points, Random, SineSweep, Trapezoid
+from railgrip.scenario.profile import (
+    Conditioning,
+    Constant,
+    FromTable,
+    Leaves,
+    Patch,
+    Points,
+    Random,
+    SineSweep,
+    Trapezoid,
+)
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.table import FASTEST
@@ -67,9 +78,13 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     _require_resolved(scenario)
     step, places = _grid(scenario, formation)
     friction = _unconditioned(scenario, places, step, wheelsets)
-    for patch in adhesion.patch:
+    patches = _patches(scenario, places)
+    if patches:
+        friction = np.array(np.broadcast_to(friction, (len(places), wheelsets)))
+    for patch in patches:
         _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
-        friction = friction + _inside(patch, places) * (np.array(patch.mu0) - friction)
+        rows = _rows(patch, places)
+        friction[rows] += _inside(patch, places[rows]) * (np.array(patch.mu0) - friction[rows])
     mu0 = _conditioned(adhesion.factor * friction, adhesion.conditioning, formation)
     if mu0.max() > 1:
         raise ScenarioError(
@@ -80,7 +95,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         over_time=not scenario.runs_over_distance,
         step=step,
         mu0_at=mu0,
-        curve_at=_curves(scenario, places, mu0.shape),
+        curve_at=_curves(scenario, patches, places, mu0.shape),
     )
 
 
@@ -111,7 +126,7 @@ def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: in
     """Return what the kind of a profile makes of places, before patches, level and conditioning."""
     adhesion = scenario.adhesion
     match adhesion:
-        case Constant(mu0=mu0):
+        case Constant(mu0=mu0) | Leaves(mu0=mu0):
             _check_count(scenario, "[adhesion] mu0", len(mu0), wheelsets)
             return np.broadcast_to(mu0, (len(places), wheelsets))
         case Points():
@@ -136,7 +151,9 @@ def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: in
             assert_never(adhesion)
 
 
-def _curves(scenario: Scenario, places: Array, shape: tuple[int, ...]) -> NDArray[np.uint8] | None:
+def _curves(
+    scenario: Scenario, patches: Sequence[Patch], places: Array, shape: tuple[int, ...]
+) -> NDArray[np.uint8] | None:
     """Return which creep curve lies where, an index of [adhesion] `curves`; None where there is one."""
     adhesion = scenario.adhesion
     of_wheelset = adhesion.polach_of_wheelset or (adhesion.polach,)
@@ -145,9 +162,11 @@ def _curves(scenario: Scenario, places: Array, shape: tuple[int, ...]) -> NDArra
         return None
     number = {curve: index for index, curve in enumerate(adhesion.curves)}
     curves = np.array(np.broadcast_to([number[curve] for curve in of_wheelset], shape), dtype=np.uint8)
-    for patch in adhesion.patch:
+    for patch in patches:
         if patch.polach is not None:
-            curves[np.broadcast_to(_inside(patch, places) >= 0.5, shape)] = number[patch.polach]
+            rows = _rows(patch, places)
+            inside = np.broadcast_to(_inside(patch, places[rows]) >= 0.5, curves[rows].shape)
+            curves[rows][inside] = number[patch.polach]
     return curves
 
 
@@ -263,6 +282,50 @@ def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tupl
     noise = np.concatenate([backward[:0:-1], forward])
     points = spacing * np.arange(1 - behind, ahead, dtype=np.float64)
     return points, noise
+
+
+def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
+    """Return the patches of a rail, from those that are covered to those that cover: first leaves, then the given ones.
+
+    Leaves are drawn from the start of the first wheelset on, so that a longer train or horizon adds patches and moves
+    none, and backwards from there until no patch reaches the last wheelset.
+    """
+    leaves = scenario.adhesion
+    if not isinstance(leaves, Leaves):
+        return leaves.patch
+    ahead = _drawn(leaves, generator(scenario.seed, "adhesion"), float(places.max()))
+    behind = _drawn(leaves, generator(scenario.seed, "adhesion.behind"), leaves.longest - float(places.min()))
+    drawn = [*((-begin, length, mu0) for begin, length, mu0 in reversed(behind)), *ahead]
+    return (
+        *(
+            # Not validated: a patch of a scenario does not begin behind the first wheelset.
+            Patch.model_construct(
+                begin=begin, length=length, mu0=(mu0,), edge=leaves.edge, polach=leaves.polach_of_patches
+            )
+            for begin, length, mu0 in drawn
+        ),
+        *leaves.patch,
+    )
+
+
+def _drawn(leaves: Leaves, rng: np.random.Generator, reach: float) -> list[tuple[float, float, float]]:
+    """Return distance from the start [m], length [m] and friction of the patches up to a distance [m]."""
+    patches: list[tuple[float, float, float]] = []
+    place = rng.exponential(1 / leaves.count)
+    while place < reach:
+        patches.append(
+            (place, rng.uniform(leaves.shortest, leaves.longest), rng.uniform(leaves.minimum, leaves.maximum))
+        )
+        place += rng.exponential(1 / leaves.count)
+    return patches
+
+
+def _rows(patch: Patch, places: Array) -> slice:
+    """Return the rows of places, (n, wheelsets), in which a wheelset may be inside a patch; places rise by row."""
+    front, rear = places[0].argmax(), places[0].argmin()
+    first = np.searchsorted(places[:, front], patch.begin)
+    last = np.searchsorted(places[:, rear], patch.begin + patch.length, side="right")
+    return slice(max(int(first) - 1, 0), int(last) + 1)  # a row more at either end: sums are rounded
 
 
 def _inside(patch: Patch, places: Array) -> Array:

@@ -118,6 +118,49 @@ class Constant(_Profile):
         return self
 
 
+class Leaves(_Profile):
+    """A rail with patches of leaves at random places; drawn from the seed.
+
+    Patches begin independently of each other: their number in a stretch of rail has a Poisson distribution. Length and
+    friction of each are uniform within their limits. Where patches overlap, the one that begins later covers the other.
+    """
+
+    kind: Literal["leaves"]
+    mu0: Frictions = Field(description="maximum friction between patches, for the train or for each wheelset")
+    count: Annotated[float, Unit("1/m", above=0, at_most=1, because="patches are metres long")] = Field(
+        description="mean number of patches that begin in a length of rail, as 8 1/km"
+    )
+    shortest: Length = Field(description="minimum length of a patch")
+    longest: Length = Field(description="maximum length of a patch")
+    minimum: Friction = Field(description="minimum of the maximum friction in a patch")
+    maximum: Friction = Field(description="maximum of the maximum friction in a patch")
+    edge: Length = Field(default=0.0, description="over which friction changes at either end, inside a patch")
+    polach_of_patches: Polach | None = optional("creep curve in patches, as in patch; polach without it")
+
+    @property
+    def over(self) -> Over:
+        """The axis that friction changes along: patches have places."""
+        return "distance"
+
+    @property
+    def curves(self) -> tuple[Polach, ...]:
+        """All creep curves of the rail, each once, that of `polach` first."""
+        of_patches = () if self.polach_of_patches is None else (self.polach_of_patches,)
+        first, *others = super().curves
+        return tuple(dict.fromkeys((first, *of_patches, *others)))
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        for low, high in (("shortest", "longest"), ("minimum", "maximum")):
+            if getattr(self, low) > getattr(self, high):
+                raise broken(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
+        if self.longest <= 0:
+            raise broken("longest must be above 0 m, got 0")
+        if self.conditioning is not None and len(set(self.mu0)) > 1:
+            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+        return self
+
+
 class _Varying(_Profile):
     """A profile along time (every wheelset at once) or along the track (each wheelset when it gets there)."""
 
@@ -276,4 +319,6 @@ class FromTable(_Profile):
         return self.curve.over
 
 
-Adhesion = Annotated[Constant | Points | Trapezoid | SineSweep | Random | FromTable, Field(discriminator="kind")]
+Adhesion = Annotated[
+    Constant | Points | Trapezoid | SineSweep | Random | Leaves | FromTable, Field(discriminator="kind")
+]

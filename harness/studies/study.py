@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from importlib import import_module, metadata
 from pathlib import Path
+from typing import ClassVar
 
 from railgrip.base.errors import InputError
 from railgrip.campaign.one_stop import make_folder
@@ -21,7 +22,12 @@ class Study(ABC):
 
     `Annotated` describes a field for typer. The fields that many commands share, `overrides`, `import_from` and
     `quick`, need no description.
+
+    Attributes:
+        has_cases: Whether the study has cases that a cluster can run; one that measures durations has none.
     """
+
+    has_cases: ClassVar[bool] = True
 
     @property
     def name(self) -> str:
@@ -77,9 +83,12 @@ def conduct(
     """Run a study, write its page and further files; return the page and its path.
 
     Raises:
+        InputError: There is a `scheduler`, but the study has no cases for it, or it is not an address.
         RecordError: Results cannot be written there; nothing was run.
         RailgripError: A case failed; earlier results are kept in the cache.
     """
+    if scheduler is not None and not study.has_cases:
+        raise InputError(f"--scheduler {scheduler}: study {study.name} has no cases for a cluster; omit it.")
     folder = out / study.place
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:

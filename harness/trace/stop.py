@@ -7,8 +7,8 @@ import glob
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from math import isfinite
+from dataclasses import dataclass, field, replace
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +152,12 @@ class StopRecord:
     def braking_distance(self) -> float | None:
         """To standstill [m]; None where the stop ended otherwise."""
         return self.metrics.distance if self.outcome is Outcome.STANDSTILL else None
+
+    @property
+    def figures(self) -> Metrics:
+        """The metrics without air used if actuation is ideal: pressures then change without valves."""
+        is_ideal = self.scenario["actuation"]["kind"] == "ideal"
+        return replace(self.metrics, air_used=nan) if is_ideal else self.metrics
 
     @property
     def has_trace(self) -> bool:

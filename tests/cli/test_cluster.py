@@ -19,6 +19,7 @@ from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign.run import CampaignRun, run_campaigns
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import cluster
+from railgrip.cli.main import main
 from railgrip.scenario.campaign import load_campaign
 from railgrip.trace.stop import read_stop
 
@@ -99,3 +100,32 @@ def test_a_scheduler_without_workers_is_told_of_and_not_waited_for_for_ever(proj
         assert 3.0 < time.monotonic() - begin < 60.0
         assert end.value.exit_code == 3
         assert capfd.readouterr().err.count(f"--scheduler {address}: has no worker; waiting 3 s for one") == 1
+
+
+def test_a_campaign_of_the_command_line_runs_on_the_cluster(project, two_workers, tmp_path, monkeypatch):
+    monkeypatch.setattr("railgrip.cli.campaigns.runner", lambda import_from: slowly)
+    monkeypatch.setattr("railgrip.campaign.workers.workers", None)  # no process may be started here
+    (project / "few.toml").write_text(LINES, encoding="utf-8")
+    arguments = ["campaign", str(project / "few.toml"), "--out", str(tmp_path / "out"), "--panels", "none"]
+    with pytest.raises(SystemExit) as end:
+        main([*arguments, "--scheduler", two_workers.scheduler_address])
+    assert end.value.code == 0
+    assert len(list((tmp_path / "out").glob("*/stop.json"))) == 6
+
+
+@pytest.mark.parametrize("command", [["campaign", "table1"], ["study", "type_test"], ["study", "papers"]])
+@pytest.mark.parametrize("address", ["foo", "tcp://foo", "foo:bar", "tcp://:8786"])
+def test_a_text_that_is_not_an_address_is_refused_before_anything_runs(command, address, tmp_path, capfd):
+    with pytest.raises(SystemExit) as end:
+        main([*command, "--scheduler", address, "--out", str(tmp_path / "out")])
+    assert end.value.code == InputError.exit_code
+    assert f"--scheduler {address}: is not an address; write tcp://HOST:PORT" in capfd.readouterr().err
+    assert not list(tmp_path.rglob("stop.json"))
+
+
+def test_a_study_without_cases_refuses_a_cluster(tmp_path, capfd):
+    with pytest.raises(SystemExit) as end:
+        main(["study", "bench", "--scheduler", "tcp://127.0.0.1:8786", "--out", str(tmp_path / "out")])
+    assert end.value.code == InputError.exit_code
+    assert "study bench has no cases for a cluster" in capfd.readouterr().err
+    assert not (tmp_path / "out").exists()

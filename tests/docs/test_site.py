@@ -1,7 +1,9 @@
 """The documentation builds without warnings, loads nothing from the network, and describes what the code has."""
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -71,6 +73,40 @@ def test_no_page_loads_anything_from_elsewhere(site: Path):
     addresses = {address for page in pages for address in _Page(page).loaded}
     assert any(address.endswith(".css") for address in addresses)
     assert not [address for address in addresses if re.match(r"(https?:)?//", address)]
+
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+SEARCH = """<iframe id="site" src="site/index.html" style="width:1200px;height:800px"></iframe><script>
+document.getElementById("site").onload = async ({ target }) => {
+  const page = target.contentDocument, found = () => [...page.querySelectorAll(".md-search-result__item a")];
+  const field = page.querySelector("input.md-search__input");
+  field.focus();
+  field.value = "wheelset_position";
+  for (let n = 0; n < 100 && !found().length; n++) {
+    field.dispatchEvent(new Event("input", { bubbles: true }));
+    field.dispatchEvent(new KeyboardEvent("keyup", { bubbles: true }));
+    await new Promise((done) => setTimeout(done, 200));
+  }
+  document.title = JSON.stringify({ protocol: page.location.protocol, found: found().map((link) => link.href) });
+};
+</script>"""
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+def test_the_search_works_in_pages_that_are_opened_as_files(site: Path, tmp_path: Path):
+    (tmp_path / "site").symlink_to(site, target_is_directory=True)
+    (tmp_path / "search.html").write_text(SEARCH, encoding="utf-8")
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
+    done = subprocess.run(
+        [str(BROWSER), *options, "--allow-file-access-from-files", f"--user-data-dir={tmp_path / 'profile'}",
+         "--virtual-time-budget=60000", "--dump-dom", (tmp_path / "search.html").as_uri()],
+        capture_output=True, text=True, check=True, timeout=300,
+    )  # fmt: skip
+    title = re.search(r"<title>(.*)</title>", done.stdout)
+    assert title is not None, done.stdout[:500]
+    result = json.loads(title.group(1))
+    assert result["protocol"] == "file:"
+    assert any("scenario.html" in address or "own_plant.html" in address for address in result["found"])
 
 
 def keys_of(table: Mapping[str, Any], free: Collection[str] = FREE) -> Iterator[str]:

@@ -74,6 +74,19 @@ def test_a_stop_is_on_paper_with_what_is_folded_on_the_screen(folder, tmp_path):
     assert "wheelset6" in everything
 
 
+@pytest.mark.parametrize("space", [0, 200, 400, 600, 800])
+def test_no_heading_is_stranded_at_the_end_of_a_page(folder, tmp_path, space):
+    """Whatever is above it, a heading is followed by what it is the heading of."""
+    page = next(folder.glob("*adhesion_based/index.html"))
+    moved = tmp_path / "moved.html"
+    gap = f'<div style="height:{space}px"></div>'
+    moved.write_text(page.read_text(encoding="utf-8").replace("<h2>Results</h2>", f"{gap}<h2>Results</h2>"))
+    texts, _ = printed(moved, tmp_path)
+    below = bare("Of several values, the first is that of the leading group or wheelset.")
+    assert any(below in text for text in texts)
+    assert [text[-80:] for text in texts if text.endswith(("Results", "Provenance", "Scenario", below))] == []
+
+
 def test_every_kind_of_figure_is_drawn(tmp_path):
     drawing, (image, bars) = panels(8, 4, 1, 2)
     image.imshow([[0.0, 1.0], [0.5, np.nan]])

@@ -98,6 +98,7 @@ def test_a_page_of_markdown_escapes_nothing(tmp_path):
 
 VALUES = {
     "references": "",
+    "changes": [],
     "tables": [TABLE.filled()],
     "quantiles": None,
     "worst": None,

@@ -13,6 +13,7 @@ from railgrip.base.errors import RecordError
 from railgrip.report.distances import rows_of, write_table
 from railgrip.report.reference import CONTROLLERS
 from railgrip.report.results import read_results
+from railgrip.report.stop import metrics_table
 from railgrip.trace.stop import write_stop
 
 
@@ -100,11 +101,25 @@ def test_json_has_the_rows_that_were_asked_for(folder):
 
 def test_a_figure_that_does_not_exist_is_null_and_an_empty_cell(folder):
     results = read_results(folder)
-    without_air = replace(results.stops[0].record, metrics=replace(results.stops[0].record.metrics, air_used=np.nan))
-    results = replace(results, stops=(replace(results.stops[0], record=without_air), *results.stops[1:]))
+    first, *others = (stop for stop in results.stops if stop.variants["equipment"] == "service")
+    without_air = replace(first.record, metrics=replace(first.record.metrics, air_used=np.nan))
+    results = replace(results, stops=(replace(first, record=without_air), *others))
     as_json, as_markdown = write_table(results, folder)
-    assert json.loads(as_json.read_text(encoding="utf-8"))["rows"][0]["air_l"] is None
-    assert as_markdown.read_text(encoding="utf-8").splitlines()[8].endswith(" s |  |  |  |")
+    air = [row["air_l"] for row in json.loads(as_json.read_text(encoding="utf-8"))["rows"]]
+    assert air[0] is None
+    assert None not in air[1:]
+    head, _, row, *_ = (line for line in as_markdown.read_text(encoding="utf-8").splitlines() if line.startswith("|"))
+    cells = dict(zip(head.split("|"), row.split("|"), strict=True))
+    assert cells[" air "].strip() == ""
+
+
+def test_air_is_left_out_with_ideal_actuation_which_has_no_valves(folder):
+    rows = rows_of(read_results(folder))
+    assert {row.actuation for row in rows if row.air_l is not None} == {"pneumatic"}
+    stop = next(stop for stop in read_results(folder).stops if stop.record.scenario["actuation"]["kind"] == "ideal")
+    assert np.isfinite(stop.record.metrics.air_used)
+    figures = {row["figure"]: row["value"] for row in metrics_table(stop.record.figures).rows}
+    assert figures["air used"] == "–"
 
 
 def test_a_stop_that_did_not_stand_has_no_distance_and_no_reduction(tmp_path, write_campaign):

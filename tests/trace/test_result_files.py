@@ -108,16 +108,19 @@ def test_only_a_standstill_has_a_braking_distance(outcome, tmp_path):
     frame = Sweep({"seed": (1,)}, (Result(outcome.value, "", stop.metrics),)).to_pandas()
     assert content["metrics"]["distance_travelled"] == pytest.approx(travelled, rel=1e-6)
     assert record.metrics.distance_travelled == pytest.approx(travelled, rel=1e-6)
-    assert frame["distance_travelled"][0] == pytest.approx(travelled, rel=1e-6)
+    assert frame["distance_travelled"].iloc[0] == pytest.approx(travelled, rel=1e-6)
     if outcome is Outcome.STANDSTILL:
         assert (
-            content["distance_m"] == content["metrics"]["distance"] == record.braking_distance == frame["distance"][0]
+            content["distance_m"]
+            == content["metrics"]["distance"]
+            == record.braking_distance
+            == frame["distance"].iloc[0]
         )
         assert record.braking_distance == stop.metrics.distance_travelled
     else:
         assert content["distance_m"] is content["metrics"]["distance"] is record.braking_distance is None
         assert np.isnan(stop.metrics.distance)
-        assert np.isnan(frame["distance"][0])
+        assert np.isnan(frame["distance"].iloc[0])
 
 
 def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from railgrip.base.errors import ScenarioError
+from railgrip.report.limits import limits_of
 from railgrip.report.results import Result
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import judgements, limits_of, measured, summaries
+from railgrip.studies.type_test.judge import judgements, measured, summaries
 from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.stop import StopRecord
 
@@ -32,7 +33,8 @@ def result(case, controller, distance, *, stands=True, speed=20.0, friction=0.06
     metrics = Metrics(**(plain | {"distance": distance} | figures))
     record = StopRecord(
         directory=Path(), outcome=Outcome.STANDSTILL if stands else Outcome.HORIZON, reason="",
-        scenario={"start": {"speed": speed}}, digest="", metrics=metrics, versions={}, fmus={},
+        scenario={"start": {"speed": speed}, "actuation": {"kind": "pneumatic"}}, digest="", metrics=metrics,
+        versions={}, fmus={},
     )  # fmt: skip
     variants = {"case": case, "controller": controller, "friction": str(friction), "curve": "dry"}
     return measured(Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None))

@@ -3,77 +3,18 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
-from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
-from pydantic import Field
 
+from railgrip.report.limits import Limits
 from railgrip.report.results import Result
 from railgrip.report.statistics import endless, finite, quantile, quantile_interval
-from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Table
-from railgrip.studies.type_test.entrants import LIBRARY, Entrant
+from railgrip.studies.type_test.entrants import Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
-
-_AMBIENT: Final = 101325.0  # Pa
-
-
-class Clause(Table):
-    """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
-
-    clause: str
-    limit: float | None = Field(default=None, description="in SI units; without one the figure is not judged")
-    friction: tuple[float, float] | None = Field(default=None, description="mean frictions for which it is quoted")
-
-
-class Supply(Table):
-    """Air for the brakes, where the plant has no reservoir of its own."""
-
-    volume: Annotated[float, Unit("m3", above=0, at_most=100)]
-    pressure: Annotated[float, Unit("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
-    delivery: Annotated[float, Unit("m3/s", at_least=0, at_most=1)] = Field(description="free air of the compressor")
-
-    def remaining(self, air: float, duration: float) -> float:
-        """Return the pressure at the end [Pa], for free air used [m3] in a time [s], at constant temperature."""
-        drained = air - self.delivery * duration
-        return float(np.clip(self.pressure - _AMBIENT * drained / self.volume, 0.0, self.pressure))
-
-
-class BuildUp(Table):
-    """How a deceleration distance is formed."""
-
-    time: Annotated[float, Unit("s", at_least=0, at_most=60)]
-
-
-class Limits(Table):
-    """What stops are judged by; see library/limits.toml."""
-
-    stops: Clause
-    extension: Clause
-    lock: Clause
-    locked_distance: Clause
-    reservoir: Clause
-    utilisation: Clause
-    supply: Supply
-    build_up: BuildUp
-
-
-def limits_of(path: Path | None = None) -> Limits:
-    """Return the limits of a file, or those that come with this package.
-
-    Raises:
-        ScenarioError: Missing, or not limits.
-    """
-    file = path or LIBRARY / "limits.toml"
-    return validated(Limits, read_toml(file), directory=file.parent, origin=file.name)
-
 
 JUDGED: Final = ("stops", "extension", "lock", "locked_distance", "reservoir", "utilisation")
 """Clauses, in the order in which they are shown."""
-_AT_LEAST: Final = ("reservoir", "utilisation")
-"""Clauses whose limit is the least value; the others have a greatest one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,7 +57,7 @@ class Measured:
 
 def measured(stop: Result) -> Measured:
     """Return what a stop of a type test shows."""
-    metrics = stop.record.metrics
+    metrics = stop.record.figures
     air = finite(metrics.air_used)
     return Measured(
         case=stop.variants["case"],
@@ -229,21 +170,8 @@ def _judge(
         if distance is None
         else min(1.0, k_wet_of_distances(dry, distance, stop.speed, limits.build_up.time)),
         reservoir_bar=None if remaining is None else 1e-5 * remaining,
-        verdicts={"stops": distance is not None} | _verdicts(limits, values, float(stop.variants["friction"])),
+        verdicts={"stops": distance is not None} | limits.verdicts(values, float(stop.variants["friction"])),
     )
-
-
-def _verdicts(limits: Limits, values: Mapping[str, float | None], friction: float) -> dict[str, bool | None]:
-    """Return by clause whether its value keeps the limit; None where the clause is not judged."""
-    verdicts: dict[str, bool | None] = {}
-    for name, value in values.items():
-        clause: Clause = getattr(limits, name)
-        is_quoted = clause.friction is None or clause.friction[0] <= friction <= clause.friction[1]
-        if clause.limit is None or value is None or not is_quoted:
-            verdicts[name] = None
-        else:
-            verdicts[name] = value >= clause.limit if name in _AT_LEAST else value <= clause.limit
-    return verdicts
 
 
 def _ratio(distance: float | None, other: float | None) -> float | None:

@@ -20,6 +20,7 @@ from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.index import write_report as write_panels
+from railgrip.report.limits import Limits, limits_of
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
@@ -44,12 +45,10 @@ from railgrip.studies.type_test.entrants import (
 from railgrip.studies.type_test.judge import (
     JUDGED,
     Judged,
-    Limits,
     Measured,
     Summary,
     judgements,
     keeps_lock,
-    limits_of,
     measured,
     summaries,
 )

@@ -1,0 +1,118 @@
+"""The result of a campaign in a few sentences; a controller or variant that breaks a clause is not recommended."""
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from railgrip.report.distribution import change_text
+from railgrip.report.limits import SUBJECTS
+from railgrip.report.row import Row
+from railgrip.report.statistics import endless
+from railgrip.report.table import change, percent
+from railgrip.report.variants import Change, Reference
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Candidate:
+    """A controller, or a variant under some conditions.
+
+    Attributes:
+        name: For the sentence.
+        change: Median of its distance over that of the reference, less 1.
+        text: The change with its range or interval, and of how many stops.
+        stops: Its stops.
+    """
+
+    name: str
+    change: float
+    text: str
+    stops: Sequence[Row]
+
+    @property
+    def broken(self) -> dict[str, int]:
+        """Clause → number of stops that break it."""
+        clauses = [clause for row in self.stops for clause in row.breaks]
+        return {clause: clauses.count(clause) for clause in dict.fromkeys(clauses)}
+
+
+def headline(rows: Sequence[Row], reference: Reference | None = None, changes: Sequence[Change] = ()) -> str:
+    """Return which controller, or which variant, shortens the distance most without breaking a clause.
+
+    Args:
+        rows: Of a campaign.
+        reference: The variant that others are compared with; without it, controllers are compared with the published
+            slip-based control.
+        changes: Of the other variants.
+    """
+    stood = sum(row.distance_m is not None for row in rows)
+    count = f"{stood} of {len(rows)} stops come to a standstill."
+    candidates = _controllers(rows) if reference is None else _variants(changes)
+    if not candidates:
+        return count
+    against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
+    kinds = "controllers" if reference is None else "variants"
+    shortest = min(candidates, key=lambda candidate: candidate.change)
+    allowed = [candidate for candidate in candidates if not candidate.broken]
+    if not allowed:
+        none = f"none of the {len(candidates)} {kinds} keeps all clauses" if len(candidates) > 1 else ""
+        breaks = f"{shortest.name} breaks {_breaks(shortest)}"
+        what = f"{none}: {breaks}" if none else breaks
+        return f"Against {against}, {what}. It changes the distance by {shortest.text} and is not recommended. {count}"
+    best = min(allowed, key=lambda candidate: candidate.change)
+    others = ""
+    if len(allowed) == 1 < len(candidates):
+        others = f"; of {len(candidates)} {kinds} it is the only one that keeps all clauses"
+    elif len(allowed) > 1 and best.change < 0:
+        others = f", the largest reduction of the {len(allowed)} of {len(candidates)} {kinds} that keep all clauses"
+    more = (
+        f" {shortest.name} changes it by {percent(shortest.change)}, but breaks {_breaks(shortest)}."
+        if shortest is not best
+        else ""
+    )
+    return f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} {count}"
+
+
+def _controllers(rows: Sequence[Row]) -> list[_Candidate]:
+    """Return the controllers with stops under the same conditions as the published slip-based control."""
+    stops: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.controller != "ideal_bound":
+            stops.setdefault(row.controller_label, []).append(row)
+    candidates: list[_Candidate] = []
+    for name, own in stops.items():
+        shares = [row.reduction_vs_sbc for row in own if row.reduction_vs_sbc is not None]
+        if shares:
+            median, smallest, largest = (change(of(shares)) for of in (statistics.median, max, min))
+            text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
+            text = text if len(shares) > 1 else f"{median} in one stop"
+            candidates.append(_Candidate(name=name, change=-statistics.median(shares), text=text, stops=own))
+    return candidates
+
+
+def _variants(changes: Sequence[Change]) -> list[_Candidate]:
+    """Return the variants other than the reference; several conditions of one variant are several candidates."""
+    differ = {pair for change in changes for pair in change.conditions.items()}
+    differ -= {pair for pair in differ if all(pair in change.conditions.items() for change in changes)}
+
+    def name(change: Change) -> str:
+        under = ", ".join(" ".join(pair) for pair in change.conditions.items() if pair in differ)
+        return f"{change.variant} (with {under})" if under else change.variant
+
+    return [
+        _Candidate(
+            name=name(change),
+            change=endless(change.paired.change),
+            text=f"{change_text(change.paired)} in the median of {change.paired.draws} pairs",
+            stops=change.stops,
+        )
+        for change in changes
+        if change.stops[0].controller != "ideal_bound"
+    ]
+
+
+def _breaks(candidate: _Candidate) -> str:
+    """Return the clauses that a candidate breaks, and in how many of its stops."""
+    count = len(candidate.stops)
+    return ", ".join(
+        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops" for clause, broken in candidate.broken.items()
+    )

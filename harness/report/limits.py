@@ -1,0 +1,125 @@
+"""Limits that a stop is judged by: clauses of standards on locked wheels, air and use of the adhesion."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Final
+
+import numpy as np
+from pydantic import Field
+
+from railgrip.report.statistics import finite
+from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.quantity import Unit
+from railgrip.scenario.table import Table
+from railgrip.trace.stop import StopRecord
+
+_FILE: Final = Path(__file__).parent / "library" / "limits.toml"
+_AMBIENT: Final = 101325.0  # Pa
+
+
+class Clause(Table):
+    """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
+
+    clause: str
+    limit: float | None = Field(default=None, description="in SI units; without one the figure is not judged")
+    friction: tuple[float, float] | None = Field(default=None, description="mean frictions for which it is quoted")
+
+
+class Supply(Table):
+    """Air for the brakes, where the plant has no reservoir of its own."""
+
+    volume: Annotated[float, Unit("m3", above=0, at_most=100)]
+    pressure: Annotated[float, Unit("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
+    delivery: Annotated[float, Unit("m3/s", at_least=0, at_most=1)] = Field(description="free air of the compressor")
+
+    def remaining(self, air: float, duration: float) -> float:
+        """Return the pressure at the end [Pa], for free air used [m3] in a time [s], at constant temperature."""
+        drained = air - self.delivery * duration
+        return float(np.clip(self.pressure - _AMBIENT * drained / self.volume, 0.0, self.pressure))
+
+
+class BuildUp(Table):
+    """How a deceleration distance is formed."""
+
+    time: Annotated[float, Unit("s", at_least=0, at_most=60)]
+
+
+class Limits(Table):
+    """The limits of a type test and of a campaign's page; see library/limits.toml."""
+
+    stops: Clause
+    extension: Clause
+    lock: Clause
+    locked_distance: Clause
+    reservoir: Clause
+    utilisation: Clause
+    supply: Supply
+    build_up: BuildUp
+
+    def verdicts(self, values: Mapping[str, float | None], friction: float | None = None) -> dict[str, bool | None]:
+        """Return for each clause whether its value keeps the limit; None where the clause is not judged.
+
+        Args:
+            values: Clause → value in SI units, None where there is none.
+            friction: Mean friction of the rail; without it, clauses that are quoted for some frictions are not judged.
+        """
+        verdicts: dict[str, bool | None] = {}
+        for name, value in values.items():
+            clause: Clause = getattr(self, name)
+            is_quoted = clause.friction is None or (
+                friction is not None and clause.friction[0] <= friction <= clause.friction[1]
+            )
+            if clause.limit is None or value is None or not is_quoted:
+                verdicts[name] = None
+            else:
+                verdicts[name] = value >= clause.limit if name in _MINIMA else value <= clause.limit
+        return verdicts
+
+    def broken_by(self, record: StopRecord) -> tuple[str, ...]:
+        """Return the clauses that a stop breaks by itself, without another stop to compare with."""
+        figures = record.figures
+        air = finite(figures.air_used)
+        verdicts: dict[str, bool | None] = {"stops": record.braking_distance is not None} | self.verdicts(
+            {
+                "lock": finite(max(figures.longest_lock_fast)),
+                "locked_distance": finite(max(figures.locked_distance)),
+                "reservoir": None if air is None else self.supply.remaining(air, figures.duration),
+                "utilisation": finite(figures.utilisation),
+            }
+        )
+        return tuple(name for name, verdict in verdicts.items() if verdict is False)
+
+
+SUBJECTS: Final = {
+    "stops": "standstill",
+    "extension": "extension",
+    "lock": "locked wheels",
+    "locked_distance": "locked distance",
+    "reservoir": "air in the reservoir",
+    "utilisation": "use of the adhesion",
+}
+"""Clause → what it limits, for readers."""
+
+_MINIMA: Final = ("reservoir", "utilisation")
+"""Clauses whose limit is a minimum; the limits of the others are maxima."""
+
+
+def limits_of(path: Path | None = None) -> Limits:
+    """Return the limits of a file, or those that come with this package.
+
+    Raises:
+        ScenarioError: The file is missing or does not hold limits.
+    """
+    file = path or _FILE
+    return validated(Limits, read_toml(file), directory=file.parent, origin=file.name)
+
+
+def judged_by(limits: Limits) -> str:
+    """Return the clauses that a stop can break by itself with their limits, in SI units."""
+    judged = {"lock": "s", "locked_distance": "m", "reservoir": "Pa", "utilisation": ""}
+    texts = [
+        f"{SUBJECTS[name]}, {'minimum' if name in _MINIMA else 'maximum'} {f'{clause.limit:g} {unit}'.strip()}"
+        for name, unit in judged.items()
+        if (clause := getattr(limits, name)).limit is not None
+    ]
+    return "; ".join(["standstill", *texts])

@@ -1,0 +1,128 @@
+"""Two variants of an axis of a campaign, stop by stop: what differs in nothing else is a pair."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from railgrip.base.errors import InputError
+from railgrip.report.distribution import Paired, by_draw, paired, paired_texts
+from railgrip.report.limits import SUBJECTS
+from railgrip.report.results import Result
+from railgrip.report.row import Row
+from railgrip.report.table import Table
+from railgrip.scenario.campaign import DRAW
+
+_POOLED = ("scenario", "seed", DRAW)
+"""Axes over which pairs are collected: those of a campaign without draws are its scenarios and seeds."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reference:
+    """The variant that the others of its axis are compared with."""
+
+    axis: str
+    variant: str
+
+    @classmethod
+    def named(cls, text: str, stops: Sequence[Mapping[str, str]]) -> Self:
+        """Find a variant by its name, or by `AXIS=VARIANT` if several axes have one of that name.
+
+        Args:
+            text: As the user writes it.
+            stops: Axis → variant of each stop of a campaign.
+
+        Raises:
+            InputError: No stop has it, several axes have it, or its axis has no other variant.
+        """
+        axes: dict[str, list[str]] = {}
+        for stop in stops:
+            for axis, variant in stop.items():
+                if axis != DRAW and variant not in (known := axes.setdefault(axis, [])):
+                    known.append(variant)
+        found = [(axis, name) for axis, names in axes.items() for name in names if text in (name, f"{axis}={name}")]
+        if len(found) != 1:
+            several = ", ".join(f"{axis}={name}" for axis, name in found)
+            everything = "; ".join(f"{axis}: {', '.join(variants)}" for axis, variants in axes.items())
+            raise InputError(
+                f"--against {text}: several axes have a variant of this name; choose one of {several}."
+                if found
+                else f"--against {text}: the campaign has no such variant; it has {everything or 'none'}."
+            )
+        ((axis, variant),) = found
+        if len(axes[axis]) == 1:
+            raise InputError(f"--against {text}: the axis '{axis}' has no other variant to compare with it.")
+        return cls(axis=axis, variant=variant)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """A variant against the reference, over all pairs under the same conditions.
+
+    Attributes:
+        conditions: Axis → variant, of the axes that are equal in all of these pairs.
+        variant: Of the axis of the reference.
+        paired: The comparison; `label` is the variant of the reference.
+        stops: All stops of the variant under these conditions.
+    """
+
+    conditions: Mapping[str, str]
+    variant: str
+    paired: Paired
+    stops: Sequence[Row]
+
+
+def changes_against(reference: Reference, stops: Sequence[Result], rows: Sequence[Row]) -> tuple[Change, ...]:
+    """Compare all other variants of an axis with the reference, in the order of the campaign.
+
+    Two stops are a pair if they differ in nothing but this axis. Pairs are collected over the draws, or over scenarios
+    and seeds where there are no draws.
+
+    Args:
+        reference: A variant.
+        stops: Of a campaign.
+        rows: Of the same stops.
+    """
+    cases: dict[tuple[tuple[str, str], ...], int] = {}
+    groups: dict[tuple[tuple[str, str], ...], dict[str, list[Row]]] = {}
+    for stop, row in zip(stops, rows, strict=True):
+        if reference.axis not in stop.variants:
+            continue
+        others = {axis: variant for axis, variant in stop.variants.items() if axis != reference.axis}
+        case = cases.setdefault(tuple(others.items()), len(cases))
+        pooled = (DRAW,) if DRAW in others else _POOLED
+        conditions = tuple((axis, variant) for axis, variant in others.items() if axis not in pooled)
+        variants = groups.setdefault(conditions, {})
+        # The number of a case counts as a draw: stops of the same case are a pair.
+        variants.setdefault(stop.variants[reference.axis], []).append(replace(row, draw=case))
+    changes: list[Change] = []
+    for conditions, variants in groups.items():
+        base = variants.pop(reference.variant, [])
+        for variant, own in variants.items():
+            if (pairs := paired(by_draw(own), base)) is not None:
+                changes.append(
+                    Change(
+                        conditions=dict(conditions),
+                        variant=variant,
+                        paired=replace(pairs, label=reference.variant),
+                        stops=own,
+                    )
+                )
+    return tuple(changes)
+
+
+def change_table(reference: Reference, changes: Sequence[Change]) -> Table:
+    """Return a row for each variant and set of conditions."""
+    rows: list[dict[str, Any]] = [
+        {
+            **change.conditions,
+            reference.axis: change.variant,
+            "pairs": change.paired.draws,
+            **paired_texts(reference.variant, change.paired),
+            "breaks": ", ".join(dict.fromkeys(SUBJECTS[clause] for row in change.stops for clause in row.breaks)),
+        }
+        for change in changes
+    ]
+    axes = {axis for change in changes for axis in change.conditions}
+    return Table(
+        rows, left=(*axes, reference.axis), title=f"Pairs of stops that differ in {reference.axis} only"
+    ).filled()

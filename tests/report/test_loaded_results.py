@@ -1,0 +1,119 @@
+"""Results in folders come back as values of the Python interface, and as tables in files of other programs."""
+
+import io
+
+import numpy as np
+import pandas
+import pytest
+import xarray
+from synthetic import LIBRARY
+from synthetic_runner import run_stop
+
+import railgrip as rg
+from railgrip.base.errors import InputError, RecordError
+from railgrip.campaign.load import csv_of, load_results, write_table
+from railgrip.campaign.sweep import Result, Sweep
+from railgrip.cli.main import main
+from railgrip.report.results import read_results
+from railgrip.scenario.load import load
+from railgrip.trace.netcdf import FILE_NAME
+from railgrip.trace.stop import read_stop, write_stop
+
+CAMPAIGN = """
+name = "axes"
+scenarios = ["{library}/trapezoid.toml"]
+sweep = {{ "start.speed" = ["80 km/h", "60 km/h"] }}
+[axes.controller]
+sbc = {{ controller.kind = "slip_two_state" }}
+abc = {{ controller.kind = "adhesion_based" }}
+[[exclude]]
+controller = "abc"
+"start.speed" = "60 km/h"
+"""
+COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
+
+
+@pytest.fixture
+def campaign(tmp_path, write_campaign):
+    file = tmp_path / "axes.toml"
+    file.write_text(CAMPAIGN.format(library=LIBRARY.as_posix()), encoding="utf-8")
+    write_campaign(tmp_path, lambda _: True, file=file)
+    return tmp_path
+
+
+@pytest.fixture
+def stop(tmp_path):
+    stop = run_stop(load(LIBRARY / "trapezoid.toml", COARSE))
+    write_stop(stop, tmp_path / "stop")
+    return tmp_path / "stop"
+
+
+def test_a_stop_comes_back_as_it_was_written(stop):
+    loaded, record = rg.load(stop), read_stop(stop)
+    assert isinstance(loaded, rg.Stop)
+    assert loaded.scenario.digest() == record.digest
+    assert loaded.metrics == record.metrics
+    frame, written = loaded.to_pandas(), xarray.open_dataset(stop / FILE_NAME)
+    assert frame.index.name == "time"
+    assert frame["speed"].to_numpy() == pytest.approx(written["speed"].values)
+    assert frame["slip[2]"].to_numpy() == pytest.approx(written["slip"].values[:, 1])
+    assert frame.attrs["units"]["speed"] == "m/s"
+
+
+def test_a_campaign_comes_back_over_its_axes_with_what_it_excludes_left_out(campaign):
+    loaded = rg.load(campaign)
+    assert isinstance(loaded, Sweep)
+    frame = loaded.to_pandas()
+    assert frame.index.names == ["scenario", "controller", "start.speed"]
+    assert len(frame) == 3
+    for stop in read_results(campaign).stops:
+        place = tuple(stop.variants[axis] for axis in frame.index.names)
+        assert frame.loc[place, "distance"] == stop.record.metrics.distance
+    grid = loaded.to_xarray()["distance"]
+    assert np.isnan(grid.sel(scenario="trapezoid", controller="abc", **{"start.speed": "60 km/h"}))
+    assert int(np.isfinite(grid).sum()) == 3
+
+
+def test_a_sweep_is_indexed_by_its_parameter():
+    results = tuple(Result("refused", "no train", None) for _ in range(2))
+    frame = Sweep({"seed": (3, 5)}, results).to_pandas()
+    assert frame.index.name == "seed"
+    assert frame.loc[5, "outcome"] == "refused"
+    tables = Sweep({"demand": ({"pressure": 1}, {"pressure": 2})}, results).to_pandas()
+    assert tables.index.tolist() == ['{"pressure": 1}', '{"pressure": 2}']
+    assert len(Sweep({}, results[:1]).to_pandas()) == 1
+
+
+def test_a_table_is_printed_and_written_with_units(campaign, stop, capfd, tmp_path):
+    def run(*arguments):
+        with pytest.raises(SystemExit) as end:
+            main(["table", *map(str, arguments)])
+        assert end.value.code == 0
+        return capfd.readouterr().out
+
+    printed = pandas.read_csv(io.StringIO(run(campaign)))
+    assert printed["distance [m]"].tolist() == pytest.approx(rg.load(campaign).to_pandas()["distance"].tolist())
+    assert printed["controller"].tolist() == ["sbc", "sbc", "abc"]
+    for name, read in (("stop.csv", pandas.read_csv), ("stop.parquet", pandas.read_parquet)):
+        run(stop, "--out", tmp_path / name)
+        written = read(tmp_path / name)
+        assert written["time [s]"].to_numpy() == pytest.approx(rg.load(stop).trace["time"].values)
+        assert written["wheelset_speed[1] [rad/s]"].notna().all()
+
+
+def test_a_campaign_with_an_axis_of_the_name_of_a_metric_is_a_table(tmp_path):
+    metrics = run_stop(load(LIBRARY / "trapezoid.toml", COARSE)).metrics
+    frame = Sweep({"distance": ("near", "far")}, (Result("standstill", "", metrics),) * 2).to_pandas()
+    assert csv_of(frame).startswith("distance (axis),outcome")
+    write_table(frame, tmp_path / "x.parquet")
+    assert pandas.read_parquet(tmp_path / "x.parquet")["distance (axis)"].tolist() == ["near", "far"]
+
+
+def test_what_is_no_result_or_no_table_is_refused(tmp_path, stop):
+    with pytest.raises(RecordError, match=r"has neither campaign\.json nor stop\.json"):
+        rg.load(tmp_path / "nothing")
+    with pytest.raises(InputError, match=r"x\.xlsx: a table is written as \.csv or \.parquet"):
+        write_table(rg.load(stop).to_pandas(), tmp_path / "x.xlsx")
+    write_stop(run_stop(load(LIBRARY / "trapezoid.toml", COARSE)), tmp_path / "bare", keep_trace=False)
+    with pytest.raises(RecordError, match="the samples of this stop were not kept"):
+        load_results(tmp_path / "bare")

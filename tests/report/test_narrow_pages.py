@@ -1,0 +1,116 @@
+"""On a narrow screen the train, its caption and the braking distances are visible, and no label of a figure is cut."""
+
+import json
+import re
+import shutil
+import subprocess
+
+import pytest
+from synthetic import LIBRARY
+
+from railgrip.report.distances import rows_of
+from railgrip.report.figures import distance_figure
+from railgrip.report.index import write_report
+from railgrip.report.results import read_results
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+needs_browser = pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+WIDTH = 390
+SPEEDS = """
+name = "speeds"
+scenarios = ["{library}/trapezoid.toml"]
+sweep = {{ "start.speed" = ["80 km/h", "120 km/h"], "estimator.kind" = ["none"] }}
+[axes.controller]
+sbc = {{ controller.kind = "slip_two_state" }}
+abc = {{ controller.kind = "adhesion_based" }}
+"""
+BOXES = """<script>
+addEventListener("load", async () => {
+  const isOpen = () => document.querySelector(".plot") && document.body.dataset.drawn !== "yes";
+  while (isOpen()) await new Promise((done) => setTimeout(done, 50));
+  if (WHAT.printed) dispatchEvent(new Event("beforeprint"));
+  const boxes = (what) => [...document.querySelectorAll(what)].map((one) => {
+    const { left, right, top, bottom } = one.getBoundingClientRect();
+    return { left, right, top, bottom, text: one.textContent, size: parseFloat(getComputedStyle(one).fontSize) };
+  });
+  document.title = JSON.stringify({ width: innerWidth, ...Object.fromEntries(
+    Object.entries(WHAT).filter(([, what]) => what !== "").map(([name, what]) => [name, boxes(what)])) });
+});
+</script>"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, write_campaign):
+    directory = tmp_path_factory.mktemp("narrow")
+    file = directory / "speeds.toml"
+    file.write_text(SPEEDS.format(library=LIBRARY.as_posix()), encoding="utf-8")
+    write_campaign(directory, lambda _: True, file=file)
+    write_report(directory)
+    return directory
+
+
+def boxes(page, folder, **what):
+    """Return by name the boxes of elements of a page on a screen of `WIDTH` pixels, in pixels.
+
+    A window of Chromium is 500 pixels wide at least; the page is in a frame of it.
+    """
+    script = BOXES.replace("WHAT", json.dumps(what))
+    (folder / "measured.html").write_text(
+        page.read_text(encoding="utf-8").replace("</body>", f"{script}</body>").replace(
+            "document.title", "parent.document.title"), encoding="utf-8"
+    )  # fmt: skip
+    outer = folder / "outer.html"
+    outer.write_text(f'<iframe src="measured.html" style="width:{WIDTH}px;height:900px;border:0"></iframe>')
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking")
+    command = [BROWSER, *options, "--allow-file-access-from-files", f"--user-data-dir={folder / 'profile'}",
+               "--virtual-time-budget=20000", "--dump-dom", outer.resolve().as_uri()]  # fmt: skip
+    done = subprocess.run(command, check=True, capture_output=True, timeout=300, encoding="utf-8")
+    measured = json.loads(re.search(r"<title>(.*)</title>", done.stdout, re.DOTALL).group(1))
+    assert measured["width"] == WIDTH
+    return measured
+
+
+@needs_browser
+def test_train_and_signals_of_a_stop_fit_a_narrow_screen(folder, tmp_path):
+    page = next(folder.glob("*abc*/index.html"))
+    found = boxes(page, tmp_path, caption=".controls + .caption", train="svg circle", plot=".plot .svg-container")
+    (caption,) = found["caption"]
+    assert re.fullmatch(r"\d+\.\d\d s, \d+\.\d m; slip from .*", caption["text"])
+    assert caption["size"] >= 12  # pixels: as small as the letters of a table there
+    for box in (caption, *found["train"], *found["plot"]):
+        assert 0 <= box["left"] < box["right"] <= WIDTH
+
+
+@needs_browser
+def test_distances_of_a_campaign_are_on_a_narrow_screen(folder, tmp_path):
+    found = boxes(folder / "index.html", tmp_path, head="table.data th", cells="table.data td")
+    (distance,) = (box for box in found["head"] if box["text"] == "distance")
+    assert distance["right"] <= WIDTH
+    cells = [box for box in found["cells"] if abs(box["right"] - distance["right"]) < 1 and box["text"].endswith(" m")]
+    assert len(cells) == len(rows_of(read_results(folder)))
+
+
+@needs_browser
+def test_figures_are_as_wide_as_paper(folder, tmp_path):
+    """A4 between its margins is 690 pixels wide across; the summary leaves a figure of a stop most of its height."""
+    page = next(folder.glob("*abc*/index.html"))
+    (plot,) = boxes(page, tmp_path, printed="html", plot=".plot .svg-container")["plot"]
+    assert plot["right"] - plot["left"] == pytest.approx(690, abs=1)
+    assert plot["bottom"] - plot["top"] > 400  # below the text of a narrow screen
+
+
+@needs_browser
+def test_labels_of_bars_are_whole(folder, tmp_path):
+    """Each is in the drawing, and none overlaps its neighbour."""
+    found = boxes(folder / "index.html", tmp_path, ticks=".xtick", plot=".plot:first-of-type .svg-container")
+    plot = found["plot"][0]
+    ticks = [box for box in found["ticks"] if "km/h" in box["text"]]
+    assert [box["text"] for box in ticks] == ["80 km/h", "120 km/h"]
+    assert all(box["bottom"] <= plot["bottom"] for box in ticks)
+    assert ticks[0]["right"] < ticks[1]["left"]
+
+
+def test_the_axis_of_bars_shows_what_differs_between_them(folder):
+    panel = distance_figure(rows_of(read_results(folder))).axes[-1]
+    assert [text.get_text() for text in panel.get_xticklabels()] == ["80 km/h", "120 km/h"]
+    assert panel.get_xlabel() == "start.speed"

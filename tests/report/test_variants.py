@@ -1,0 +1,188 @@
+"""Any two variants of a campaign are compared in pairs, and nothing that breaks a clause is recommended."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic import LIBRARY
+
+from railgrip.base.errors import InputError
+from railgrip.cli.main import main
+from railgrip.report.distances import rows_of
+from railgrip.report.headline import headline
+from railgrip.report.index import write_report
+from railgrip.report.limits import limits_of
+from railgrip.report.results import read_results
+from railgrip.report.variants import Reference, change_table, changes_against
+
+SAND = """
+name = "sand"
+scenarios = ["{library}/random.toml"]
+{draws}
+[axes.sand]
+none = {{ }}
+some = {{ adhesion.level = 1.1 }}
+[axes.controller]
+sbc = {{ controller.kind = "slip_two_state" }}
+abc = {{ controller.kind = "adhesion_based" }}
+"""
+DRAWS = "[draws]\nfirst = 1\nlast = 8"
+SEEDS = "[sweep]\nseed = [1, 2, 3]"
+
+
+@pytest.fixture
+def campaign(tmp_path, write_campaign):
+    def write(drawn=DRAWS):
+        file = tmp_path / "sand.toml"
+        file.write_text(SAND.format(library=LIBRARY.as_posix(), draws=drawn), encoding="utf-8")
+        write_campaign(tmp_path, lambda _: True, file=file)
+        return tmp_path
+
+    return write
+
+
+def with_distances(results, shorter):
+    """Return stops whose distance grows with the seed, and with sand is shorter by a share that is given by seed."""
+    stops = []
+    for stop in results.stops:
+        seed = stop.record.scenario["seed"]
+        share = shorter(seed) if stop.variants["sand"] == "some" else 0.0
+        metrics = replace(stop.record.metrics, distance=(300.0 + 50.0 * seed) * (1.0 - share))
+        stops.append(replace(stop, record=replace(stop.record, metrics=metrics)))
+    return replace(results, stops=tuple(stops))
+
+
+def changes_of(results, text="none"):
+    reference = Reference.named(text, [stop.variants for stop in results.stops])
+    return reference, changes_against(reference, results.stops, rows_of(results))
+
+
+def test_a_pair_differs_in_the_variant_only(campaign):
+    """Distances differ by 50 m between draws, and within each pair by the share that its seed says, exactly."""
+    results = with_distances(read_results(campaign()), lambda seed: 0.01 * seed)
+    _, changes = changes_of(results)
+    assert [(change.conditions["controller"], change.variant) for change in changes] == [
+        ("sbc", "some"),
+        ("abc", "some"),
+    ]
+    for change in changes:
+        assert change.paired.draws == 8
+        assert change.paired.changes == pytest.approx([-0.01 * seed for seed in range(1, 9)])
+        assert change.paired.change == pytest.approx(-0.045)
+        # Order statistics of eight: the smallest and the largest miss the median with 2 × 2^-8 = 0.8 %.
+        assert change.paired.change_interval == pytest.approx((-0.08, -0.01))
+
+
+def test_pairs_without_draws_are_collected_over_seeds(campaign):
+    results = with_distances(read_results(campaign(SEEDS)), lambda seed: 0.1)
+    reference, changes = changes_of(results, "sand=none")
+    assert [change.paired.draws for change in changes] == [3, 3]
+    assert change_table(reference, changes).texts[0]["change vs none"] == "−10.0 %"  # three pairs have no interval
+
+
+def test_any_variant_may_be_the_reference(campaign):
+    results = read_results(campaign())
+    _, changes = changes_of(results, "abc")
+    assert {change.variant for change in changes} == {"sbc"}
+    assert all(change.paired.change > 0 for change in changes)
+    assert {change.conditions["sand"] for change in changes} == {"none", "some"}
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("nobody", "--against nobody: the campaign has no such variant; it has scenario: random; sand: none, some;"),
+        ("random", "--against random: the axis 'scenario' has no other variant to compare with it"),
+    ],
+)
+def test_a_variant_that_cannot_be_compared_is_refused(campaign, text, sentence):
+    with pytest.raises(InputError) as refusal:
+        changes_of(read_results(campaign()), text)
+    assert sentence in str(refusal.value)
+
+
+def test_a_variant_of_two_axes_needs_the_name_of_its_axis():
+    stops = [{"sand": sand, "valves": valves} for sand in ("none", "some") for valves in ("none", "fast")]
+    with pytest.raises(InputError, match="choose one of sand=none, valves=none"):
+        Reference.named("none", stops)
+    assert Reference.named("valves=none", stops) == Reference(axis="valves", variant="none")
+
+
+def test_page_and_terminal_show_the_pairs(campaign, capfd):
+    folder = campaign()
+    page = write_report(folder, panels="none", against="none").read_text(encoding="utf-8")
+    assert "Variants in pairs" in page
+    assert "change vs none" in page
+    assert "Against sand none, some" in page
+    assert "Variants in pairs" not in write_report(folder, panels="none").read_text(encoding="utf-8")
+    with pytest.raises(SystemExit) as end:
+        main(["report", str(folder), "--panels", "none", "--against", "none"])
+    assert end.value.code == 0
+    out = capfd.readouterr().out
+    assert "change vs none" in out
+    assert "Against sand none, some" in out
+
+
+def test_a_stop_has_no_variants(campaign):
+    folder = next(path.parent for path in campaign().glob("*/stop.json"))
+    with pytest.raises(InputError, match="holds a stop; only a campaign has variants"):
+        write_report(folder, against="none")
+
+
+def locked(results, controller, seconds):
+    """Return results in which stops of a controller have a wheel locked above 15 km/h."""
+
+    def change(stop):
+        if stop.variants["controller"] != controller:
+            return stop
+        longest = replace(stop.record.metrics, longest_lock_fast=(0.0, seconds), utilisation=0.95)
+        return replace(stop, record=replace(stop.record, metrics=longest))
+
+    return replace(results, stops=tuple(change(stop) for stop in results.stops))
+
+
+def harmless(results):
+    return replace(
+        results,
+        stops=tuple(
+            replace(
+                stop,
+                record=replace(
+                    stop.record, metrics=replace(stop.record.metrics, utilisation=0.95, longest_lock_fast=(0.0, 0.0))
+                ),
+            )
+            for stop in results.stops
+        ),
+    )
+
+
+def test_a_law_that_locks_wheels_is_not_recommended(campaign):
+    """9.3 s of lock where the clause allows 0.4 s."""
+    results = harmless(read_results(campaign()))
+    assert "ABC changes the distance by" in headline(rows_of(results))
+    assert "not recommended" not in headline(rows_of(results))
+    text = headline(rows_of(locked(results, "abc", 9.3)))
+    assert "ABC breaks the limit on locked wheels in 16 of 16 stops" in text
+    assert "is not recommended" in text
+    assert "largest reduction" not in text
+
+
+def test_a_longer_law_that_keeps_all_clauses_is_named_before_a_shorter_one_that_locks(campaign):
+    results = locked(harmless(read_results(campaign())), "abc", 9.3)
+    reference, changes = changes_of(results)
+    text = headline(rows_of(results), reference, changes)
+    assert text.startswith("Against sand none, some (with controller sbc) changes the distance by")
+    assert "of 2 variants it is the only one that keeps all clauses" in text
+
+
+def test_the_clauses_are_judged_at_their_limits(campaign):
+    record = harmless(read_results(campaign())).stops[0].record
+    limits = limits_of()
+    assert limits.broken_by(record) == ()
+    for figures, clause in (
+        ({"longest_lock_fast": (0.0, np.nextafter(0.4, 1.0))}, "lock"),
+        ({"utilisation": np.nextafter(0.85, 0.0)}, "utilisation"),
+    ):
+        assert limits.broken_by(replace(record, metrics=replace(record.metrics, **figures))) == (clause,)
+    at_limit = replace(record.metrics, longest_lock_fast=(0.4, 0.0), utilisation=0.85)
+    assert limits.broken_by(replace(record, metrics=at_limit)) == ()
