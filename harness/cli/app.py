@@ -115,7 +115,7 @@ class _Main(Commands):
             "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
             "train": Command("trains:trains", "Draw and check trains in files."),
             "build": Command("fmus:build_command", "Bring FMUs up to date, or build the plant of your own class."),
-            "map": Command("exchange:map_", "Print a draft of [vehicle.map] for the FMU of another tool."),
+            "map": Command("exchange:map_", "Print the tables of a scenario for the FMU of another tool."),
             "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
         },
         "Estimation and monitoring": {

@@ -16,9 +16,10 @@ from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.mapped import mapped
+from railgrip.simulate.mapped import controller_lines, mapped
 from railgrip.simulate.parts_in_c import part_fmu, write_library
 from railgrip.simulate.plant_fmu import plant_fmu
+from railgrip.simulate.roles import require_role, role_of
 from railgrip.simulate.ssp import write_ssp
 
 Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
@@ -108,7 +109,7 @@ def _targets(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def map_(
-    file: Annotated[Path, typer.Argument(metavar="TRAIN.fmu", help="An FMU, by FMI 2.0 or 3.0.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="A plant or a controller, by FMI 2.0 or 3.0.")],
     speed: Annotated[float, typer.Option(min=1, max=150, help="Speed at the start of the short run [m/s].")] = 20.0,
     per_group: Annotated[
         list[int] | None,
@@ -120,9 +121,15 @@ def map_(
     ] = None,
     period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s].")] = 1e-3,
 ) -> None:
-    """Print a draft of [vehicle.map] for the FMU of another tool."""
+    """Print the tables of a scenario for the FMU of another tool, a plant or a controller."""
+    description = describe(file)
+    if role_of(description) == "controller":
+        for line in controller_lines(description):
+            say(line)
+        return
+    require_role(description, "plant", "railgrip map")
     try:
-        draft = mapped(describe(file), wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
+        draft = mapped(description, wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")
         raise typer.Exit(RUN_FAILED) from failed

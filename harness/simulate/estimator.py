@@ -34,6 +34,7 @@ from railgrip.simulate.prediction import (
     start_of,
     units_of_predictions,
 )
+from railgrip.simulate.roles import require_role
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import Layout
 
@@ -147,10 +148,11 @@ def _of_file(
 
     Raises:
         ScenarioError: It lacks a state or an input, or has an input that the loop does not know.
-        FmuError: It is no prediction.
+        FmuError: It is not a prediction.
     """
     layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
     groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
+    require_role(description, "prediction", f"{vehicle.scenario.name}: [estimator] file")
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
     inputs, others = description.names("input"), {"track_force"}
     needs = {
