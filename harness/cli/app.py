@@ -4,6 +4,7 @@ The module of a command is imported when the command is called: `--help` and she
 """
 
 import logging
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -15,6 +16,7 @@ from typer.core import TyperGroup
 
 from railgrip import __version__
 from railgrip.base.errors import InputError
+from railgrip.base.names import did_you_mean, nearest
 from railgrip.base.registry import Shelf, shelf
 from railgrip.report.console import complain, say, show_messages
 
@@ -37,12 +39,59 @@ class Command:
     def load(self, name: str) -> Any:
         """Import the command."""
         module, _, attribute = self.place.partition(":")
-        target = getattr(import_module(f"railgrip.cli.{module}"), attribute)
-        if isinstance(target, typer.Typer):
-            return typer.main.get_command(target)
+        return command_of(name, getattr(import_module(f"railgrip.cli.{module}"), attribute))
+
+
+def command_of(name: str, target: Any) -> Any:
+    """Return the command of a function or of a group; it takes the global options behind its name, too."""
+    if isinstance(target, typer.Typer):
+        command = typer.main.get_command(target)
+    else:
         program = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         program.command(name)(target)
-        return typer.main.get_command(program)
+        command = typer.main.get_command(program)
+    for each in (command, *getattr(command, "commands", {}).values()):
+        each.params += _global_options()
+    return command
+
+
+def _global_options() -> list[Any]:
+    """Return the options of `program` for a command: they act when they are parsed, and are not passed to it."""
+
+    def options(
+        version: Annotated[
+            bool, typer.Option("--version", callback=_show_version, is_eager=True, expose_value=False, hidden=True)
+        ] = False,
+        quiet: Annotated[
+            bool, typer.Option("--quiet", "-q", callback=_be_quiet, expose_value=False, help=_QUIET)
+        ] = False,
+        verbose: Annotated[
+            bool, typer.Option("--verbose", "-v", callback=_be_verbose, expose_value=False, help=_VERBOSE)
+        ] = False,
+    ) -> None: ...
+
+    program = typer.Typer(add_completion=False)
+    program.command()(options)
+    return typer.main.get_command(program).params
+
+
+_QUIET, _VERBOSE = "Print results and errors only, no progress.", "Also print debugging messages."
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        say(f"railgrip {__version__}")
+        raise typer.Exit
+
+
+def _be_quiet(given: bool) -> None:
+    if given:
+        show_messages(logging.WARNING)
+
+
+def _be_verbose(given: bool) -> None:
+    if given:
+        show_messages(logging.DEBUG)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +133,24 @@ class Commands(TyperGroup):
                 formatter.write_dl([(name, command.summary) for name, command in section.items()])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command that the arguments begin with; refuse a former spelling."""
+        """Find the command that the arguments begin with; refuse a former spelling and an unknown name."""
         if args[0] in self.moved:
             raise InputError(f"`{ctx.command_path} {args[0]}` is now `railgrip {self.moved[args[0]]}`.")
+        if args[0] not in self._table() and not args[0].startswith("-"):
+            group, near = ctx.command_path, nearest(args[0], [*self._table(), *self.moved])
+            hint = f"did you mean `{group} {near[0]}`?" if near else f"`{group} --help` lists all."
+            raise InputError(f"there is no command `{group} {args[0]}`; {hint}")
         return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; a value that is not one of a choice is refused with the nearest one."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as problem:
+            if choice := re.search(r"'([^']*)' is not one of (.*)", problem.message):
+                names = re.findall(r"'([^']*)'", choice[2])
+                problem.message = problem.message.rstrip(".") + did_you_mean(choice[1], names, before="; ")
+            raise
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
         """Complete the name of a command without importing any."""
@@ -158,19 +221,13 @@ app = typer.Typer(
 )
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        say(f"railgrip {__version__}")
-        raise typer.Exit
-
-
 @app.callback()
 def program(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print results and errors only, no progress.")] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also print debugging messages.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help=_QUIET)] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help=_VERBOSE)] = False,
 ) -> None:
     """The open bench for railway braking at low adhesion."""
     show_messages(logging.WARNING if quiet else logging.DEBUG if verbose else logging.INFO)

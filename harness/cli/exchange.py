@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from railgrip.base.errors import InputError, PlantFailed
+from railgrip.base.names import did_you_mean
 from railgrip.campaign.one_stop import make_folder
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import describe
@@ -103,7 +104,8 @@ def _targets(names: Sequence[str]) -> tuple[str, ...]:
     unknown = [name for name in wanted if name not in (*TARGETS, "all")]
     if unknown:
         raise InputError(
-            f"--platforms: there is no platform {', '.join(unknown)}; there is {', '.join(TARGETS)}, and all."
+            f"--platforms: there is no platform {', '.join(unknown)}; there is {', '.join(TARGETS)}, and all"
+            + did_you_mean(unknown[0], [*TARGETS, "all"], before="; ")
         )
     return tuple(name for name in TARGETS if name in wanted or "all" in wanted)
 
@@ -121,7 +123,10 @@ def map_(
     ] = None,
     period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s].")] = 1e-3,
 ) -> None:
-    """Print the tables of a scenario for the FMU of another tool, a plant or a controller."""
+    """Print the tables of a scenario for the FMU of another tool.
+
+    The FMU is a plant or a controller.
+    """
     description = describe(file)
     if role_of(description) == "controller":
         for line in controller_lines(description):

@@ -17,13 +17,13 @@ or `n1` there, and a single one `n`. Units are converted from what the FMU decla
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, UnitError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, turning_of, unit
 from railgrip.fmi.description import Causality, Description, Variable
 
@@ -419,10 +419,9 @@ _RENAMED = {"speed_start": "start_speed"}
 
 
 def _near(name: str, candidates: Sequence[str], end: str = ".") -> str:
-    near = [_RENAMED[name]] if name in _RENAMED else get_close_matches(name, candidates, n=1, cutoff=0.6)
-    if near:
-        return f" (did you mean '{near[0]}'?)" if not end else f"; did you mean '{near[0]}'?"
-    return "" if not end else f"; it has {', '.join(candidates)}."
+    if question := did_you_mean(_RENAMED.get(name, name), candidates):
+        return f"; {question}" if end else f" ({question})"
+    return f"; it has {', '.join(candidates)}." if end else ""
 
 
 def _article(causality: Causality) -> str:

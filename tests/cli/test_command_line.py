@@ -98,7 +98,7 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
         (("run", "wet.toml", "--set", "description=refuse"), "wet: the plant has no brakes"),
         (("run", "pair.toml"), "pair.toml: is a file of the kind campaign; use `railgrip campaign pair.toml`"),
         (("run",), "Missing argument 'SCENARIO'"),
-        (("fly",), "No such command 'fly'"),
+        (("fly",), "there is no command `railgrip fly`"),
         (("campaign", "wet.toml"), "wet.toml: is a file of the kind scenario; use `railgrip run wet.toml`"),
         (("campaign", "pair.toml", "pair.toml"), "two campaigns are named 'pair'"),
         (("campaign", "pair.toml", "--set", "seed=x"), "pair.toml, stop wet-sbc (wet.toml): seed is 'x'"),

@@ -40,6 +40,7 @@ def test_the_help_of_a_command_begins_with_its_summary_and_cites_no_file_of_the_
     shown = command(*path, "--help")
     assert shown.code == 0
     assert "Usage:" in shown.out
+    assert "--quiet" in shown.out
     assert "harness/" not in shown.out
 
 
@@ -66,6 +67,15 @@ def test_commands_of_users_come_before_those_of_maintainers():
     names = [path[0] for path in ALL if len(path) == 1]
     assert names[0] == "run"
     assert names[-1] == "maintain"
+
+
+@pytest.mark.parametrize("place", [0, 1, 2, 3], ids=str)
+@pytest.mark.parametrize(("option", "level"), [("-q", logging.WARNING), ("--verbose", logging.DEBUG)])
+def test_global_options_work_in_front_of_a_command_and_behind_it(option, level, place, command):
+    words = ["train", "check", "emu387"]
+    words.insert(place, option)
+    assert command(*words).code == 0
+    assert logging.getLogger("railgrip").level == level
 
 
 COMPLETE = """

@@ -148,6 +148,19 @@ def refusal_of(name: str, *overrides: str) -> str:
     return str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("vehicle.plant=emu387", "[vehicle] plant 'emu387' is a train file of this package; write train = 'emu387'"),
+        ("vehicle.plant=TwoPartTran", "did you mean TwoPartTrain?"),
+        ("estimator.noise=idal", "did you mean 'ideal'?"),
+        ("estimator.model=TrainPredicton", "did you mean 'TrainPrediction'?"),
+    ],
+)
+def test_a_mistyped_plant_or_model_is_refused_with_the_nearest(override, sentence):
+    assert sentence in refusal_of("trapezoid", override)
+
+
 # ---- what `railgrip map` prints runs ------------------------------------------------------------------------------
 
 KNOWN = {
