@@ -15,6 +15,7 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import DIRECTORY
 from railgrip.scenario.kinds import ByKind, kinds_of
+from railgrip.scenario.unsupported import unsupported
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -152,10 +153,14 @@ def _table(path: Sequence[int | str]) -> str:
 
 
 def _suggestion(name: str, choice: Sequence[str]) -> str:
+    if sentence := unsupported(name):
+        return f"{sentence}."
     guess = did_you_mean(name, choice)
     return f"{guess} It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
 
 
 def _choice(found: object, expected: str) -> str:
-    """Return what there is in place of what was found, the nearest first."""
+    """Return the names that are expected in place of the one found, with the nearest of them."""
+    if sentence := unsupported(str(found)):
+        return f"{sentence}; there is {expected}"
     return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")
