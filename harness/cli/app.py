@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from railgrip import __version__
+from railgrip.base import registry
 from railgrip.base.errors import InputError
 from railgrip.base.names import did_you_mean, nearest
 from railgrip.base.registry import Shelf, shelf
@@ -104,15 +105,17 @@ class Completion:
 
 
 class Commands(TyperGroup):
-    """Commands in sections; one of an earlier release is refused with its new name.
+    """Commands in sections.
 
     Attributes:
         sections: Heading → name → command, in the order of the help.
-        moved: Former spelling → what follows `railgrip` now.
     """
 
     sections: ClassVar[Mapping[str, Mapping[str, Command]]] = {}
-    moved: ClassVar[Mapping[str, str]] = {}
+
+    def elsewhere(self) -> dict[str, str]:
+        """Return the whole words of commands of other groups that users may look for here, by name."""
+        return {}
 
     def _table(self) -> dict[str, Command]:
         return {name: command for section in self.sections.values() for name, command in section.items()}
@@ -133,13 +136,12 @@ class Commands(TyperGroup):
                 formatter.write_dl([(name, command.summary) for name, command in section.items()])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command that the arguments begin with; refuse a former spelling and an unknown name."""
-        if args[0] in self.moved:
-            raise InputError(f"`{ctx.command_path} {args[0]}` is now `railgrip {self.moved[args[0]]}`.")
+        """Find the command that the arguments begin with; refuse an unknown name with the nearest one."""
         if args[0] not in self._table() and not args[0].startswith("-"):
-            group, near = ctx.command_path, nearest(args[0], [*self._table(), *self.moved])
-            hint = f"did you mean `{group} {near[0]}`?" if near else f"`{group} --help` lists all."
-            raise InputError(f"there is no command `{group} {args[0]}`; {hint}")
+            commands = {name: f"{ctx.command_path} {name}" for name in self._table()} | self.elsewhere()
+            near = nearest(args[0], commands)
+            hint = f"did you mean `{commands[near[0]]}`?" if near else f"`{ctx.command_path} --help` lists all."
+            raise InputError(f"there is no command `{ctx.command_path} {args[0]}`; {hint}")
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
@@ -195,20 +197,10 @@ class _Main(Commands):
             "maintain": Command("maintain:maintain", "Commands for those who change railgrip itself."),
         },
     }  # fmt: skip
-    moved: ClassVar = {
-        "field": "study field_test",
-        "k-factors": "study k_factors",
-        "lateral": "study lateral",
-        "learn": "study axle_box",
-        "monitor-study": "study pad_monitor",
-        "rig": "study roller_rig",
-        "trains": "study trains",
-        "type-test": "study type_test",
-        "bench": "study bench",
-        "readme": "maintain validation",
-    } | {
-        name: f"maintain {name}" for name in ("accept", "calibrate", "conditioning", "regress", "tune", "tune-control")
-    }
+
+    def elsewhere(self) -> dict[str, str]:
+        """Return the studies, by name."""
+        return {name: f"railgrip study {name}" for name in registry.names("studies")}
 
 
 app = typer.Typer(

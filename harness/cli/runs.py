@@ -8,15 +8,14 @@ from typing import Annotated
 
 import typer
 
-from railgrip.base.errors import InputError
-from railgrip.campaign.one_stop import RUNS, Runner, run_folder
+from railgrip.campaign.one_stop import Runner, run_folder
 from railgrip.campaign.one_stop import run as run_scenario
 from railgrip.cli.app import RUN_FAILED, File, ImportFrom, Overrides, With, fail
 from railgrip.cli.output import AsJson, print_json
 from railgrip.report.console import progress, remark, say
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.stop import STOP_FILE, require_no_campaign
+from railgrip.trace.stop import require_no_campaign
 
 
 def run(
@@ -26,7 +25,6 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the result; build/runs/NAME-DIGEST, of the scenario, unless given.")
     ] = None,
-    engine: Annotated[str | None, typer.Option(hidden=True)] = None,
     import_from: ImportFrom = None,
     as_json: AsJson = False,
 ) -> None:
@@ -34,16 +32,9 @@ def run(
 
     The exit code is 0 for a standstill, 2 for a scenario that cannot be run and 3 for a stop that ended otherwise.
     """
-    if engine is not None:
-        raise InputError("--engine: there is one loop for all stops now; leave it out")
     scenario = load(file, overrides or [], equipment or [])
     directory = out or run_folder(scenario)
     require_no_campaign(directory)
-    former = RUNS / scenario.name
-    if out is None and (former / STOP_FILE).exists():
-        remark(
-            f"{former} holds a stop of an earlier version of railgrip and stays as it is; this one is in {directory}"
-        )
     with progress(scenario.name, scenario.start.speed or None) as bar:
         stop = run_scenario(
             scenario,

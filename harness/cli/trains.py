@@ -39,12 +39,6 @@ TrainFile = Annotated[
 ]
 
 
-@trains.command(hidden=True)
-def new(file: Path) -> None:
-    """Refuse what is another command now."""
-    raise InputError(f"`railgrip train new` is now `railgrip new train {file}`.")
-
-
 @trains.command()
 def show(
     file: TrainFile,

@@ -415,11 +415,8 @@ def _all_missing(description: Description, missing: Sequence[str], causality: Ca
     )
 
 
-_RENAMED = {"speed_start": "start_speed"}
-
-
 def _near(name: str, candidates: Sequence[str], end: str = ".") -> str:
-    if question := did_you_mean(_RENAMED.get(name, name), candidates):
+    if question := did_you_mean(name, candidates):
         return f"; {question}" if end else f" ({question})"
     return f"; it has {', '.join(candidates)}." if end else ""
 

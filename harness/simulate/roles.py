@@ -14,8 +14,8 @@ from railgrip.scenario.vehicle import CompiledHere, PythonClass, Recipe
 Role = Literal["onboard", "sensors", "estimator", "track", "plant", "controller", "prediction"]
 
 _SIMILAR: Final = 0.85
-"""Likeness of a name to one of the usual names: `demands` and `wheel_speeds` are found, `driver_demand` is not taken
-for `cylinder_demand`."""
+"""Likeness from which a name is one of the usual names: plurals are found, and a driver's demand is not taken for that
+of a cylinder."""
 _READINGS: Final = ("reading_speed", "reading_wheelset_speed", "reading_acceleration")
 _COMMANDS: Final = ("pressure_command", "valve_command")
 _DECISIONS: Final = ("demand", "command", *_COMMANDS)
