@@ -197,12 +197,12 @@ class Sampled:
         return self.formula.step
 
     def call(self, inputs: Sequence[float]) -> tuple[float, ...]:
-        """Return the outputs for inputs in the order of the formula, and remember."""
+        """Return the outputs for inputs in the order of the formula, and keep the states for the next call."""
         self.inputs[:] = inputs
         return self.evaluate()
 
     def evaluate(self) -> tuple[float, ...]:
-        """Return the outputs for the inputs in `given`, and remember."""
+        """Return the outputs for the values in `inputs`, and keep the states for the next call."""
         self._evaluate()
         self.state[:] = self._following
         return tuple(self._result.tolist())

@@ -28,7 +28,7 @@ def script(recipe: Recipe, library: Path, *, derivatives: bool) -> str:
     """Return the omc script that exports a recipe's FMU into the working folder.
 
     Co-simulation comes together with model exchange. With `fmuType="cs"` alone, omc 1.22 to 1.27 adds the
-    derivative of every output as an equation (`introduceOutputRealDerivatives` in SimCodeMain.mo); index reduction
+    derivative of every output as an equation (introduceOutputRealDerivatives in SimCodeMain.mo); index reduction
     then makes states of outputs and takes inputs for constant, and trajectories are wrong (OpenModelica issues 9782
     and 9785).
 

@@ -3,13 +3,13 @@
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from railgrip.base.errors import InputError
+from railgrip.base.names import did_you_mean
 from railgrip.fmus.native.library import MODELICA
 
 RECIPES = Path(__file__).with_name("recipes.toml")
@@ -63,8 +63,7 @@ class Cookbook:
             InputError: There is no recipe of that name.
         """
         if name not in self.recipes:
-            near = get_close_matches(name, self.recipes, n=1)
-            hint = f"; did you mean {near[0]}?" if near else f"; it has {', '.join(self.recipes)}."
+            hint = did_you_mean(name, self.recipes, quote="", before="; ") or f"; it has {', '.join(self.recipes)}."
             raise InputError(f"{self.file} has no FMU named '{name}'{hint}")
         return self.recipes[name]
 

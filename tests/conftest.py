@@ -3,6 +3,7 @@
 import gc
 import os
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,23 @@ def pytest_collection_finish() -> None:
     """Leave the tests themselves out of every later collection of garbage, which is searched thousands of times."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _temporary_files_go_with_the_tests(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Remove at the end what the tests and their child processes left in the temporary folder.
+
+    FMPy, for one, unpacks FMUs there for `extract` and systems for `simulate_ssp`, and leaves that to its callers.
+    """
+    tmp_path_factory.getbasetemp()  # pytest's own folders stay where they are, to be looked at
+    # A short name: sockets of worker processes lie in it, whose paths have 108 characters at most.
+    with (
+        tempfile.TemporaryDirectory(prefix="rg-", ignore_cleanup_errors=True) as folder,
+        pytest.MonkeyPatch.context() as patch,
+    ):
+        patch.setenv("TMPDIR", folder)
+        patch.setattr(tempfile, "tempdir", None)
+        yield
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -4,7 +4,10 @@ import os
 import subprocess
 import sys
 import tempfile
+import zipfile
+from pathlib import Path
 
+import fmpy
 import pytest
 
 from railgrip.base.files import locked, scratch
@@ -34,6 +37,30 @@ def test_what_a_killed_run_left_is_removed_by_the_next_at_once(temporary, purpos
     with locked(used), scratch(purpose) as mine:
         assert sorted(temporary.iterdir()) == sorted([used, *own, mine])
     assert sorted(temporary.iterdir()) == sorted([used, *own])
+
+
+def test_fmpy_unpacks_below_the_folder_of_the_tests(tmp_path):
+    """Run by the next test as well, which looks at what is left."""
+    file = tmp_path / "empty.fmu"
+    with zipfile.ZipFile(file, "w") as archive:
+        archive.writestr("modelDescription.xml", "<fmiModelDescription/>")
+    folder = Path(fmpy.extract(str(file)))
+    assert folder.parent == Path(tempfile.gettempdir())
+    assert folder.parent.name.startswith("rg-")
+
+
+def test_what_fmpy_unpacks_in_tests_is_removed_at_their_end(tmp_path):
+    test = f"{__file__}::{test_fmpy_unpacks_below_the_folder_of_the_tests.__name__}"
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", test],
+        cwd=Path(__file__).parents[1],
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout
+    assert [path.name for path in tmp_path.iterdir() if not path.name.startswith("pytest-of-")] == []
 
 
 KILLED = """

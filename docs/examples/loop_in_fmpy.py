@@ -5,6 +5,7 @@ The folder holds plant.fmu, track.fmu, sensors.fmu and onboard.fmu of one scenar
 
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from fmpy import extract, instantiate_fmu, read_model_description
 
@@ -16,15 +17,15 @@ COMMANDS = {"demand": "pressure_command", "command": "valve_command"}
 
 
 class Part:
-    """One FMU, which keeps its outputs by name."""
+    """One FMU, unpacked into a folder, which keeps its outputs by name."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, folder: Path) -> None:
         description = read_model_description(str(path))
         variables = description.modelVariables
         self.reference = {variable.name: variable.valueReference for variable in variables}
         self.inputs = [variable.name for variable in variables if variable.causality == "input"]
         self.outputs = [variable.name for variable in variables if variable.causality == "output"]
-        self.fmu = instantiate_fmu(extract(str(path)), description, fmi_type="CoSimulation")
+        self.fmu = instantiate_fmu(extract(str(path), str(folder)), description, fmi_type="CoSimulation")
         is_fmi_3 = description.fmiVersion.startswith("3")
         self.get, self.set = (
             (self.fmu.getFloat64, self.fmu.setFloat64) if is_fmi_3 else (self.fmu.getReal, self.fmu.setReal)
@@ -47,7 +48,12 @@ class Part:
 
 def braking_distance(folder: Path, stop_speed: float = 0.1) -> float:
     """Return how far the train of the FMUs in a folder goes before it is no faster than `stop_speed` [m/s]."""
-    plant, track, sensors, onboard = (Part(folder / f"{name}.fmu") for name in ("plant", "track", "sensors", "onboard"))
+    with TemporaryDirectory(ignore_cleanup_errors=True) as unpacked:  # FMPy would leave what it unpacks
+        names = ("plant", "track", "sensors", "onboard")
+        return _distance(*(Part(folder / f"{name}.fmu", Path(unpacked) / name) for name in names), stop_speed)
+
+
+def _distance(plant: Part, track: Part, sensors: Part, onboard: Part, stop_speed: float) -> float:
     truth, sample = plant.show(), 0
     while truth["speed"] > stop_speed:
         values = track.step(sample, truth)

@@ -7,7 +7,6 @@ from pathlib import Path
 import rumoca
 
 from railgrip.base.errors import InputError
-from railgrip.fmus.native.library import present_name
 
 _MOST = 3
 """Places worth reading."""
@@ -29,7 +28,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
     if not any(re.search(rf"\b(?:model|block|class)\s+{name}\b", text) for text in texts.values()):
         return (f"no file of it declares {name}",)
     words = re.findall(r"unresolved[^']*'([^']+)'", message)
-    return (*_silent_use(path, texts), *tuple(_renamed(texts))[:_MOST], *tuple(_uses(words, texts))[:_MOST])
+    return (*_silent_use(path, texts), *tuple(_uses(words, texts))[:_MOST])
 
 
 def _texts(path: Path) -> dict[str, str]:
@@ -75,15 +74,6 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
                 if not re.search(r"\bfor\s+\w+\s+in\b", text[match.end() :].partition(";")[0]):
                     outside.append(every[-1])
     return tuple((outside or every)[:_MOST])  # a comprehension fails only inside a for equation
-
-
-def _renamed(texts: dict[str, str]) -> Iterator[str]:
-    """Yield where classes of RailBraking are used under earlier names."""
-    for name, text in texts.items():
-        for number, line in enumerate(text.splitlines(), start=1):
-            for found in re.findall(r"\bRailBraking\.FMUs\.\w+", line):
-                if (new := present_name(found)) is not None:
-                    yield f"{name}:{number}: {found} is now {new}"
 
 
 def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:

@@ -17,25 +17,13 @@ def require_class_name(name: str) -> None:
     """Refuse a class name that is not made of plain identifiers: it becomes part of file names and of omc's script.
 
     Raises:
-        InputError: It has a quoted identifier or characters other than letters, digits and underscores, or it is an
-            earlier name of a class of RailBraking.
+        InputError: It has a quoted identifier or characters other than letters, digits and underscores.
     """
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name, flags=re.ASCII):
         raise InputError(
             f"{name!r} is no name of a Modelica class: it is letters, digits and underscores, with dots between "
             "packages, such as MyLib.MyTrain."
         )
-    if (new := present_name(name)) is not None:
-        raise InputError(f"{name} is now {new}; use that name.")
-
-
-def present_name(name: str) -> str | None:
-    """Return the present name of a class that RailBraking.FMUs had before plants and predictions left it, or None."""
-    package, _, last = name.rpartition(".")
-    if package != "RailBraking.FMUs" or (LIBRARY / "FMUs" / f"{last}.mo").is_file():
-        return None
-    packages = [package for package in ("Plants", "Predictions") if (LIBRARY / package / f"{last}.mo").is_file()]
-    return f"RailBraking.{packages[0]}.{last}" if packages else None
 
 
 def is_trusted(library: Path) -> bool:

@@ -7,7 +7,6 @@ import sys
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from importlib.metadata import distributions
@@ -16,6 +15,8 @@ from pathlib import Path
 from pkgutil import iter_modules
 from types import MappingProxyType
 from typing import Final, Literal, TypeVar, get_args
+
+from railgrip.base.names import did_you_mean, nearest
 
 _Part = TypeVar("_Part")
 
@@ -141,10 +142,10 @@ def not_one_of(kind: str, name: str) -> str:
         words = " and ".join(f"{section.singular}: `{section.use.format(name)}`" for section in holders)
         return f"that is {words}"
     sentence = f"there is no such file, and no {SECTIONS[kind].singular.partition(' ')[2]} of that name"
-    if near := get_close_matches(name, names(kind), n=3):
-        return f"{sentence}; did you mean {' or '.join(near)}?"
+    if question := did_you_mean(name, names(kind), count=3, quote="", before="; "):
+        return f"{sentence}{question}"
     for other, section in others.items():
-        if near := get_close_matches(name, names(other), n=1, cutoff=0.75):
+        if near := nearest(name, names(other), cutoff=0.75):
             return f"{sentence}; did you mean {near[0]}, {section.singular}: `{section.use.format(near[0])}`?"
     return f"{sentence}; `railgrip list {kind}` shows all"
 

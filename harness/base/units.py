@@ -10,12 +10,12 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 from railgrip.base.errors import UnitError
+from railgrip.base.names import did_you_mean
 
 DEFINITIONS = Path(__file__).with_name("units.txt")
 """All units, as pint reads them."""
@@ -293,8 +293,7 @@ def _reading(symbol: str) -> tuple[str, str]:
 
 
 def _unknown(text: str) -> UnitError:
-    near = get_close_matches(text, _COMMON, n=1, cutoff=0.6) if len(text) <= _LONGEST else []
-    hint = f"did you mean '{near[0]}'?" if near else "write it from SI symbols, as 'N.m', 'km/h', 'bar', 'J/(kg.K)'."
+    hint = did_you_mean(text, _COMMON) or "write it from SI symbols, as 'N.m', 'km/h', 'bar', 'J/(kg.K)'."
     return UnitError(f"{short(text)} is not a unit known here; {hint}")
 
 

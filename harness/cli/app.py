@@ -4,6 +4,7 @@ The module of a command is imported when the command is called: `--help` and she
 """
 
 import logging
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -14,7 +15,9 @@ import typer
 from typer.core import TyperGroup
 
 from railgrip import __version__
+from railgrip.base import registry
 from railgrip.base.errors import InputError
+from railgrip.base.names import did_you_mean, nearest
 from railgrip.base.registry import Shelf, shelf
 from railgrip.report.console import complain, say, show_messages
 
@@ -37,12 +40,59 @@ class Command:
     def load(self, name: str) -> Any:
         """Import the command."""
         module, _, attribute = self.place.partition(":")
-        target = getattr(import_module(f"railgrip.cli.{module}"), attribute)
-        if isinstance(target, typer.Typer):
-            return typer.main.get_command(target)
+        return command_of(name, getattr(import_module(f"railgrip.cli.{module}"), attribute))
+
+
+def command_of(name: str, target: Any) -> Any:
+    """Return the command of a function or of a group; it takes the global options behind its name, too."""
+    if isinstance(target, typer.Typer):
+        command = typer.main.get_command(target)
+    else:
         program = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         program.command(name)(target)
-        return typer.main.get_command(program)
+        command = typer.main.get_command(program)
+    for each in (command, *getattr(command, "commands", {}).values()):
+        each.params += _global_options()
+    return command
+
+
+def _global_options() -> list[Any]:
+    """Return the options of `program` for a command: they act when they are parsed, and are not passed to it."""
+
+    def options(
+        version: Annotated[
+            bool, typer.Option("--version", callback=_show_version, is_eager=True, expose_value=False, hidden=True)
+        ] = False,
+        quiet: Annotated[
+            bool, typer.Option("--quiet", "-q", callback=_be_quiet, expose_value=False, help=_QUIET)
+        ] = False,
+        verbose: Annotated[
+            bool, typer.Option("--verbose", "-v", callback=_be_verbose, expose_value=False, help=_VERBOSE)
+        ] = False,
+    ) -> None: ...
+
+    program = typer.Typer(add_completion=False)
+    program.command()(options)
+    return typer.main.get_command(program).params
+
+
+_QUIET, _VERBOSE = "Print results and errors only, no progress.", "Also print debugging messages."
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        say(f"railgrip {__version__}")
+        raise typer.Exit
+
+
+def _be_quiet(given: bool) -> None:
+    if given:
+        show_messages(logging.WARNING)
+
+
+def _be_verbose(given: bool) -> None:
+    if given:
+        show_messages(logging.DEBUG)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,15 +105,17 @@ class Completion:
 
 
 class Commands(TyperGroup):
-    """Commands in sections; one of an earlier release is refused with its new name.
+    """Commands in sections.
 
     Attributes:
         sections: Heading → name → command, in the order of the help.
-        moved: Former spelling → what follows `railgrip` now.
     """
 
     sections: ClassVar[Mapping[str, Mapping[str, Command]]] = {}
-    moved: ClassVar[Mapping[str, str]] = {}
+
+    def elsewhere(self) -> dict[str, str]:
+        """Return the whole words of commands of other groups that users may look for here, by name."""
+        return {}
 
     def _table(self) -> dict[str, Command]:
         return {name: command for section in self.sections.values() for name, command in section.items()}
@@ -84,10 +136,23 @@ class Commands(TyperGroup):
                 formatter.write_dl([(name, command.summary) for name, command in section.items()])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command that the arguments begin with; refuse a former spelling."""
-        if args[0] in self.moved:
-            raise InputError(f"`{ctx.command_path} {args[0]}` is now `railgrip {self.moved[args[0]]}`.")
+        """Find the command that the arguments begin with; refuse an unknown name with the nearest one."""
+        if args[0] not in self._table() and not args[0].startswith("-"):
+            commands = {name: f"{ctx.command_path} {name}" for name in self._table()} | self.elsewhere()
+            near = nearest(args[0], commands)
+            hint = f"did you mean `{commands[near[0]]}`?" if near else f"`{ctx.command_path} --help` lists all."
+            raise InputError(f"there is no command `{ctx.command_path} {args[0]}`; {hint}")
         return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command; a value that is not one of a choice is refused with the nearest one."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as problem:
+            if choice := re.search(r"'([^']*)' is not one of (.*)", problem.message):
+                names = re.findall(r"'([^']*)'", choice[2])
+                problem.message = problem.message.rstrip(".") + did_you_mean(choice[1], names, before="; ")
+            raise
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
         """Complete the name of a command without importing any."""
@@ -116,7 +181,7 @@ class _Main(Commands):
             "schema": Command("library:schema", "Print the JSON schema of a file, for editors and validators."),
             "train": Command("trains:trains", "Draw and check trains in files."),
             "build": Command("fmus:build_command", "Bring FMUs up to date, or build the plant of your own class."),
-            "map": Command("exchange:map_", "Print a draft of [vehicle.map] for the FMU of another tool."),
+            "map": Command("exchange:map_", "Print the tables of a scenario for the FMU of another tool."),
             "export": Command("exchange:export", "Make FMUs of a scenario for another tool: a part or the whole loop."),
         },
         "Estimation and monitoring": {
@@ -133,20 +198,10 @@ class _Main(Commands):
             "maintain": Command("maintain:maintain", "Commands for those who change railgrip itself."),
         },
     }  # fmt: skip
-    moved: ClassVar = {
-        "field": "study field_test",
-        "k-factors": "study k_factors",
-        "lateral": "study lateral",
-        "learn": "study axle_box",
-        "monitor-study": "study pad_monitor",
-        "rig": "study roller_rig",
-        "trains": "study trains",
-        "type-test": "study type_test",
-        "bench": "study bench",
-        "readme": "maintain validation",
-    } | {
-        name: f"maintain {name}" for name in ("accept", "calibrate", "conditioning", "regress", "tune", "tune-control")
-    }
+
+    def elsewhere(self) -> dict[str, str]:
+        """Return the studies, by name."""
+        return {name: f"railgrip study {name}" for name in registry.names("studies")}
 
 
 app = typer.Typer(
@@ -159,19 +214,13 @@ app = typer.Typer(
 )
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        say(f"railgrip {__version__}")
-        raise typer.Exit
-
-
 @app.callback()
 def program(
     version: Annotated[
         bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
     ] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print results and errors only, no progress.")] = False,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also print debugging messages.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help=_QUIET)] = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v", help=_VERBOSE)] = False,
 ) -> None:
     """The open bench for railway braking at low adhesion."""
     show_messages(logging.WARNING if quiet else logging.DEBUG if verbose else logging.INFO)

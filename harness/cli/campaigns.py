@@ -1,6 +1,5 @@
 """Many stops: campaigns, their reports, and comparisons."""
 
-import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Annotated
@@ -14,6 +13,7 @@ from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
+from railgrip.cli.output import AsJson, print_json
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.comparison import compare as compared
@@ -173,7 +173,7 @@ def compare(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the page; build/compare/A-B, of their names, unless given.")
     ] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")] = False,
+    as_json: AsJson = False,
     figure_formats: Formats = "png",
 ) -> None:
     """Show in what results differ, and where along the track."""
@@ -188,7 +188,7 @@ def compare(
     page = comparison.page()
     path = page.write(folder, formats)
     if as_json:
-        say(json.dumps(finite(comparison.to_plain()), indent=1, ensure_ascii=False))
+        print_json(comparison.to_plain())
         return
     show_all(page.screen)
     say(str(path))

@@ -14,7 +14,7 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import remove, write_bytes, write_text
 from railgrip.cli.app import ImportFrom, Overrides, complete, fail
 from railgrip.cli.library import write_schema
-from railgrip.cli.output import Json, print_json
+from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
@@ -103,7 +103,7 @@ def estimate(
     seed: Seed = None,
     data: Data = None,
     import_from: ImportFrom = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Run the filter of an estimation over its recording."""
     specification = load_specification(file, overrides or [])
@@ -171,7 +171,7 @@ def inspect(
     out: Annotated[
         Path | None, typer.Option(help="File for the proposal (.toml), which must not exist; printed unless given.")
     ] = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Show what a recording holds, and propose its [data].
 

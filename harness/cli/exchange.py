@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from railgrip.base.errors import InputError, PlantFailed
+from railgrip.base.names import did_you_mean
 from railgrip.campaign.one_stop import make_folder
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import describe
@@ -16,9 +17,10 @@ from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.mapped import mapped
+from railgrip.simulate.mapped import controller_lines, mapped
 from railgrip.simulate.parts_in_c import part_fmu, write_library
 from railgrip.simulate.plant_fmu import plant_fmu
+from railgrip.simulate.roles import require_role, role_of
 from railgrip.simulate.ssp import write_ssp
 
 Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
@@ -102,13 +104,14 @@ def _targets(names: Sequence[str]) -> tuple[str, ...]:
     unknown = [name for name in wanted if name not in (*TARGETS, "all")]
     if unknown:
         raise InputError(
-            f"--platforms: there is no platform {', '.join(unknown)}; there is {', '.join(TARGETS)}, and all."
+            f"--platforms: there is no platform {', '.join(unknown)}; there is {', '.join(TARGETS)}, and all"
+            + did_you_mean(unknown[0], [*TARGETS, "all"], before="; ")
         )
     return tuple(name for name in TARGETS if name in wanted or "all" in wanted)
 
 
 def map_(
-    file: Annotated[Path, typer.Argument(metavar="TRAIN.fmu", help="An FMU, by FMI 2.0 or 3.0.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.fmu", help="A plant or a controller, by FMI 2.0 or 3.0.")],
     speed: Annotated[float, typer.Option(min=1, max=150, help="Speed at the start of the short run [m/s].")] = 20.0,
     per_group: Annotated[
         list[int] | None,
@@ -120,9 +123,18 @@ def map_(
     ] = None,
     period: Annotated[float, typer.Option(min=1e-5, max=0.1, help="Communication period of the short run [s].")] = 1e-3,
 ) -> None:
-    """Print a draft of [vehicle.map] for the FMU of another tool."""
+    """Print the tables of a scenario for the FMU of another tool.
+
+    The FMU is a plant or a controller.
+    """
+    description = describe(file)
+    if role_of(description) == "controller":
+        for line in controller_lines(description):
+            say(line)
+        return
+    require_role(description, "plant", "railgrip map")
     try:
-        draft = mapped(describe(file), wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
+        draft = mapped(description, wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")
         raise typer.Exit(RUN_FAILED) from failed

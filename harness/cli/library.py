@@ -10,6 +10,7 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
+from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import Table
@@ -21,12 +22,12 @@ FileKind = Literal["scenario", "train", "campaign", "estimation"]
 
 def list_(
     kind: Annotated[Kind | None, typer.Argument(help="One kind; all without it.")] = None,
-    as_json: Annotated[bool, typer.Option("--json", help="Print JSON: kind, name, meaning.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """List what may be named: scenarios, controllers, trains and more."""
     kinds = (kind,) if kind else SECTIONS
     if as_json:
-        say(json.dumps({kind_: meanings(kind_) for kind_ in kinds}, indent=1, ensure_ascii=False))
+        print_json({kind_: meanings(kind_) for kind_ in kinds})
         return
     for kind_ in kinds:
         rows = [{"name": name, "meaning": meaning} for name, meaning in meanings(kind_).items()]

@@ -22,7 +22,6 @@ class _Maintain(Commands):
             "tune": Command("searches:tune", "Search the twelve noises of the field test's filter."),
         },
     }  # fmt: skip
-    moved: ClassVar = {"bench": "study bench"}
 
 
 maintain = typer.Typer(

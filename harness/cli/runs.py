@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from railgrip.base.errors import InputError
-from railgrip.campaign.one_stop import RUNS, Runner, run_folder
+from railgrip.campaign.one_stop import Runner, run_folder
 from railgrip.campaign.one_stop import run as run_scenario
-from railgrip.cli.app import File, ImportFrom, Overrides, With, fail
+from railgrip.cli.app import RUN_FAILED, File, ImportFrom, Overrides, With, fail
+from railgrip.cli.output import AsJson, print_json
 from railgrip.report.console import progress, remark, say
 from railgrip.scenario.load import load
-from railgrip.trace.stop import STOP_FILE, require_no_campaign
+from railgrip.scenario.outcome import Outcome
+from railgrip.trace.stop import require_no_campaign
 
 
 def run(
@@ -24,20 +25,16 @@ def run(
     out: Annotated[
         Path | None, typer.Option(help="Folder for the result; build/runs/NAME-DIGEST, of the scenario, unless given.")
     ] = None,
-    engine: Annotated[str | None, typer.Option(hidden=True)] = None,
     import_from: ImportFrom = None,
+    as_json: AsJson = False,
 ) -> None:
-    """Run one scenario and print its figures."""
-    if engine is not None:
-        raise InputError("--engine: there is one loop for all stops now; leave it out")
+    """Run one scenario and print its figures.
+
+    The exit code is 0 for a standstill, 2 for a scenario that cannot be run and 3 for a stop that ended otherwise.
+    """
     scenario = load(file, overrides or [], equipment or [])
     directory = out or run_folder(scenario)
     require_no_campaign(directory)
-    former = RUNS / scenario.name
-    if out is None and (former / STOP_FILE).exists():
-        remark(
-            f"{former} holds a stop of an earlier version of railgrip and stays as it is; this one is in {directory}"
-        )
     with progress(scenario.name, scenario.start.speed or None) as bar:
         stop = run_scenario(
             scenario,
@@ -47,6 +44,22 @@ def run(
             remark,
         )
     metrics = stop.metrics
+    if as_json:
+        print_json(
+            {
+                "scenario": scenario.name,
+                "digest": scenario.digest(),
+                "folder": str(directory),
+                "outcome": stop.outcome.value,
+                "reason": stop.reason,
+                "braking_distance": metrics.distance if stop.outcome is Outcome.STANDSTILL else None,
+                "metrics": metrics.to_plain(),
+                "doubts": list(metrics.doubts()),
+            }
+        )
+        if stop.outcome is not Outcome.STANDSTILL:
+            raise typer.Exit(RUN_FAILED)
+        return
     # A plant from outside may not show its adhesion; then there is no share of it to tell.
     share = (
         f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
@@ -62,7 +75,7 @@ def run(
     if stop.limited_demands:
         say(f"{scenario.name}: {stop.reason}")
     say(f"{directory}/stop.json")
-    if stop.outcome.value != "standstill":
+    if stop.outcome is not Outcome.STANDSTILL:
         fail(f"{scenario.name}: no braking distance, the stop ended with {stop.outcome.value}: {stop.reason}")
 
 

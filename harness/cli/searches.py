@@ -10,6 +10,7 @@ import typer
 
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.base.files import write_text
+from railgrip.base.names import did_you_mean
 from railgrip.campaign import tune_control as laws
 from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.calibrate import calibrate as fit_levels
@@ -63,7 +64,10 @@ def tune_control(
     """
     unknown = sorted(set(law or ()) - RANGES.keys())
     if unknown:
-        raise ScenarioError(f"tune-control: --law {unknown[0]} is not searched; there is {', '.join(RANGES)}")
+        raise ScenarioError(
+            f"tune-control: --law {unknown[0]} is not searched; there is {', '.join(RANGES)}"
+            + did_you_mean(unknown[0], RANGES, before="; ")
+        )
     make_folder(out)
 
     def note(name: str, number: int, best: float) -> None:

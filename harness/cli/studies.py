@@ -9,7 +9,7 @@ from typing import Annotated, Any, Final, get_type_hints
 import typer
 from typer.core import TyperGroup
 
-from railgrip.cli.app import Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
+from railgrip.cli.app import Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, command_of
 from railgrip.report.console import say, show_all
 from railgrip.report.page import formats_of
 from railgrip.studies import names, summary
@@ -84,9 +84,7 @@ def _command(name: str) -> Any:
     command.__signature__ = inspect.Signature(parameters)  # pyright: ignore[reportFunctionMemberAccess]
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     command.__doc__ = study.__doc__
-    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    alone.command(name)(command)
-    return typer.main.get_command(alone)
+    return command_of(name, command)
 
 
 _COMMON: Final[Mapping[str, Any]] = {

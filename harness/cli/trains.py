@@ -7,12 +7,19 @@ import typer
 
 from railgrip.base.errors import InputError
 from railgrip.cli.app import complete
+from railgrip.cli.output import AsJson, print_json
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.style import save
 from railgrip.rolling_stock.check import findings, stops_by_hand
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import load_train
-from railgrip.rolling_stock.tables import sentence_of_equipment, sentence_of_stop, table_of_axles, table_of_distributors
+from railgrip.rolling_stock.tables import (
+    plain_stop,
+    sentence_of_equipment,
+    sentence_of_stop,
+    table_of_axles,
+    table_of_distributors,
+)
 from railgrip.scenario.file import located
 
 trains = typer.Typer(
@@ -32,12 +39,6 @@ TrainFile = Annotated[
 ]
 
 
-@trains.command(hidden=True)
-def new(file: Path) -> None:
-    """Refuse what is another command now."""
-    raise InputError(f"`railgrip train new` is now `railgrip new train {file}`.")
-
-
 @trains.command()
 def show(
     file: TrainFile,
@@ -55,10 +56,27 @@ def show(
 
 
 @trains.command()
-def check(file: TrainFile) -> None:
-    """List contradictions in a train, and compute its stop by hand calculation."""
+def check(file: TrainFile, as_json: AsJson = False) -> None:
+    """List contradictions in a train, and compute its stop by hand calculation.
+
+    The exit code is 2 if the train contradicts itself.
+    """
     train = load_train(file)
     results = findings(train)
+    if as_json:
+        is_wrong = any(result.wrong for result in results)
+        stops = {} if is_wrong else stops_by_hand(train)
+        print_json(
+            {
+                "train": train.name,
+                "mass": train.mass,
+                "findings": [{"key": r.key, "sentence": r.sentence, "wrong": r.wrong} for r in results],
+                "stops": [plain_stop(speed, stop) for speed, stop in stops.items()],
+            }
+        )
+        if is_wrong:
+            raise typer.Exit(InputError.exit_code)
+        return
     name = located(file, "trains").name
     for result in results:
         if not result.wrong:

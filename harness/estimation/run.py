@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -12,6 +11,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError, FilterDiverged
+from railgrip.base.names import did_you_mean
 from railgrip.estimators.belief import Estimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
@@ -99,7 +99,10 @@ def equations_of(
     defaults = {variable.name: variable.start for variable in source.parameters}
     strange = [name for name in values if name not in defaults]
     if strange:
-        raise EstimationError(f"{model} has no parameter {', '.join(strange)}; it has {', '.join(defaults)}.")
+        raise EstimationError(
+            f"{model} has no parameter {', '.join(strange)}; it has {', '.join(defaults)}"
+            + did_you_mean(strange[0], defaults, before="; ")
+        )
     return CasadiPrediction(source, defaults | values)
 
 
@@ -119,7 +122,10 @@ def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
     places = [i for output in outputs for i, name in enumerate(names) if output in (name, name.partition("[")[0])]
     missing = [output for output in outputs if not any(output in (n, n.partition("[")[0]) for n in names)]
     if missing:
-        raise EstimationError(f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}.")
+        raise EstimationError(
+            f"{model} has no output {', '.join(missing)}; it has {', '.join(names)}"
+            + did_you_mean(missing[0], names, before="; ")
+        )
     arguments = [ca.SX.sym(f"a{i}", *source.output.size_in(i)) for i in range(source.output.n_in())]
     selection = ca.Function("output", arguments, [ca.densify(source.output(*arguments))[places]])
     return replace(source, outputs=tuple(source.outputs[i] for i in places), output=selection)
@@ -138,8 +144,7 @@ def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
         return lower(model)
     classes = (LIBRARY / "Predictions" / "package.order").read_text(encoding="utf-8").split()
     if model not in classes:
-        near = get_close_matches(model, classes, n=1)
-        hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(classes)}."
+        hint = did_you_mean(model, classes) or f"there is {', '.join(classes)}."
         raise EstimationError(f"there is no prediction '{model}'; {hint}")
     return lower(f"RailBraking.Predictions.{model}")
 

@@ -44,6 +44,7 @@ import xarray
 from pydantic import Field, PrivateAttr, model_validator
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.names import did_you_mean
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
@@ -390,6 +391,9 @@ def _gate(specification: Specification, gate: GateTable) -> Gate:
     first = gate.inputs[0] if gate.inputs else ""
     where = f"{specification.name}: [gate]"
     if first not in units:
-        raise EstimationError(f"{where} inputs: the model has no input '{first}'; it has {', '.join(units)}.")
+        raise EstimationError(
+            f"{where} inputs: the model has no input '{first}'; it has {', '.join(units)}"
+            + did_you_mean(first, units, before="; ")
+        )
     threshold = in_units(where, {"threshold": gate.threshold}, {"threshold": units[first]})["threshold"]
     return Gate(states=tuple(gate.states), inputs=tuple(gate.inputs), threshold=threshold)

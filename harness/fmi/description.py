@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final, Literal, cast, get_args
@@ -17,6 +16,7 @@ from railgrip.base.errors import FmuError, UnitError
 from railgrip.base.files import scratch
 from railgrip.base.interrupted import postponed
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
 
@@ -148,8 +148,7 @@ class Description:
         variable = self.variables.get(name)
         if variable is not None:
             return variable
-        near = get_close_matches(name, self.variables, n=3, cutoff=0.5)
-        hint = f"; did you mean {' or '.join(repr(n) for n in near)}?" if near else "."
+        hint = did_you_mean(name, self.variables, count=3, cutoff=0.5, before="; ") or "."
         raise FmuError(f"{wanted_by}: {self.file.name} has no variable '{name}'{hint}")
 
     def __reduce__(self) -> tuple[Any, ...]:

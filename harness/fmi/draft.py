@@ -30,6 +30,12 @@ OTHER_NAMES = {
     "cylinder_pressure": "cylinder brake_pressure pressure p_cyl p_cylinder brake_cylinder bcp",
     "brake_torque": "brake_moment moment",
     "locked": "blocked",
+    "demand": "pressure_demand demanded_pressure p_demand brake_demand pressure_command brake_command p_set bcp_cmd",
+    "command": "valve_command valve_position valves",
+    "valve_command": "valve_position valves",
+    "pressure": "cylinder_pressure brake_pressure p_cyl p_cylinder bcp",
+    "driver_demand": "driver driver_pressure driver_brake_demand",
+    "pad_friction": "mu_b mu_pad pad_mu",
 }
 """Other words for our signals."""
 _OPPOSITE = ("retardation", "deceleration", "drag", "resistance")
@@ -79,7 +85,7 @@ def drafted(
         present = {variable.name for variable in arrays[j].variables}
         if score[i, j] >= _LEAST and not present & used:
             used |= present
-            table[names[i]] = _signed(arrays[j])
+            table[names[i]] = _signed(arrays[j], names[i])
     return {name: table[name] for name in names if name in table}
 
 
@@ -91,8 +97,8 @@ def sizes_of(description: Description, causality: Causality) -> tuple[int, ...]:
     return tuple(sorted(set(sizes), key=lambda size: -sizes.count(size)))
 
 
-def _signed(array: Array) -> str | tuple[str, ...]:
-    sign = "-" if any(word in array.name for word in _OPPOSITE) else ""
+def _signed(array: Array, signal: str) -> str | tuple[str, ...]:
+    sign = "-" if any(word in array.name and word not in signal for word in _OPPOSITE) else ""
     return f"{sign}{array.entry}" if isinstance(array.entry, str) else tuple(f"{sign}{name}" for name in array.entry)
 
 

@@ -9,21 +9,21 @@ The table of a scenario reads
     mu0 = { variable = "rail[{i}].grip", scale = 0.01 }
     cylinder_pressure = { variable = "p[{i}]", unit = "bar" }   # the FMU does not say its unit
 
-and a signal that the table leaves out has the same name in the FMU, where one of a single element may be a
-scalar. Units are converted from what the FMU declares; `scale` multiplies what is left (ours = scale · theirs,
-both in SI). A `unit` is given only where the FMU has none, or where it leaves out what turns: `1/min` of a speed
-may be `rev/min` or `rad/min`.
+and a signal that the table leaves out has the same name in the FMU. Elements of an array may be called `n[1]`, `n_1`
+or `n1` there, and a single one `n`. Units are converted from what the FMU declares; `scale` multiplies the rest
+(ours = scale · theirs, both in SI). A `unit` is given only where the FMU has none, or where it leaves out what turns:
+`1/min` of a speed may be `rev/min` or `rad/min`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError, UnitError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, turning_of, unit
 from railgrip.fmi.description import Causality, Description, Variable
 
@@ -210,8 +210,10 @@ def _side(
     for signal in signals:
         targets = _targets(signal, entries, where)
         lack = [t.variable for t in targets if t.variable not in description.variables]
-        if lack and signal.size == 1 and signal.name not in entries and signal.name in description.variables:
-            targets, lack = (_Target(variable=signal.name, scale=1.0, stated_unit=None),), []
+        if lack and signal.name not in entries:
+            spelled = next((names for names in _spellings(signal) if description.variables.keys() >= set(names)), None)
+            if spelled is not None:
+                targets, lack = tuple(_Target(variable=name, scale=1.0, stated_unit=None) for name in spelled), []
         if lack and signal.name not in entries:
             # An array of which some elements exist is a mistake, not an absence.
             if signal.needed or len(lack) < len(targets):
@@ -233,6 +235,16 @@ def _side(
         absent=tuple(absent),
         channels=tuple(_channel(carrier, ties) for carrier, ties in rows.items()),
     )
+
+
+def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
+    """Yield the names that tools without arrays give to the elements of a signal: `demand_1` and `demand1`."""
+    if signal.size == 1:
+        yield (signal.name,)
+    if signal.size:
+        numbers = range(1, signal.size + 1)
+        yield tuple(f"{signal.name}_{i}" for i in numbers)
+        yield tuple(f"{signal.name}{i}" for i in numbers)
 
 
 def side_of(variables: Sequence[Variable]) -> Side:
@@ -399,18 +411,14 @@ def _all_missing(description: Description, missing: Sequence[str], causality: Ca
     has = f"it has {', '.join(candidates[:12])}{', …' if len(candidates) > 12 else ''}" if candidates else "it has none"
     return (
         f"{description.file}: no {causality} {', '.join(lines)}{rest}; {has}. "
-        f"Name the variables it uses instead under {where}."
+        f"Name the variables it uses instead under {where}; `railgrip map {description.file.name}` drafts the table."
     )
 
 
-_RENAMED = {"speed_start": "start_speed"}
-
-
 def _near(name: str, candidates: Sequence[str], end: str = ".") -> str:
-    near = [_RENAMED[name]] if name in _RENAMED else get_close_matches(name, candidates, n=1, cutoff=0.6)
-    if near:
-        return f" (did you mean '{near[0]}'?)" if not end else f"; did you mean '{near[0]}'?"
-    return "" if not end else f"; it has {', '.join(candidates)}."
+    if question := did_you_mean(name, candidates):
+        return f"; {question}" if end else f" ({question})"
+    return f"; it has {', '.join(candidates)}." if end else ""
 
 
 def _article(causality: Causality) -> str:

@@ -1,7 +1,7 @@
 """Parameter values of an FMU, checked against what it declares before any of them is set.
 
 Values are in the unit that the FMU declares for the variable, as in every FMI tool; a parameter that the
-harness itself sets in SI goes through `Binding.translated` first.
+harness itself sets in SI goes through `Binding.translate` first.
 """
 
 import math

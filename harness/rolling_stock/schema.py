@@ -12,6 +12,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
+from railgrip.base.names import did_you_mean
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.table import Length, Mass, Name, Speed, Table, broken
@@ -479,4 +480,7 @@ class Train(Table):
 def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
     for name in names:
         if name not in choice:
-            raise broken(f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}")
+            raise broken(
+                f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}"
+                + did_you_mean(name, choice, before="; ")
+            )

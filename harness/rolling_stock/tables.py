@@ -69,6 +69,19 @@ def sentence_of_equipment(train: Train) -> str:
     return f"{train.name}: {'; '.join(words)}" if words else ""
 
 
+def plain_stop(speed: float, stop: HandCalculation) -> dict[str, float]:
+    """Return a stop by hand calculation as plain values in SI units; `speed` is that at the brake demand [m/s]."""
+    return {
+        "speed": speed,
+        "distance": stop.distance,
+        "duration": stop.duration,
+        "deceleration": stop.deceleration,
+        "equivalent_time": stop.equivalent_time,
+        "rotating_mass": float(stop.rotating_mass),
+        "adhesion_max": float(stop.adhesion.max()),
+    }
+
+
 def sentence_of_stop(train: Train, speed: float, stop: HandCalculation) -> str:
     """Return how a train stops by hand calculation."""
     return (

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut, place
 from railgrip.scenario.file import is_file, located
 from railgrip.scenario.load import read_scenario, read_toml, require_kind, validated
@@ -271,7 +272,10 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
             if axis == _AXIS_OF_SCENARIOS:
                 continue
             if axis not in axes:
-                raise ScenarioError(f"{path.name}: [{table}] names the axis '{axis}'; there is {', '.join(axes)}")
+                raise ScenarioError(
+                    f"{path.name}: [{table}] names the axis '{axis}'; there is {', '.join(axes)}"
+                    + did_you_mean(axis, axes, before="; ")
+                )
             for variant in (choice,) if isinstance(choice, str) else choice:
                 if variant not in axes[axis]:
                     names = ", ".join(axes[axis])

@@ -131,6 +131,11 @@ class Demand(Table):
         """Whether anything pushes the train."""
         return any(phase.traction is not None and phase.traction.force > 0 for phase in self.phases)
 
+    @property
+    def has_target(self) -> bool:
+        """Whether the driver stops at a target."""
+        return any(phase.stop_at is not None for phase in self.phases)
+
     def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the times [s] of the file, shape (n,), and pressures [Pa], shape (n, 1) or (n, groups).
 

@@ -56,7 +56,7 @@ class Fault(Table):
         return {"begin": begin, "end": max(round(end / period), begin + 1)}
 
     def of_readings(self, site: Any) -> Iterable[Any]:
-        """Return what it does to single readings, `ReadingFault`s; the site is a `railgrip.simulate.faults.Site`."""
+        """Return its `ReadingFault`s of single readings; `site` is a `railgrip.simulate.faults.site.Site`."""
         return ()
 
     def of_commands(self, site: Any) -> Iterable[Any]:

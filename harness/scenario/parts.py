@@ -7,6 +7,7 @@ from pydantic import Field, StrictBool, ValidationInfo, field_validator, model_v
 
 from railgrip.base import registry
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind, Custom
@@ -123,7 +124,10 @@ class Law(_OverTheTrain):
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
         names = [name for name, file in sets.items() if file in files]
         if tuning is not None and tuning not in names:
-            raise broken(f"is {short(tuning)}; {kind} has {', '.join(names) or 'no set of parameters'}")
+            raise broken(
+                f"is {short(tuning)}; {kind} has {', '.join(names) or 'no set of parameters'}"
+                + did_you_mean(tuning, names, before="; ")
+            )
         if "paper" in names:
             return tuning or "paper"
         return None if tuning == "searched" else tuning
@@ -186,7 +190,11 @@ class Limits(Table):
     )
     @classmethod
     def _preset(cls, entry: Any) -> Any:
-        return _ADHESION_LIMITS.get(entry, entry) if isinstance(entry, str) else entry
+        if not isinstance(entry, str) or entry in _ADHESION_LIMITS:
+            return _ADHESION_LIMITS.get(entry, entry)
+        if question := did_you_mean(entry, _ADHESION_LIMITS):
+            raise broken(f"is '{entry}'; {question}")
+        return entry
 
 
 def _communication(before: dict[str, Any]) -> float:

@@ -15,6 +15,7 @@ from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
 from railgrip.base import registry
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import broken
@@ -30,6 +31,7 @@ def named_set(name: str) -> Mapping[str, float]:
     if name not in files:
         raise broken(
             f"is {short(name)}, which is not a Polach set; there are {', '.join(files)}, or give k_A, k_S, A and B"
+            + did_you_mean(name, files, before="; ")
         )
     return _numbers(files[name])
 

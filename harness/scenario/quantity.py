@@ -3,7 +3,6 @@
 import math
 import operator
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler
@@ -11,6 +10,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import units
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import quantity, short, to_si, unit
 
 _LIMITS = {"above": operator.gt, "at least": operator.ge, "below": operator.lt, "at most": operator.le}
@@ -184,12 +184,14 @@ def in_units(
     problems: list[str] = []
     for name, magnitude in magnitudes.items():
         if name not in expected:
-            near = _described_as(name, descriptions or {}) or get_close_matches(name, expected, n=1)
             arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
             if name in arrays:
                 hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'
             else:
-                hint = f"did you mean '{near[0]}'?" if near else f"there is {', '.join(arrays) or 'none'}."
+                # A name such as "mass" of the parameter `m`, "Mass of the wagon".
+                near = _described_as(name, descriptions or {})
+                hint = f"did you mean '{near[0]}'?" if near else did_you_mean(name, expected)
+                hint = hint or f"there is {', '.join(arrays) or 'none'}."
             problems.append(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
             continue
         try:

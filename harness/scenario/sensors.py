@@ -14,7 +14,7 @@ from railgrip.scenario.table import Period, Seed, Table, optional
 class SensorModel(Table):
     """Sensors of one kind: their table, and what reads with it.
 
-    Each kind is a class of its own in a module of `railgrip.sensors`.
+    Each kind is a class of its own in a module of `railgrip.simulate.sensors`.
     """
 
     kind: Any  # the name that each class says as a literal

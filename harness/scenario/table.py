@@ -15,6 +15,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from railgrip.base.names import did_you_mean
 from railgrip.scenario.quantity import Magnitude, Unit
 
 FASTEST = 160.0  # m/s
@@ -91,7 +92,7 @@ def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
 
     def known(name: str) -> str:
         if name not in names:
-            raise broken(f"is '{name}'; there is {between.join(names)}")
+            raise broken(f"is '{name}'; there is {between.join(names)}" + did_you_mean(name, names, before="; "))
         return name
 
     return AfterValidator(known)

@@ -1,6 +1,5 @@
 """From plain tables to values, or to sentences that say what to correct and in which file."""
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,9 +11,11 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import DIRECTORY
 from railgrip.scenario.kinds import ByKind, kinds_of
+from railgrip.scenario.unsupported import unsupported
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -77,18 +78,22 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
         kinds = context["expected_tags"].replace("'", "")
         return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"
     if not path:
-        return f"{error['msg']}."  # a rule between tables names them itself
+        return _ended(error["msg"])  # a rule between tables names them itself
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
     if isinstance(error["input"], Mapping) and kind == "scenario":
         key = _table(path)  # a problem of a whole table names its keys itself
     if kind in {"quantity", "file", "scenario"}:
-        return f"{key} {error['msg']}."
+        return _ended(f"{key} {error['msg']}")
     if kind == "literal_error":
         return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
     if kind in {"model_type", "model_attributes_type", "dict_type"}:
         return f"{_table(path)} must be a table, got {short(error['input'])}"
     message = error["msg"]
     return f"{key} is {short(error['input'])}; {message[:1].lower()}{message[1:]}"
+
+
+def _ended(sentence: str) -> str:
+    return sentence if sentence.endswith(("?", ".")) else f"{sentence}."
 
 
 def _place(
@@ -148,12 +153,14 @@ def _table(path: Sequence[int | str]) -> str:
 
 
 def _suggestion(name: str, choice: Sequence[str]) -> str:
-    close = difflib.get_close_matches(name, choice, n=1)
-    guess = f"did you mean '{close[0]}'? " if close else ""
-    return f"{guess}It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
+    if sentence := unsupported(name):
+        return f"{sentence}."
+    guess = did_you_mean(name, choice)
+    return f"{guess} It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
 
 
 def _choice(found: object, expected: str) -> str:
-    """Return what there is in place of what was found, the nearest first."""
-    near = difflib.get_close_matches(str(found), re.findall(r"\w+", expected), n=1)
-    return f"there is {expected}" + (f"; did you mean {near[0]}?" if near else "")
+    """Return the names that are expected in place of the one found, with the nearest of them."""
+    if sentence := unsupported(str(found)):
+        return f"{sentence}; there is {expected}"
+    return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")

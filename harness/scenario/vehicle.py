@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
 from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_serializer, field_validator, model_validator
+from pydantic_core import PydanticCustomError
 
-from railgrip.base.registry import shelf
+from railgrip.base.registry import not_one_of, shelf
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import Length, MapEntry, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
@@ -149,7 +150,12 @@ class Vehicle(Table):
     def _named_or_file(cls, entry: Any, info: ValidationInfo) -> NamedFile | None:
         if isinstance(entry, str) and (path := shelf("trains").get(entry)):
             return NamedFile(entry=entry, path=path)
-        return None if entry is None else NamedFile.find(entry, info)
+        try:
+            return None if entry is None else NamedFile.find(entry, info)
+        except PydanticCustomError:
+            if isinstance(entry, str) and entry.isidentifier():  # a name, not a path
+                raise broken(f"is '{entry}': {not_one_of('trains', entry)}") from None
+            raise
 
     @field_serializer("plant", "train")
     def _as_written(self, plant: str | NamedFile | None) -> str | None:

@@ -5,7 +5,7 @@ import math
 import traceback
 import warnings
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
@@ -24,7 +24,9 @@ from railgrip.base.interrupted import Interrupted
 from railgrip.base.registry import Role
 from railgrip.base.units import mistake, short
 from railgrip.controllers.observation import Observation
+from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Extent, Formation
+from railgrip.vehicle.parameters import meanings_of_brakes
 from railgrip.vehicle.signals import ESTIMATES, EXTRA, EXTRA_READINGS, PLANT, READINGS, SENT, Layout
 
 Array = NDArray[np.float64]
@@ -141,6 +143,42 @@ class Plant(Protocol):
         ...
 
 
+class _KnownBrake(Brake):
+    """A brake that raises an error when a user's class reads a datum that neither plant nor scenario gives."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        """Check nothing: the data are those of a `Brake`."""
+
+    def __getattribute__(self, name: str) -> Any:
+        """Return an attribute.
+
+        Raises:
+            ScenarioError: It is a datum that is not given.
+        """
+        value = super().__getattribute__(name)
+        if name in BRAKE and math.isnan(value):
+            keys = " and ".join(f"{key} ({meaning})" for key, meaning in meanings_of_brakes({name}).items())
+            raise ScenarioError(
+                f"[vehicle.formation] brakes lacks {keys}, which the plant does not say; write it there"
+            )
+        return value
+
+    def __repr__(self) -> str:
+        """Return all data, NaN for those that are not given."""
+        data = {name: super(_KnownBrake, self).__getattribute__(name) for name in BRAKE}
+        return f"Brake({', '.join(f'{name}={value!r}' for name, value in data.items())})"
+
+
+def _known(formation: Formation) -> Formation:
+    """Return a formation whose brakes refuse to give data that are missing; the same if there are none missing."""
+    brakes = [{name: getattr(brake, name) for name in BRAKE} for brake in formation.brakes]
+    if not any(math.isnan(value) for data in brakes for value in data.values()):
+        return formation
+    return replace(formation, brakes=tuple(_KnownBrake(**data) for data in brakes))
+
+
 _PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
 _LEAST_SHARE = 0.01
 """Of full pressure: pads do not touch below some 5 %, so that a law that never demands more brakes nothing; bar, kPa,
@@ -165,7 +203,7 @@ class CustomController:
         require_methods(controller, type(controller).__name__, "controllers")
         self._part, self._shape = controller, (formation.groups,)
         self.needs = _names(controller, "needs", PROVIDED)
-        _called(ScenarioError, controller, "start", formation)
+        _called(ScenarioError, controller, "start", _known(formation))
         self._decide = controller.decide
 
     @property
@@ -310,7 +348,7 @@ class CustomEstimator:
             raise ScenarioError(
                 f"{type(estimator).__name__}: `provides` is empty; an estimator names there what its steps give"
             )
-        self._part, self._formation, self._has_started = estimator, formation, False
+        self._part, self._formation, self._has_started = estimator, _known(formation), False
         self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
@@ -369,7 +407,7 @@ class CustomSensors:
         self._shapes = _shapes(layout.reading)
         self._checks = {name: _UnitCheck(least) for name, least in _LEAST.items()}
         self._has_read = False
-        _called(ScenarioError, sensors, "start", formation, random)
+        _called(ScenarioError, sensors, "start", _known(formation), random)
 
     def read(self, sample: int, truth: Array) -> Array:
         """Return the reading of a sample; NaN where there is no new one.
@@ -431,7 +469,7 @@ class CustomPlant:
             PlantFailed: It raised an exception, or showed something else.
         """
         self._steps = 0
-        formation = self._layout.formation
+        formation = _known(self._layout.formation)
         outputs = _called(PlantFailed, self._part, "start", formation, self._speed, self._period, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
@@ -615,6 +653,8 @@ def _require_numbers(
 
 
 def _text_of(problem: BaseException) -> str:
+    if isinstance(problem, RailgripError):
+        return str(problem)
     try:
         text = str(problem)
     except Exception:

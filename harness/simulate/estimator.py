@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import did_you_mean
 from railgrip.controllers.free_wheel import FreeWheel
 from railgrip.estimators.consist import Consist
 from railgrip.estimators.design import Gate
@@ -34,6 +35,7 @@ from railgrip.simulate.prediction import (
     start_of,
     units_of_predictions,
 )
+from railgrip.simulate.roles import require_role
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.signals import Layout
 
@@ -147,10 +149,11 @@ def _of_file(
 
     Raises:
         ScenarioError: It lacks a state or an input, or has an input that the loop does not know.
-        FmuError: It is no prediction.
+        FmuError: It is not a prediction.
     """
     layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
     groups, where = range(1, layout.formation.groups + 1), f"[estimator] file {file.entry}"
+    require_role(description, "prediction", f"{vehicle.scenario.name}: [estimator] file")
     pressures = [f"cylinder_pressure[{g}]" for g in groups]
     inputs, others = description.names("input"), {"track_force"}
     needs = {
@@ -284,9 +287,11 @@ def _noise(table: KalmanFilter, *, has_ideal_sensors: bool) -> NoiseSet:
     prefix = "" if table.library is not None else f"{_NOISE_PREFIX.get(model, model)}_"
     full_name = f"{prefix}{noise}"
     if full_name not in NOISE_SETS:
+        known = [name.removeprefix(prefix) for name in NOISE_SETS if name.startswith(prefix)]
         raise ScenarioError(
             f"[estimator] has no noise set '{noise}' for model '{model}'; there are "
             + ", ".join(sorted(NOISE_SETS))
-            + " (model_noise)."
+            + " (model_noise)"
+            + (did_you_mean(noise, known, before="; ") or did_you_mean(model, _NOISE_PREFIX, before="; "))
         )
     return NOISE_SETS[full_name]

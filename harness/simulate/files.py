@@ -6,7 +6,9 @@ from pathlib import Path
 from typing import Literal
 
 from railgrip.base.cache import keep
+from railgrip.base.errors import ScenarioError
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.registry import shelf
 from railgrip.base.units import Unit
 from railgrip.fmi import Description, describe
 from railgrip.fmus.build import build_class, fmu
@@ -99,6 +101,10 @@ def plant_description(scenario: Scenario) -> Description:
     """
     has_several_curves = len(scenario.adhesion.curves) > 1
     match scenario.vehicle.source:
+        case Recipe(name) if name in shelf("trains"):
+            raise ScenarioError(
+                f"{scenario.name}: [vehicle] plant '{name}' is a train file of this package; write train = '{name}'"
+            )
         case Recipe(name):
             return description_of((_curved_file if has_several_curves else recipe_file)(name))
         case TrainFile(file):

@@ -11,6 +11,7 @@ from railgrip.fmi import Binding, Description, Signal, bind, open_plant
 from railgrip.scenario.parts import ControllerFmu
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.roles import require_role
 
 _READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
 _BELIEVED = ("adhesion", "pad_friction")
@@ -27,6 +28,11 @@ def _signals(names: tuple[str, ...], groups: int) -> tuple[Signal, ...]:
         Signal(name=name, unit=_UNITS.get(name, "1"), size=0 if name in _OF_TRAIN else groups, needed=False)
         for name in names
     )
+
+
+def controller_signals(groups: int) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
+    """Return the inputs that a controller FMU may have, and the outputs of which it has one."""
+    return _signals((*_READ, *_BELIEVED), groups), _signals(_DECISIONS, groups)
 
 
 class ForeignController:
@@ -72,6 +78,8 @@ def binding_of(
         FmuError: It does not fit the FMU, or the FMU gives nothing that brakes.
     """
     where = f"{scenario.name}: [controller.map]"
+    if not table.map:
+        require_role(description, "controller", f"{scenario.name}: [controller] file")
     inputs = (*_READ, *(name for name in _BELIEVED if name in estimates))
     outputs = tuple(name for name in _DECISIONS if name in table.map) or _DECISIONS
     binding = bind(

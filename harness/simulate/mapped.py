@@ -1,24 +1,34 @@
-"""[vehicle.map] and [vehicle.formation] for an FMU from outside: drafted by names, corrected by a short run."""
+"""Tables of a scenario for an FMU from outside: drafted by names and, for a plant, corrected by a short run."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
 from typing import Any
 
 import numpy as np
 
-from railgrip.base.units import mistake, mistaken_factor
+from railgrip.base.units import GRAVITY, mistake, mistaken_factor
+from railgrip.controllers.law import FULL_PRESSURE
 from railgrip.fmi import Description, Signal, bind, open_plant
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import drafted, sizes_of
 from railgrip.simulate.files import parameters_of
+from railgrip.simulate.foreign_controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant import plant_signals
 from railgrip.simulate.trial import GOOD_RAIL, Finding, Trial, Trials, findings, on_both_rails
 from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
-from railgrip.vehicle.parameters import COUNTS, counts_of
+from railgrip.vehicle.parameters import (
+    COUNTS,
+    DESCRIPTIVE,
+    array_of,
+    counts_of,
+    meanings_of_brakes,
+    units_of_nominal_data,
+    with_each,
+)
 from railgrip.vehicle.signals import Layout, layout_of
 
 _SMALLEST, _LARGEST = 0.25, 0.7
@@ -72,47 +82,98 @@ class Entry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draft:
-    """What is known of an FMU.
+    """Tables of a scenario for an FMU.
 
     Attributes:
-        table: By the names of our signals.
-        missing: Signals that no plant can do without and nothing was found for.
+        table: Entries of the map by the names of our signals.
+        missing: Signals that the FMU must have and that were not found.
         unused: If signals are missing, the inputs, outputs and parameters of the FMU that the table does not use.
-        formation: Its groups and wheelsets.
-        radius: Of the wheels of each group, speed over wheel speed [m]; empty where no run showed it or the FMU has it.
-        corrections: What the run showed to be wrong and the table has otherwise, in sentences.
-        findings: What the run with the table showed.
+        formation: Groups and wheelsets of the FMU.
+        declared: Names of the parameters by which the FMU itself declares groups, wheelsets or valves.
+        nominal: Values for [vehicle.formation] by key, those of its brakes by parameter; from parameters or a run.
+        corrections: Corrections of the table after the run, in sentences.
+        findings: Results of the run with the table.
     """
 
     table: Mapping[str, Entry]
     missing: Sequence[Signal]
     formation: Formation
-    radius: Sequence[float] = ()
+    declared: frozenset[str] = frozenset()
+    nominal: Mapping[str, Sequence[float]] = field(default_factory=dict[str, Sequence[float]])
     corrections: Sequence[str] = ()
     findings: Sequence[Finding] = ()
     unused: Sequence[str] = ()
 
     def lines(self) -> Iterator[str]:
-        """Yield TOML to paste, with what the run showed as comments."""
+        """Yield TOML to paste: the map, everything else that a run requires, and the results of the run as comments."""
         yield "[vehicle.map]"
-        for name, entry in self.table.items():
-            yield f"{name} = {_toml(entry.plain)}"
+        yield from self.map_lines()
         for signal in self.missing:
             yield f"# {signal.name} = ?  # needed, in {signal.unit}: nothing like it was found"
         if self.missing:
-            more = ["…"] if len(self.unused) > _NAMED else []
-            yield f"# not used: {', '.join([*self.unused[:_NAMED], *more]) or 'none'}"
+            yield f"# not used: {_some(self.unused) or 'none'}"
             yield "# add the missing lines; without a short run, units that the FMU does not declare are assumptions"
         yield ""
-        if self.radius:
-            yield "[vehicle.formation]"
-            yield f"wheelsets_per_group = {list(self.formation.wheelsets_per_group)}"
-            yield f"brakes = {{ r_wheel = {[float(f'{radius:.4g}') for radius in self.radius]} }}"
-            yield ""
+        yield "[vehicle.formation]"
+        if COUNTS not in self.declared:
+            yield f"{COUNTS} = {list(self.formation.wheelsets_per_group)}"
+        yield self._nominal_line("wheelset_load", "static force of each wheelset on the rail [N]")
+        if "wheelset_position" not in self.declared:
+            yield (
+                "# wheelset_position = ?  # required if adhesion or gradient vary along the track: distance of each "
+                "wheelset behind the leading one [m]"
+            )
+        yield ""
+        yield "[vehicle.formation.brakes]"
+        always = meanings_of_brakes(FULL_PRESSURE)
+        for name, meaning in always.items():
+            yield self._nominal_line(name, meaning)
+        for name, meaning in meanings_of_brakes().items():
+            if name not in always:
+                yield self._nominal_line(name, meaning, "required by Kalman filters, redistribution and some laws")
+        yield ""
         for sentence in self.corrections:
             yield f"# corrected: {sentence}"
         for finding in self.findings:
             yield f"# {'fits' if finding.good else 'WRONG'}: {finding.signal} {finding.sentence}"
+
+    def map_lines(self) -> Iterator[str]:
+        """Yield the entries of the map as TOML."""
+        for name, entry in self.table.items():
+            yield f"{name} = {_toml(entry.plain)}"
+
+    def _nominal_line(self, key: str, meaning: str, use: str = "required") -> str:
+        """Return the line of a key of [vehicle.formation]; a comment to complete if its value is not known."""
+        if values := self.nominal.get(key):
+            return f"{key} = {[float(f'{value:.4g}') for value in values]}"
+        return f"# {key} = ?  # {use}: {meaning}"
+
+
+def controller_lines(description: Description) -> Iterator[str]:
+    """Yield TOML to paste for a controller FMU, drafted by names; see `ControllerFmu`."""
+    drafts: list[dict[str, Entry]] = []
+    for groups in sizes_of(description, "output") or (1,):
+        inputs, outputs = controller_signals(groups)
+        signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
+        signals |= {s.name: (s, "output") for s in outputs}
+        found = drafted(description, signals)
+        drafts.append({name: _entry(description, signals[name][0], variables) for name, variables in found.items()})
+    draft = max(drafts, key=len)
+    if "demand" in draft:
+        draft.pop("command", None)
+    yield "[controller]"
+    yield 'kind = "fmu"'
+    yield f"file = {_toml(description.file.name)}"
+    yield ""
+    yield "[controller.map]"
+    yield from Draft(table=draft, missing=(), formation=Formation((1,))).map_lines()
+    if not {"demand", "command"} & draft.keys():
+        yield "# demand = ?  # required, in Pa: the brake cylinder pressure of each group"
+    groups = max(sizes_of(description, "output"), default=1)
+    used = {name for entry in draft.values() for name in _variables(entry, groups)}
+    unused = [name for kind in ("input", "output") for name in description.names(kind) if name not in used]
+    if unused:
+        yield f"# not used: {_some(unused)}"
 
 
 def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], speed: float, period: float) -> Draft:
@@ -128,13 +189,28 @@ def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], sp
         FmuError: It does not fit.
         PlantFailed: The run ended before its time.
     """
-    draft = _drafted(description, wheelsets_per_group)
+    declared = frozenset(name.partition("[")[0] for name in description.names("parameter")) & DESCRIPTIVE.keys()
+    draft = replace(_drafted(description, wheelsets_per_group), declared=declared)
     if draft.missing:
-        return replace(draft, unused=_unused(description, draft))
-    run = partial(_run, description, draft.formation, speed=speed, period=period)
-    corrected = _corrected(draft, run, speed)
-    declares = {name.partition("[")[0] for name in description.names("parameter")} & {COUNTS, "r_wheel"}
-    return replace(corrected, radius=()) if declares else corrected
+        draft = replace(draft, unused=_unused(description, draft))
+    else:
+        run = partial(_run, description, draft.formation, speed=speed, period=period)
+        draft = _corrected(draft, run, speed)
+    return replace(draft, nominal={**draft.nominal, **_nominal_parameters(description, draft.formation)})
+
+
+def _nominal_parameters(description: Description, formation: Formation) -> dict[str, tuple[float, ...]]:
+    """Return the nominal data that an FMU has as parameters under our names and in our units."""
+    units = units_of_nominal_data(formation)
+    values = {
+        name: value
+        for name, value in parameters_of(description).items()
+        if name in units and description.variables[name].unit_name in ("", units[name])
+    }
+    each = with_each(values, formation)
+    data = {name: array_of(each, name) for name in meanings_of_brakes()}
+    load = tuple(mass * GRAVITY for mass in array_of(each, "m_wheelset"))
+    return {name: found for name, found in (data | {"wheelset_load": load}).items() if found}
 
 
 def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
@@ -162,13 +238,21 @@ def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> 
 
 def _unused(description: Description, draft: Draft) -> tuple[str, ...]:
     """Return the inputs, outputs and parameters of an FMU that a draft does not use."""
-    used: set[str] = set()
-    for entry in draft.table.values():
-        names = (entry.variables,) if isinstance(entry.variables, str) else entry.variables
-        used |= {name.replace("{i}", str(i)) for name in names for i in range(1, draft.formation.wheelsets + 1)}
+    used = {name for entry in draft.table.values() for name in _variables(entry, draft.formation.wheelsets)}
     return tuple(
         name for kind in ("input", "output", "parameter") for name in description.names(kind) if name not in used
     )
+
+
+def _variables(entry: Entry, count: int) -> Iterator[str]:
+    """Yield the FMU variables of an entry of the map, the pattern of an array with numbers up to `count`."""
+    for name in (entry.variables,) if isinstance(entry.variables, str) else entry.variables:
+        yield from (name.replace("{i}", str(i)) for i in range(1, count + 1))
+
+
+def _some(names: Sequence[str]) -> str:
+    """Return the first of some names in one line."""
+    return ", ".join([*names[:_NAMED], *(["…"] if len(names) > _NAMED else [])])
 
 
 def _entry(description: Description, signal: Signal, variables: str | tuple[str, ...]) -> Entry:
@@ -281,10 +365,14 @@ def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
             corrections.append(f"{name} is left out, for what was found does not fit")
             found = [finding for finding in found if finding.signal.partition("[")[0] != name]
     radius = [radius for radius in _radius(trials[0]) if _SMALLEST <= radius <= _LARGEST]
+    nominal = {"r_wheel": radius} if len(radius) == draft.formation.groups else {}
+    load = trials[0].output("wheelset_load")[trials[0].coasting - 1]
+    if np.isfinite(load).all():
+        nominal["wheelset_load"] = load.tolist()
     return replace(
         draft,
         table=table,
-        radius=radius if len(radius) == draft.formation.groups else (),
+        nominal=nominal,
         corrections=corrections,
         findings=found,
     )

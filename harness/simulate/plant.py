@@ -21,7 +21,7 @@ from railgrip.simulate.readback import V_SMALL, probed, require_curve, require_r
 from railgrip.simulate.trial import findings, on_both_rails
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
-from railgrip.vehicle.signals import CURVE, Layout
+from railgrip.vehicle.signals import Layout, sent
 
 Vector = NDArray[np.float64]
 
@@ -38,17 +38,16 @@ def plant_signals(
         pneumatic: It takes positions of valves, else pressures.
         track_force: It has to take a force of the track.
     """
-    formation = layout.formation
-    name, unit = ("valve_command", "1") if pneumatic else ("pressure_command", "Pa")
-    inputs = (
-        Signal(name=name, unit=unit, size=formation.groups, needed=True),
-        Signal(name="mu0", unit="1", size=formation.wheelsets, needed=True),
-        Signal(name="track_force", unit="N", size=0, needed=track_force),
-        *(
-            Signal(name=s.name, unit=s.unit, size=formation.wheelsets, needed=True)
-            for s in layout.sent_signals
-            if s in CURVE
-        ),
+    formation, command = layout.formation, "valve_command" if pneumatic else "pressure_command"
+    # In the order of the loop's vector, so that each value arrives at the variable of its name.
+    inputs = tuple(
+        Signal(
+            name=command if s.name == "command" else s.name,
+            unit=s.unit,
+            size=0 if s.extent == "train" else formation.width(s.extent),
+            needed=s.name != "track_force" or track_force,
+        )
+        for s in sent(layout, pneumatic=pneumatic)
     )
     outputs = tuple(
         Signal(

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
-from railgrip.controllers.law import GroupLaw
+from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
-from railgrip.scenario.parts import ControllerFmu
+from railgrip.scenario.parts import ControllerFmu, KalmanFilter
 from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
@@ -29,8 +29,9 @@ from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
 from railgrip.simulate.files import description_of, lowered, parameters_of, plant_description, recipe_file, units_of
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
+from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
-from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.vehicle.brake import BRAKE, PRESSURE_OF_FORCE, Brake
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
     COUNTS,
@@ -67,9 +68,10 @@ class VehicleData:
 
         Raises:
             ScenarioError: [vehicle] train names a file that is no train.
-            FmuError: The plant is no FMU.
+            FmuError: The plant is not an FMU, or an FMU that is not a plant for this scenario.
         """
         self.scenario, self.file = scenario, plant_description(scenario)
+        require_plant(scenario, self.file)
         self.fmu_parameters = parameters_of(self.file)
 
     @cached_property
@@ -151,23 +153,31 @@ class VehicleData:
         """
         formation, nominal, controller = self.formation, self.declared, self.scenario.controller
         if isinstance(controller, ControllerFmu | Custom):
-            return Vehicle(formation, self._with_valves(nominal))
+            return Vehicle(formation, self._with_valves(nominal), required=self._required)
         units = units_of_nominal_data(formation)
         entries = {name: value for name, value in controller.parameters.items() if name in units}
         entries = in_units("[controller.parameters]", entries, units)
         nominal = with_each(nominal, formation) | with_each(entries, formation)
         if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
             nominal |= masses_by_name(np.full(formation.wheelsets, entries["m"] / formation.wheelsets))
-        return Vehicle(formation, self._with_valves(nominal), wanted=self._wanted)
+        return Vehicle(formation, self._with_valves(nominal), required=self._required)
 
     @property
-    def _wanted(self) -> frozenset[str]:
-        """Data of the brakes that controller and estimator ask for."""
+    def _required(self) -> frozenset[str]:
+        """Data of the brakes that controller, estimator and driver use.
+
+        A controller FMU is given no data of the brakes. A user's class is given all that are known, and an error if it
+        reads another one; see `railgrip.simulate.custom`.
+        """
         scenario, table = self.scenario, self.scenario.controller
-        is_plain = scenario.estimator.kind == "none" and isinstance(table, LawTable) and not table.redistribute
-        if not is_plain or table.kind not in registry.modules(registry.LAWS):
+        if isinstance(scenario.estimator, KalmanFilter) or table.redistribute:
             return frozenset(BRAKE)
-        return registry.part(registry.LAWS, table.kind, GroupLaw).brake_data
+        driver = PRESSURE_OF_FORCE if scenario.demand is not None and scenario.demand.has_target else frozenset[str]()
+        if not isinstance(table, LawTable):
+            return FULL_PRESSURE | driver
+        if table.kind not in registry.modules(registry.LAWS):
+            return frozenset(BRAKE)
+        return registry.part(registry.LAWS, table.kind, GroupLaw).brake_data | driver
 
     @cached_property
     def true(self) -> Vehicle:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from railgrip.base.errors import InputError
+from railgrip.base.names import nearest
 from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work, work
@@ -67,7 +68,9 @@ def study_named(name: str) -> type[Study]:
         InputError: The name of the study is unknown.
     """
     if name not in names():
-        raise InputError(f"there is no study '{name}'; there is {', '.join(names())}.")
+        near = nearest(name, names())
+        hint = f"did you mean `railgrip study {near[0]}`?" if near else f"there are {', '.join(names())}."
+        raise InputError(f"there is no study '{name}'; {hint}")
     return import_module(module_of(name)).STUDY
 
 

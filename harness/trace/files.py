@@ -13,7 +13,6 @@ import warnings
 from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 from scipy.io import loadmat
 
 from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import conversion, cut, place, short, unit
 from railgrip.scenario.file import is_file
 from railgrip.trace.delimited import SPELLINGS, read_delimited
@@ -249,12 +249,8 @@ def _all_there(path: Path, columns: Sequence[str], there: Sequence[str]) -> None
     missing = [name for name in columns if name not in there]
     if not missing:
         return
-    near = get_close_matches(missing[0], there, n=1)
-    hint = (
-        f"did you mean '{near[0]}'?"
-        if near
-        else f"it has {', '.join(cut(str(name)) for name in there[:50]) or 'none'}."
-    )
+    columns_there = ", ".join(cut(str(name)) for name in there[:50]) or "none"
+    hint = did_you_mean(missing[0], map(str, there)) or f"it has {columns_there}."
     if "?" in missing:
         hint = "fill in each '?' in [data.columns]; " + hint
     only = " Is its separator another one?" if len(there) == 1 and path.suffix.lower() == ".csv" else ""

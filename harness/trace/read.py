@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +11,7 @@ import xarray
 from numpy.typing import NDArray
 
 from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
 from railgrip.scenario.quantity import Magnitude
 from railgrip.trace.cleaning import Treatment, cleaned
@@ -154,8 +154,7 @@ def require_signals(
     problems: list[str] = []
     for name in table.columns:
         if name not in signals:
-            near = get_close_matches(name, signals, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(signals)}."
+            hint = did_you_mean(name, signals) or f"it has {', '.join(signals)}."
             problems.append(f"[data.columns]: the model has no signal {short(name)}; {hint}")
     missing = [name for name in inputs if name not in table.columns]
     if missing:

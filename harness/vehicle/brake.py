@@ -92,3 +92,6 @@ BRAKE: Mapping[str, tuple[str, str]] = MappingProxyType(
     {name: hint.__metadata__ for name, hint in get_type_hints(Brake, include_extras=True).items()}
 )
 """Unit and meaning of each datum of a group's brake."""
+
+PRESSURE_OF_FORCE = frozenset({"piston_area", "spring_force", "rigging"})
+"""Data that `Brake.pressure_of` and `Brake.pad_force` use."""

@@ -3,7 +3,7 @@
 Names are those of Modelica: `J[2]` is of one group or wheelset, `J` of all of them.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -56,13 +56,13 @@ class Vehicle:
         wheelsets: Which there are and where, without loads and brakes.
         parameters: Numeric ones of the plant.
         isolated: Zero-based groups whose brake is isolated.
-        wanted: Data of its brakes that the loop needs; others may be missing from the formation.
+        required: Data of its brakes that a part of the stop uses; others may be missing from the formation.
     """
 
     wheelsets: Formation
     parameters: Mapping[str, float]
     isolated: tuple[int, ...] = ()
-    wanted: frozenset[str] = frozenset(BRAKE)
+    required: frozenset[str] = frozenset(BRAKE)
 
     @cached_property
     def formation(self) -> Formation:
@@ -141,20 +141,18 @@ class Vehicle:
         lacking: list[str] = []
         if "m" not in self.parameters and not self._has(_MASS, self.wheelsets.wheelsets):
             lacking.append("wheelset_load (static force of each wheelset on the rail [N])")
-        parameters = {OF_BRAKES[datum]: BRAKE[datum] for datum in OF_BRAKES if datum in self.wanted}
-        if "rigging" in self.wanted:
-            parameters |= _OF_RIGGING
         brakes = [
-            f"{name} ({meaning}{'' if unit == '1' else f' [{unit}]'})"
-            for name, (unit, meaning) in parameters.items()
+            f"{name} ({meaning})"
+            for name, meaning in meanings_of_brakes(self.required).items()
             if not self._has(name, self.wheelsets.groups)
         ]
         if brakes:
             lacking.append(f"brakes = {{ {', '.join(brakes)} }}")
         if lacking:
             raise ScenarioError(
-                f"[vehicle.formation] lacks {' and '.join(lacking)}, which controller or estimator need and the plant "
-                "does not say: write them there, a value for all or a list"
+                f"[vehicle.formation] lacks {' and '.join(lacking)}, which controller, estimator or driver need and "
+                "the plant does not say: write them there, a value for all or a list; `railgrip map` prints the lines "
+                "of an FMU"
             )
 
     def _has(self, name: str, count: int) -> bool:
@@ -177,6 +175,14 @@ class Vehicle:
         if lacking is not None and missing is None:
             raise ScenarioError(f"[vehicle.formation] lacks '{lacking}', and the plant does not offer it")
         return np.array([self.parameters.get(element, missing) for element in elements], dtype=np.float64)
+
+
+def meanings_of_brakes(data: Collection[str] = frozenset(BRAKE)) -> dict[str, str]:
+    """Return parameter → meaning with unit, "rolling radius [m]", of these data of a `Brake`, its load left out."""
+    parameters = {OF_BRAKES[datum]: BRAKE[datum] for datum in OF_BRAKES if datum in data}
+    if "rigging" in data:
+        parameters |= _OF_RIGGING
+    return {name: meaning if unit == "1" else f"{meaning} [{unit}]" for name, (unit, meaning) in parameters.items()}
 
 
 def array_of(parameters: Mapping[str, float], name: str) -> tuple[float, ...]:

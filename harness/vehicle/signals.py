@@ -84,7 +84,7 @@ SENT = (
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
     Signal("track_force", "train", "N", "force of the track, forward positive"),
 )
-"""What the plant was given, in the order of its inputs."""
+"""What the plant was given; its inputs have these names and are bound by them, see `railgrip.simulate.plant`."""
 
 CURVE = (
     Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),
@@ -239,8 +239,10 @@ def layout_of(
 
 def sent(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
     """Return the inputs of a plant, with the unit of the command: the position of a valve, or a pressure."""
-    if pneumatic:
-        command = replace(SENT[0], unit="1", meaning="command to the valves: -1 vent, 0 hold, 1 fill")
-    else:
-        command = replace(SENT[0], unit="Pa", meaning="commanded brake cylinder pressure")
-    return (command, *layout.sent_signals[1:])
+    unit, meaning = ("1", "command to the valves: -1 vent, 0 hold, 1 fill") if pneumatic else (
+        "Pa", "commanded brake cylinder pressure",
+    )  # fmt: skip
+    return tuple(
+        replace(signal, unit=unit, meaning=meaning) if signal.name == "command" else signal
+        for signal in layout.sent_signals
+    )

@@ -60,15 +60,6 @@ def test_a_folder_without_a_digest_is_told_where_the_runs_of_that_name_are(railg
     assert f"has neither campaign.json nor stop.json; there is {folder.relative_to(project)}" in result.err
 
 
-def test_a_run_of_the_former_layout_stays_and_is_named(railgrip, project):
-    former = project / "build/runs/wet"
-    assert railgrip("run", "wet.toml", "--out", former).code == 0
-    result = railgrip("run", "wet.toml")
-    assert result.code == 0
-    assert "build/runs/wet holds a stop of an earlier version of railgrip and stays as it is" in result.err
-    assert railgrip("report", former).code == 0
-
-
 def test_a_stop_is_not_written_into_a_campaign_whose_page_shows_another(railgrip, project):
     assert railgrip("campaign", "pair.toml", "--out", "out").code == 0
     result = railgrip("run", "wet.toml", "--set", "description=break", "--out", "out/wet-sbc")
@@ -98,7 +89,7 @@ def test_a_stop_that_ends_badly_is_kept_and_exits_3(railgrip, project):
         (("run", "wet.toml", "--set", "description=refuse"), "wet: the plant has no brakes"),
         (("run", "pair.toml"), "pair.toml: is a file of the kind campaign; use `railgrip campaign pair.toml`"),
         (("run",), "Missing argument 'SCENARIO'"),
-        (("fly",), "No such command 'fly'"),
+        (("fly",), "there is no command `railgrip fly`"),
         (("campaign", "wet.toml"), "wet.toml: is a file of the kind scenario; use `railgrip run wet.toml`"),
         (("campaign", "pair.toml", "pair.toml"), "two campaigns are named 'pair'"),
         (("campaign", "pair.toml", "--set", "seed=x"), "pair.toml, stop wet-sbc (wet.toml): seed is 'x'"),

@@ -40,32 +40,34 @@ def test_the_help_of_a_command_begins_with_its_summary_and_cites_no_file_of_the_
     shown = command(*path, "--help")
     assert shown.code == 0
     assert "Usage:" in shown.out
+    assert "--quiet" in shown.out
     assert "harness/" not in shown.out
 
 
 @pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("k-factors", "study k_factors"),
-        ("rig", "study roller_rig"),
-        ("monitor-study", "study pad_monitor"),
-        ("readme", "maintain validation"),
-        ("bench", "study bench"),
-        ("maintain bench", "study bench"),
-        *((name, f"maintain {name}") for name in ("accept", "calibrate", "conditioning", "regress", "tune")),
-        ("tune-control", "maintain tune-control"),
-    ],
-)
-def test_a_former_spelling_is_refused_with_the_new_one(old, new, command):
-    refused = command(*old.split(), "--out", "here")
+    ("typed", "found"),
+    [("k-factors", "study k_factors"), ("lateral", "study lateral"), ("type-test", "study type_test"),
+     ("field", "study field_test"), ("bench", "study bench"), ("maintain acept", "maintain accept")],
+)  # fmt: skip
+def test_a_command_of_another_group_is_refused_with_its_whole_words(typed, found, command):
+    refused = command(*typed.split(), "--out", "here")
     assert refused.code == 2
-    assert f"`railgrip {old}` is now `railgrip {new}`." in refused.err
+    assert f"did you mean `railgrip {found}`?" in refused.err
 
 
 def test_commands_of_users_come_before_those_of_maintainers():
     names = [path[0] for path in ALL if len(path) == 1]
     assert names[0] == "run"
     assert names[-1] == "maintain"
+
+
+@pytest.mark.parametrize("place", [0, 1, 2, 3], ids=str)
+@pytest.mark.parametrize(("option", "level"), [("-q", logging.WARNING), ("--verbose", logging.DEBUG)])
+def test_global_options_work_in_front_of_a_command_and_behind_it(option, level, place, command):
+    words = ["train", "check", "emu387"]
+    words.insert(place, option)
+    assert command(*words).code == 0
+    assert logging.getLogger("railgrip").level == level
 
 
 COMPLETE = """

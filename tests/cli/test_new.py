@@ -114,9 +114,3 @@ def test_a_file_that_cannot_be_begun_is_refused(railgrip, folder, arguments, sen
     assert result.code in (2, 3)
     assert sentence in result.err
     assert [path.name for path in folder.iterdir()] == ["taken"]
-
-
-def test_the_former_command_is_refused_with_the_new_one(railgrip):
-    result = railgrip("train", "new", "mine.toml")
-    assert result.code == 2
-    assert "`railgrip train new` is now `railgrip new train mine.toml`." in result.err

@@ -46,12 +46,12 @@ def test_all_missing_data_are_in_one_message_with_their_keys():
     assert "r_wheel" not in message
 
 
-def test_what_nobody_asks_for_may_be_missing():
-    wanted = frozenset({"pressure_max", "wheel_radius"})
-    formation = Vehicle(Formation((1, 1)), KNOWN, wanted=wanted).formation
+def test_data_that_no_part_uses_may_be_missing():
+    required = frozenset({"pressure_max", "wheel_radius"})
+    formation = Vehicle(Formation((1, 1)), KNOWN, required=required).formation
     assert formation.pressure_max.tolist() == [3.4e5, 3.4e5]
     assert math.isnan(formation.brakes[0].inertia)
     with pytest.raises(ScenarioError, match=r"brakes = \{ n_units \(number of brake units\), r_friction "):
         _ = Vehicle(Formation((1, 1)), KNOWN).formation
     with pytest.raises(ScenarioError, match=r"lacks brakes = \{ p_max \(highest brake cylinder pressure \[Pa\]\) \}"):
-        _ = Vehicle(Formation((1, 1)), {k: v for k, v in KNOWN.items() if k != "p_max"}, wanted=wanted).formation
+        _ = Vehicle(Formation((1, 1)), {k: v for k, v in KNOWN.items() if k != "p_max"}, required=required).formation

@@ -194,7 +194,7 @@ def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(fac
     gains = Train(factors, draft.table).gain
     assert gains == pytest.approx(dict.fromkeys(UNITS, 1.0), rel=1e-6)
     assert {sentence.split()[0] for sentence in draft.corrections} == factors.keys()
-    assert draft.radius == pytest.approx([RADIUS] * 2, rel=1e-6)
+    assert draft.nominal["r_wheel"] == pytest.approx([RADIUS] * 2, rel=1e-6)
 
 
 def test_a_unit_is_stated_where_the_fmu_has_none_and_scaled_where_it_has():

@@ -125,20 +125,3 @@ def test_a_class_with_events_is_no_plain_differential_equation(tmp_path):
     file.write_text("model M Real x(start=1,fixed=true); equation der(x) = if x > 0.5 then -1 else -x; end M;")
     with pytest.raises(TranslationError, match="noEvent"):
         lower("M", file)
-
-
-EARLIER = "RailBraking.FMUs.TwoPartTrain"
-
-
-def test_an_earlier_name_of_a_class_is_refused_with_the_present_one():
-    with pytest.raises(InputError, match=rf"^{EARLIER} is now RailBraking\.Plants\.TwoPartTrain"):
-        lower(EARLIER)
-    with pytest.raises(InputError, match=r"FMUs\.WagonPrediction is now RailBraking\.Predictions\.WagonPrediction"):
-        lower("RailBraking.FMUs.WagonPrediction")
-
-
-def test_an_earlier_name_inside_a_class_is_found_with_file_and_line(tmp_path):
-    file = tmp_path / "Mine.mo"
-    file.write_text(f"block Mine\n  extends {EARLIER};\nend Mine;\n")
-    with pytest.raises(InputError, match=rf"Mine\.mo:2: {EARLIER} is now RailBraking\.Plants\.TwoPartTrain"):
-        read("Mine", file)

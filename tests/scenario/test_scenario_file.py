@@ -117,7 +117,7 @@ REFUSALS = [
     (["adhesion.period=3 m"], "[adhesion] period is '3 m', but 'm' cannot be converted to 's'"),
     (
         ["sensors.kind=service", "sensors.speed.principle=doppler"],
-        "[sensors.speed] has the key 'principle' of earlier versions, ",
+        "[sensors.speed] has no key 'principle'; it has ",
     ),
     (["adhesion.ramp=0 s"], "[adhesion] ramp must be above 0 s, got 0."),
     (["adhesion.low=30 s"], "[adhesion] low and two ramps take 32 s, longer than period 8."),

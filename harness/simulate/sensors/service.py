@@ -1,7 +1,7 @@
 """The instruments of a train in service."""
 
 import math
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,13 +52,6 @@ class SpeedSensor(Table):
     drift_time: Duration | None = optional("over which the autocorrelation of the drift falls to 1/e")
     dropouts: Deviation = optional("share of the time without readings", default=0.0)
     dropout_time: Duration | None = optional("mean length of a drop-out")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _no_principle(cls, entry: Any) -> Any:
-        if isinstance(entry, dict) and "principle" in entry:
-            raise broken("has the key 'principle' of earlier versions, which changed nothing; remove it")
-        return entry
 
     @model_validator(mode="after")
     def _times(self) -> Self:

@@ -11,6 +11,7 @@ from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import replacing
+from railgrip.base.names import did_you_mean
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.learned.preprocessing import COMBINATIONS
 from railgrip.estimators.learned.trained import Trained, as_fmu, save
@@ -62,7 +63,10 @@ class AxleBox(Study):
     def __post_init__(self) -> None:
         """Check options against each other."""
         if self.inputs is not None and self.inputs not in COMBINATIONS:
-            raise ScenarioError(f"--inputs is '{self.inputs}'; there is {'; '.join(COMBINATIONS)}.")
+            raise ScenarioError(
+                f"--inputs is '{self.inputs}'; there is {'; '.join(COMBINATIONS)}"
+                + did_you_mean(self.inputs, COMBINATIONS, before="; ")
+            )
         if self.file is not None and self.quick:
             raise ScenarioError("--quick is for the simulated runs of the study; leave it out with runs of your own.")
         if self.write and (self.quick or self.file is not None):

@@ -190,7 +190,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     """Run the plant with filters beside it.
 
     Raises:
-        railgrip.fmi.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
+        railgrip.base.errors.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
     sensors = SENSORS[case.plant]
     realisation = course(case.test, case.seed, sensors)

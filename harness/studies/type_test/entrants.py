@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -10,6 +9,7 @@ from pydantic import ConfigDict, Field, StrictBool
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut
 from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED
@@ -103,9 +103,9 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
         return argument.rpartition(":")[2], _entrant_of(argument, {"controller": {"kind": argument}})
     if argument in registry.installed_names("controllers"):
         return argument, _entrant_of(argument, {"controller": {"kind": argument}})
-    near = get_close_matches(argument, ours, n=1)
+    question = did_you_mean(argument, ours, quote="")
     raise ScenarioError(
-        f"--controller {cut(argument)}: {f'did you mean {near[0]}? It ' if near else ''}is neither one of "
+        f"--controller {cut(argument)}: {f'{question} It ' if question else ''}is neither one of "
         f"{', '.join(ours)} nor a scenario, an .fmu or module:Class"
     )
 

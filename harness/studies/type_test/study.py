@@ -15,6 +15,7 @@ from typer import Option
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
+from railgrip.base.names import did_you_mean
 from railgrip.campaign.run import CampaignRun, write_description
 from railgrip.campaign.work import Work
 from railgrip.report import palette, style
@@ -111,7 +112,10 @@ class TypeTest(Study):
         candidates = ours if self.controller is None else entrants_named(self.controller, ours)
         taking_part = ours | candidates
         if self.against is not None and self.against not in taking_part:
-            raise ScenarioError(f"--against {self.against}: is none of {', '.join(taking_part)}")
+            raise ScenarioError(
+                f"--against {self.against}: is not one of {', '.join(taking_part)}"
+                + did_you_mean(self.against, taking_part, before="; ")
+            )
         # References are run, too; stops of other controllers come from earlier runs.
         running = {name for name, entrant in ours.items() if entrant.role in {"reference", "bound"}} | candidates.keys()
         if self.case:

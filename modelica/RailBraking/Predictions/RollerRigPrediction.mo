@@ -1,7 +1,7 @@
 within RailBraking.Predictions;
 block RollerRigPrediction "Roller rig as an estimator believes it to be"
   extends Icons.Vehicle;
-  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start";
+  parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed at the start";
   parameter Types.Ratio mu_b_start = 0.35 "Pad friction at the start";
   parameter Types.Ratio alpha_start = 0 "Adhesion at the start";
   parameter Types.Mass m_imitated = 20e3 "Mass that roller and drive imitate together";

@@ -1,7 +1,7 @@
 within RailBraking.Predictions;
 block WagonPrediction "Wagon of two wheelsets as an estimator believes it to be"
   extends Icons.Vehicle;
-  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start";
+  parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed at the start";
   parameter Types.Ratio mu_b_start[2] = {0.35, 0.35} "Pad friction at the start";
   parameter Types.Ratio alpha_start = 0 "Adhesion at the start";
   parameter Types.Mass m = 40e3 "Mass of the wagon";

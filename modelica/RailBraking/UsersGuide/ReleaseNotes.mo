@@ -3,7 +3,7 @@ class ReleaseNotes "Release notes"
   annotation (
     DocumentationClass=true,
     Documentation(info="<html>
-<h4>Version 0.1.0, not yet released</h4>
+<h4>Version 0.1.0</h4>
 <ul>
 <li>Two-part train with ideal cylinders or valves, and its prediction models.</li>
 <li>Wagon, roller rig, wheelset with lateral motion and instrumented car.</li>

@@ -4,9 +4,9 @@ model PredictedParts "Bogies and a body make the prediction of the two-part trai
   extends Interfaces.PartialValidation(tolerance=1e-6);
   parameter Types.Ratio alpha[4] = {0.12, 0.08, 0.08, 0.12} "Adhesion of each group, kept";
   parameter Types.Pressure pressure[4] = {3e5, 2e5, 2e5, 3e5} "Cylinder pressure of each group";
-  parameter Types.AngularVelocity w_start = 22.222222222222222/0.38 "Angular velocity of all wheelsets at the start";
+  parameter Types.AngularVelocity w_start = 80/3.6/0.38 "Angular velocity of all wheelsets at the start";
   Predictions.TrainPrediction train(alpha_start=alpha) "With suspension, as a whole";
-  Vehicles.BodyPrediction body(m=84000, v(start=22.222222222222222)) "Its masses along the track";
+  Vehicles.BodyPrediction body(m=84000, v(start=80/3.6)) "Its masses along the track";
   Vehicles.PartPrediction front(
     n_bogies=1, group_of_wheelset={1, 1}, w(each start=w_start), alpha(each start=alpha[1]), J={222}, r_wheel={0.38},
     n_units={3}, r_friction={0.235}, m_group={27500}) "Leading bogie, whose wheelsets turn as one";
@@ -18,7 +18,7 @@ model PredictedParts "Bogies and a body make the prediction of the two-part trai
     n_bogies=1, group_of_wheelset={1, 1}, w(each start=w_start), alpha(each start=alpha[4]), J={222}, r_wheel={0.38},
     n_units={3}, r_friction={0.235}, m_group={27500}) "Trailing bogie";
   Vehicles.ConsistPrediction consist(
-    n_groups=4, n_bogies=3, group_of_wheelset={1, 1, 2, 3, 4, 4}, v(start=22.222222222222222),
+    n_groups=4, n_bogies=3, group_of_wheelset={1, 1, 2, 3, 4, 4}, v(start=80/3.6),
     w(each start=w_start), alpha(start=alpha), J={222, 209, 209, 222}, r_wheel=fill(0.38, 4), n_units={3, 2, 2, 3},
     r_friction={0.235, 0.220, 0.220, 0.235}, m_group={27500, 14500, 14500, 27500},
     m_unsprung={1500, 1500, 1300, 1300, 1500, 1500}, m_frame={3500, 2800, 3500}, I_frame={2200, 2300, 2200},

@@ -1,7 +1,7 @@
 within RailBraking.Vehicles;
 partial block PartialRollerRig "Braked wheelset on a roller that imitates a wagon; what fills the cylinders is open"
   extends Icons.Vehicle;
-  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed of the roller's surface at the start"
+  parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed of the roller's surface at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Mass m_imitated = 20e3 "Mass that roller and drive imitate together" annotation(Dialog(group="Rig"));
   parameter Types.Force load = 98.1e3 "Mean load of the wheelset on the roller" annotation(Dialog(group="Rig"));

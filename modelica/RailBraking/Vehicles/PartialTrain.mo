@@ -9,7 +9,7 @@ partial block PartialTrain "What every train made of cars, bogies and couplers s
     annotation(Evaluate=true, Dialog(group="Formation"));
   parameter Integer wheelsets(min=1) = 1 "Number of wheelsets" annotation(Evaluate=true, Dialog(group="Formation"));
   final parameter Integer couplers = bodies - 1 "Number of couplers";
-  parameter Types.Velocity start_speed(min=0) = 22.222222222222222 "Speed at the start"
+  parameter Types.Velocity start_speed(min=0) = 80/3.6 "Speed at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Ratio wheelsets_per_group[groups] = fill(wheelsets/groups, groups)
     "Number of wheelsets that turn as one, leading group first; a description, no value to change"

@@ -11,7 +11,7 @@ partial block PartialTwoPartPrediction "What the prediction models of the two-pa
     final f_resistance=fill(
       Components.bearingFriction(mu_bearing, r_bearing, r_wheel) + e_rolling/r_wheel, 4),
     w(each start=start_speed/r_wheel), mu_b(start=mu_b_start), alpha(start=alpha_start));
-  parameter Types.Velocity start_speed(min=0) = 22.222222222222222 "Speed at the start";
+  parameter Types.Velocity start_speed(min=0) = 80/3.6 "Speed at the start";
   parameter Types.Ratio mu_b_start[4] = {0.35, 0.35, 0.35, 0.35} "Pad friction at the start";
   parameter Types.Ratio alpha_start[4] = {0, 0, 0, 0} "Adhesion of each group at the start";
   parameter Types.Mass m_wheelset[6](each min=1e-3) = {13400, 14100, 14500, 14500, 14100, 13400}

@@ -1,7 +1,7 @@
 within RailBraking.Vehicles;
 partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylinders is open"
   extends Icons.Vehicle;
-  parameter Types.Velocity start_speed(min=0) = 33.333333333333333 "Speed at the start"
+  parameter Types.Velocity start_speed(min=0) = 120/3.6 "Speed at the start"
     annotation(Dialog(group="Start"));
   parameter Types.Ratio wheelsets_per_group[2] = {1, 1}
     "Number of wheelsets that turn as one, leading group first; a description, no value to change"

@@ -1,0 +1,45 @@
+"""Names that a user types: the nearest ones to a name that does not exist."""
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+_LONGEST = 200
+"""Longest text that is compared [characters]: difflib takes seconds for a million, and none is near to a name."""
+
+
+def nearest(name: str, names: Iterable[str], *, count: int = 1, cutoff: float = 0.6) -> list[str]:
+    """Return the names that are most similar to a name that does not exist; empty if none is similar.
+
+    Case and the difference of - and _ do not count.
+
+    Args:
+        name: As typed.
+        names: Those that exist.
+        count: Greatest number of names returned.
+        cutoff: Minimum similarity, 0 to 1; see `difflib.get_close_matches`.
+    """
+    if len(name) > _LONGEST:
+        return []
+    plain = {_plain(each): each for each in names}
+    return [plain[each] for each in get_close_matches(_plain(name), plain, n=count, cutoff=cutoff)]
+
+
+def did_you_mean(
+    name: str, names: Iterable[str], *, count: int = 1, cutoff: float = 0.6, quote: str = "'", before: str = ""
+) -> str:
+    """Return a question with the nearest names, "did you mean 'speed' or 'speeds'?"; empty if none is near.
+
+    Args:
+        name: As typed.
+        names: Those that exist.
+        count: As for `nearest`.
+        cutoff: As for `nearest`.
+        quote: Quotation mark around each name.
+        before: Words in front of the question, if there is one.
+    """
+    near = nearest(name, names, count=count, cutoff=cutoff)
+    return f"{before}did you mean {' or '.join(f'{quote}{each}{quote}' for each in near)}?" if near else ""
+
+
+def _plain(name: str) -> str:
+    return name.casefold().replace("-", "_")

@@ -1,0 +1,206 @@
+"""Docstrings and comments name only files, modules, classes and variables that exist."""
+
+import ast
+import io
+import re
+import subprocess
+import tokenize
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("harness", "controllers", "estimators", "fmus", "tests")
+SUFFIXES = r"(?:py|c|h|toml|md|mo|json|svg|js|css)"
+FILE = re.compile(rf"(?<![\w./*<{{-])(?:[\w-]+/)*[\w-]+\.{SUFFIXES}(?!\.?\w|[*(])")
+DOTTED = re.compile(r"(?<![\w./`])`?(railgrip(?:\.\w+)+)")
+MODELICA = re.compile(r"(?<![\w.])RailBraking(?:\.[A-Za-z]\w*)+")
+QUOTED = re.compile(r"`([A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*)(?:\(\))?`")
+GENERATED = {
+    "friction.json",
+}  # fmt: skip
+"""Files that commands write."""
+ENTRY_POINTS = {f"railgrip.{role}" for role in ("controllers", "estimators", "sensors", "plants")}
+"""Groups of entry points of other packages."""
+EXAMPLE = re.compile(r"My|.*_\d$")
+"""Names of a user's library, and of elements of an array."""
+
+
+@cache
+def tracked() -> tuple[str, ...]:
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    return tuple(name for name in done.stdout.splitlines() if (ROOT / name).is_file())
+
+
+@cache
+def sources() -> tuple[Path, ...]:
+    return tuple(ROOT / name for name in tracked() if name.endswith(".py") and name.startswith(PACKAGES[:-1]))
+
+
+def prose(path: Path) -> list[tuple[int, str]]:
+    """Return the docstrings and comments of a file with their lines."""
+    text = path.read_text(encoding="utf-8")
+    found = [
+        (token.start[0], token.string)
+        for token in tokenize.generate_tokens(io.StringIO(text).readline)
+        if token.type == tokenize.COMMENT
+    ]
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            found.append((node.lineno, node.value.value))
+    return found
+
+
+@cache
+def endings() -> frozenset[str]:
+    """Return the tracked files by each of their endings: `loop/loop.py` is `harness/simulate/loop/loop.py`."""
+    parts = [name.split("/") for name in tracked()]
+    return frozenset("/".join(each[i:]) for each in parts for i in range(len(each)))
+
+
+@cache
+def identifiers() -> frozenset[str]:
+    """Return all identifiers of the sources, of any language, without those in prose alone."""
+    words: set[str] = set()
+    for name in tracked():
+        path = ROOT / name
+        if path == Path(__file__):
+            continue
+        if name.endswith(".py"):
+            for token in tokenize.generate_tokens(io.StringIO(path.read_text(encoding="utf-8")).readline):
+                if token.type == tokenize.NAME:
+                    words.add(token.string)
+                elif token.type == tokenize.STRING and not token.string.startswith(('"""', 'r"""')):
+                    words.update(re.findall(r"\w+", token.string))
+        elif name.endswith((".c", ".h", ".toml", ".mo", ".js", ".jinja")):
+            words.update(re.findall(r"\w+", path.read_text(encoding="utf-8")))
+    return frozenset(words)
+
+
+def members(path: Path, names: list[str]) -> bool:
+    """Say whether a module has a top-level name, and a class of it the next one."""
+    body: list[ast.stmt] = ast.parse(path.read_text(encoding="utf-8")).body
+    for name in names:
+        found = [node for node in body if name in defined(node)]
+        if not found:
+            return False
+        body = found[0].body if isinstance(found[0], ast.ClassDef) else []
+        if not isinstance(found[0], ast.ClassDef):
+            return name == names[-1]
+    return True
+
+
+def defined(node: ast.stmt) -> set[str]:
+    if isinstance(node, ast.ClassDef | ast.FunctionDef):
+        return {node.name}
+    if isinstance(node, ast.Import | ast.ImportFrom):
+        return {alias.asname or alias.name for alias in node.names}
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+    return {target.id for target in targets if isinstance(target, ast.Name)}
+
+
+def exists(dotted: str) -> bool:
+    """Say whether a module, class or attribute `railgrip.a.b.C` exists."""
+    first, *rest = dotted.split(".")[1:]
+    if dotted in ENTRY_POINTS or (not rest and members(ROOT / "harness" / "api.py", [first])):
+        return True
+    place = ROOT / first if first in PACKAGES[1:-1] else ROOT / "harness" / first
+    while rest and (place / rest[0]).is_dir():
+        place /= rest.pop(0)
+    if rest and (place / f"{rest[0]}.py").is_file():
+        return members(place / f"{rest[0]}.py", rest[1:])
+    file = place.with_suffix(".py") if place.with_suffix(".py").is_file() else place / "__init__.py"
+    return file.is_file() and members(file, rest)
+
+
+def modelica_exists(name: str) -> bool:
+    """Say whether a class of the Modelica library exists, or a component of one."""
+    place, parts = ROOT / "modelica", name.split(".")
+    while parts and (place / parts[0]).is_dir():
+        place /= parts.pop(0)
+    if not parts:
+        return True
+    texts = [
+        file.read_text(encoding="utf-8") for file in (place / f"{parts[0]}.mo", place / "package.mo") if file.is_file()
+    ]
+    return any(re.search(rf"\b{part}\b", text) for text in texts for part in parts[-1:])
+
+
+@cache
+def classes() -> dict[str, set[str]]:
+    """Return the classes of the sources with all names in their bodies; those of equal name together."""
+    found: dict[str, set[str]] = {}
+    for path in sources():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                inner = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
+                inner |= {name for each in node.body for name in defined(each)}
+                inner |= set(re.findall(r"self\.(\w+)", ast.unparse(node)))
+                if node.bases:
+                    inner.add("*")
+                found.setdefault(node.name, set()).update(inner)
+    return found
+
+
+def missing(text: str) -> list[str]:
+    """Return the references of a text that exist nowhere."""
+    files = [name for name in FILE.findall(text) if "/" in name and not EXAMPLE.match(name)]
+    wrong = [name for name in files if name not in endings() and name.rpartition("/")[2] not in GENERATED]
+    wrong += [name for name in DOTTED.findall(text) if not exists(name)]
+    wrong += [name for name in MODELICA.findall(text) if not modelica_exists(name)]
+    for name in QUOTED.findall(text):
+        owner, _, rest = name.partition(".")
+        if owner in classes() and rest and "*" not in classes()[owner]:
+            wrong += [name] if rest.partition(".")[0] not in classes()[owner] else []
+        elif (
+            not rest
+            and not EXAMPLE.fullmatch(name)
+            and ("_" in name.strip("_") or re.search(r"[a-z][A-Z]", name))
+            and name not in identifiers()
+        ):
+            wrong.append(name)
+    return wrong
+
+
+def test_docstrings_and_comments_name_what_exists():
+    wrong = [
+        f"{path.relative_to(ROOT)}:{line}: {name}"
+        for path in sources()
+        for line, text in prose(path)
+        for name in missing(text)
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["see loop/kernel/cycel.c", "`railgrip.simulate.faults.Site`", "`Binding.translated`", "RailBraking.FMUs.Wagon",
+     "railgrip.fmi.mapping.bound", "`no_such_name`"],
+)  # fmt: skip
+def test_a_reference_to_nothing_is_found(text):
+    assert missing(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["loop/kernel/cycle.c", "`railgrip.simulate.faults.site.Site`", "`Binding.translate`", "RailBraking.Plants.Wagon",
+     "`railgrip.simulate.custom`", "harness/fmi/mapping.py", "`did_you_mean`"],
+)  # fmt: skip
+def test_a_reference_to_what_exists_is_not(text):
+    assert missing(text) == []
+
+
+def test_defaults_are_written_as_users_write_them():
+    """80/3.6, not 22.222222222222222: in the Modelica library, the scenarios and the templates."""
+    files = [
+        ROOT / name for name in tracked() if name.startswith(("modelica/", "harness/")) and name[-3:] in (".mo", "oml")
+    ]
+    assert len(files) > 100
+    long = [
+        f"{file.relative_to(ROOT)}: a long run of the digit {number}"
+        for file in files
+        for number in re.findall(r"\b\d*\.\d*?(?:(\d)\1{9,})\d?\b", file.read_text(encoding="utf-8"))
+    ]
+    assert not long, "\n".join(long)

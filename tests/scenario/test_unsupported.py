@@ -1,0 +1,74 @@
+"""What is known in the field and not supported is said to be so, in train files and scenarios alike."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel
+
+from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import shelf
+from railgrip.rolling_stock.files import train_of
+from railgrip.rolling_stock.schema import Train
+from railgrip.scenario.json_schema import scenario_schema, schema_of
+from railgrip.scenario.load import load
+from railgrip.scenario.unsupported import UNSUPPORTED, unsupported
+
+KEYS = {
+    "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",
+    "dynamic_brake": "electrodynamic", "blending": "electrodynamic", "retarder": "hydrodynamic",
+    "eddy_current_brakes": "eddy-current", "track_eddy_current": "eddy-current", "tread_brake": "tread",
+    "brake_blocks": "tread", "parking_brake": "parking", "spring_brakes": "parking", "load_proportional": "load",
+    "wind": "wind", "tunnel": "wind",
+}  # fmt: skip
+
+
+def train_with(place: str, key: str) -> str:
+    table = tomllib.loads(shelf("trains")["emu387"].read_text(encoding="utf-8"))
+    {"top": table, "bogie": next(iter(table["bogies"].values())), "car": table["cars"][0]}[place][key] = {"force": 1.0}
+    with pytest.raises(ScenarioError) as refused:
+        train_of(table, "own.toml")
+    return str(refused.value)
+
+
+@pytest.mark.parametrize("place", ["top", "bogie", "car"])
+@pytest.mark.parametrize(("key", "word"), KEYS.items())
+def test_a_train_file_with_such_a_key_is_refused_with_what_it_is(key, word, place):
+    message = train_with(place, key)
+    assert re.search(rf"has no key '{key}'; .*{word}.* not supported in this file; ", message)
+    assert "did you mean" not in message
+
+
+@pytest.mark.parametrize("table", ["", "vehicle.", "track."])
+@pytest.mark.parametrize(("key", "word"), KEYS.items())
+def test_a_scenario_with_such_a_key_is_refused_with_what_it_is(key, word, table):
+    with pytest.raises(ScenarioError, match=rf"has no key '{key}'; .*{word}.* not supported in this file; ") as refused:
+        load(Path("trapezoid"), [f"{table}{key}={{a=1}}"])
+    assert "did you mean" not in str(refused.value)
+
+
+def names(schema: object) -> set[str]:
+    """Return all names of properties in a JSON schema."""
+    if isinstance(schema, list):
+        return set().union(*map(names, schema))
+    if not isinstance(schema, dict):
+        return set()
+    return set(schema.get("properties", ())).union(*(names(value) for value in schema.values()))
+
+
+def test_no_key_of_a_file_is_said_to_be_unsupported():
+    supported = names(scenario_schema()) | names(schema_of(Train))
+    assert {"track_brakes", "track_brake", "resistance", "demand"} <= supported
+    assert [key for key in supported if unsupported(key)] == []
+
+
+def test_each_entry_has_an_example_here():
+    covered = {pattern for key in KEYS for pattern in UNSUPPORTED if re.fullmatch(pattern, key)}
+    assert covered == UNSUPPORTED.keys()
+
+
+def test_magnetic_track_brakes_are_supported():
+    assert issubclass(Train, BaseModel)
+    assert not unsupported("track_brakes")
+    assert not unsupported("magnetic_track_brake")
