@@ -3,6 +3,7 @@
 import math
 import operator
 from collections.abc import Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
@@ -79,17 +80,34 @@ class Unit:
         return "no unit" if self.unit == "1" else repr(self.unit)
 
 
+@dataclass(frozen=True, slots=True)
+class InList:
+    """An element of a list of parameters, as written.
+
+    Attributes:
+        entry: Its value.
+        count: Number of elements of the list.
+    """
+
+    entry: object
+    count: int
+
+
 class Magnitude:
     """A parameter of a model: the value in its unit, and the dimension if the file states one.
 
-    The unit that is wanted stands in the model, so the dimension can only be checked after the model has been read:
+    The model defines the expected unit, so the dimension can only be checked after the model has been read:
     `magnitude.si("Pa")`.
+
+    Attributes:
+        entry: Number, truth value or text, as written.
+        count: Number of elements of the list that the file gives it in; None where it is given by itself.
     """
 
-    __slots__ = ("entry",)
+    __slots__ = ("count", "entry")
 
-    def __init__(self, entry: float | str | bool) -> None:
-        """Take what the file says.
+    def __init__(self, entry: float | str | bool, count: int | None = None) -> None:
+        """Keep the entry of a file.
 
         Raises:
             ValueError: A text that is not a number with a unit, or a number that is not finite.
@@ -100,7 +118,7 @@ class Magnitude:
             finite = False
         if not finite:
             raise ValueError(f"is {short(entry)}, but a finite number is wanted")
-        self.entry = entry
+        self.entry, self.count = entry, count
 
     def si(self, unit: str | units.Unit | None) -> float:
         """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio.
@@ -130,10 +148,11 @@ class Magnitude:
         def read(entry: object) -> "Magnitude":
             if isinstance(entry, Magnitude):
                 return entry
+            entry, count = (entry.entry, entry.count) if isinstance(entry, InList) else (entry, None)
             if not isinstance(entry, bool | int | float | str):
                 raise _refusal(f"is {_spell(entry)}, but a number, true/false or '3.4 bar' is wanted")
             try:
-                return cls(entry)
+                return cls(entry, count)
             except ValueError as problem:
                 raise _refusal(str(problem)) from problem
 
@@ -178,8 +197,15 @@ def in_units(
     """
     values: dict[str, float] = {}
     problems: list[str] = []
+    lists = {name.partition("[")[0]: magnitude.count for name, magnitude in magnitudes.items() if magnitude.count}
+    for array, count in lists.items():
+        size = sum(name.startswith(f"{array}[") for name in expected)
+        if size and size != count:
+            problems.append(f"{where} {array} is a list of {count}, but there are {size} elements; give all of them.")
     for name, magnitude in magnitudes.items():
         if name not in expected:
+            if lists.get(name.partition("[")[0]) and problems:
+                continue
             near = get_close_matches(name, expected, n=1)
             arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
             if name in arrays:

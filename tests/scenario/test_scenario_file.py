@@ -142,11 +142,10 @@ REFUSALS = [
     (["vehicle.map.mu0=3"], "[vehicle.map] mu0 is 3, but the name of an FMU variable is wanted"),
     (["vehicle.formation.wheelset_load=['12 t']"], "[vehicle.formation.wheelset_load] 0 is '12 t', but 't' cannot be"),
     ([SERVICE], "[sensors] has no 'wheel'; it is wanted and has no default"),
-    (["track.gradient=[{begin=0, slope='5 ‰'}]"], "[track] has gradient, curve or plan but no train_mass"),
     (["track.gradient=[{begin=0, slop=0}]"], "[track.gradient[1]] has no key 'slop'; did you mean 'slope'?"),
     (["track.force=2 MN"], "[track] force must be at most 1e+06 N, got '2 MN'."),
     (
-        ["track.curve=[{begin=0, radius=1e-9}]", "track.train_mass=84 t"],
+        ["track.curve=[{begin=0, radius=1e-9}]"],
         "[track.curve[1]] radius must be 0, for straight track, or at least 10 m, got",
     ),
     (
