@@ -15,7 +15,7 @@ from pydantic import Field, field_validator, model_validator
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import read_columns
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken, optional
 from railgrip.scenario.track.table import LARGEST_FORCE
 
@@ -82,7 +82,7 @@ class StopAt(Table):
 class Phase(Table):
     """A demand that holds until a condition is met."""
 
-    pressure: tuple[float | Literal["full"], ...] | None = optional(
+    pressure: tuple[Number | Literal["full"], ...] | None = optional(
         "most that a controller may send, for all groups or for each: 'full', 0 to release, or a pressure; "
         "none gets more than its full one"
     )

@@ -10,7 +10,7 @@ from railgrip.base.limits import FMU_LIMITS, FmuLimits
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind, Custom
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
 
 
@@ -52,7 +52,7 @@ class KalmanFilter(Table):
         "sensors are, else service"
     )
     parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
-    outlier_limit: dict[str, Annotated[float, Field(gt=0.0, allow_inf_nan=False)]] = optional(
+    outlier_limit: dict[str, Annotated[Number, Field(gt=0.0)]] = optional(
         "from how many standard deviations of what was expected on a reading is left out, by its name", default={}
     )
     free_wheels: StrictBool = optional(

@@ -5,9 +5,9 @@ import operator
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
-from typing import Any
+from typing import Annotated, Any, ClassVar, Final
 
-from pydantic import GetCoreSchemaHandler
+from pydantic import Field, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import units
@@ -58,7 +58,7 @@ class Unit:
             PydanticCustomError: Not a number, wrong dimension, or out of range.
         """
         if isinstance(entry, bool) or not isinstance(entry, int | float | str):
-            raise _refusal(f"is {_spell(entry)}, but a number in {self._name} is wanted")
+            raise _refusal(f"is {_spell(entry)}, but a number in {self._name} is expected")
         try:
             value = to_si(entry, self.unit) if isinstance(entry, str) else float(entry)
         except ValueError as problem:
@@ -66,7 +66,7 @@ class Unit:
         except OverflowError:  # an integer of more than 308 digits
             value = math.inf
         if not math.isfinite(value):
-            raise _refusal(f"is {_spell(entry)}, but a finite number is wanted")
+            raise _refusal(f"is {_spell(entry)}, but a finite number is expected")
         for words, limit in self.limits.items():
             if limit is not None and not _LIMITS[words](value, limit):
                 # That a speed is above zero needs no reason.
@@ -93,6 +93,15 @@ class InList:
     count: int
 
 
+BOOLEAN: Final = "boolean"
+"""In place of the unit of a parameter that is true or false."""
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+"""A number without a unit; unlike float it is not read from true or false, or from a text."""
+
+NotNegative = Annotated[Number, Field(ge=0.0)]
+
+
 class Magnitude:
     """A parameter of a model: the value in its unit, and the dimension if the file states one.
 
@@ -100,13 +109,15 @@ class Magnitude:
     `magnitude.si("Pa")`.
 
     Attributes:
-        entry: Number, truth value or text, as written.
+        entry: Number or text, as written; in a `Parameter` also true or false.
         count: Number of elements of the list that the file gives it in; None where it is given by itself.
     """
 
     __slots__ = ("count", "entry")
 
-    def __init__(self, entry: float | str | bool, count: int | None = None) -> None:
+    takes_booleans: ClassVar[bool] = False
+
+    def __init__(self, entry: float | str, count: int | None = None) -> None:
         """Keep the entry of a file.
 
         Raises:
@@ -117,16 +128,22 @@ class Magnitude:
         except OverflowError:
             finite = False
         if not finite:
-            raise ValueError(f"is {short(entry)}, but a finite number is wanted")
+            raise ValueError(f"is {short(entry)}, but a finite number is expected")
         self.entry, self.count = entry, count
 
     def si(self, unit: str | units.Unit | None) -> float:
-        """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio.
+        """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio, `BOOLEAN` a bool.
 
         Raises:
-            ValueError: The file states a unit of another dimension, in words that follow the parameter's
-            name.
+            ValueError: The file states a unit of another dimension, or a number where true or false is expected or the
+                other way round; in words that follow the parameter's name.
         """
+        if unit == BOOLEAN:
+            if self.entry not in (0, 1):
+                raise ValueError(f"is {_spell(self.entry)}, but true or false is expected")
+            return bool(self.entry)
+        if isinstance(self.entry, bool):
+            raise ValueError(f"is {_spell(self.entry)}, but a number or a text such as '3.4 bar' is expected")
         return to_si(self.entry, unit or "1") if isinstance(self.entry, str) else float(self.entry)
 
     def __eq__(self, other: object) -> bool:
@@ -143,14 +160,15 @@ class Magnitude:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Accept a number, a truth value or a text with a unit; serialise as written."""
+        """Accept a number or a text with a unit, a `Parameter` also true and false; serialise as written."""
+        kinds = "a number, true, false" if cls.takes_booleans else "a number"
 
         def read(entry: object) -> "Magnitude":
             if isinstance(entry, Magnitude):
                 return entry
             entry, count = (entry.entry, entry.count) if isinstance(entry, InList) else (entry, None)
-            if not isinstance(entry, bool | int | float | str):
-                raise _refusal(f"is {_spell(entry)}, but a number, true/false or '3.4 bar' is wanted")
+            if not isinstance(entry, int | float | str) or (isinstance(entry, bool) and not cls.takes_booleans):
+                raise _refusal(f"is {_spell(entry)}, but {kinds} or a text such as '3.4 bar' is expected")
             try:
                 return cls(entry, count)
             except ValueError as problem:
@@ -159,10 +177,17 @@ class Magnitude:
         return core_schema.no_info_plain_validator_function(
             read,
             json_schema_input_schema=core_schema.union_schema(
-                [core_schema.float_schema(), core_schema.bool_schema(), _WITH_UNIT]
+                [core_schema.float_schema(), *([core_schema.bool_schema()] if cls.takes_booleans else []), _WITH_UNIT]
             ),
             serialization=core_schema.plain_serializer_function_ser_schema(lambda magnitude: magnitude.entry),
         )
+
+
+class Parameter(Magnitude):
+    """A parameter of a model that may also be true or false, which is known only when the model has been read."""
+
+    __slots__ = ()
+    takes_booleans: ClassVar[bool] = True
 
 
 _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {

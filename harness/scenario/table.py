@@ -1,6 +1,7 @@
 """What all tables of a scenario file share: strictness, common quantities, and how a broken rule is said."""
 
 from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
 from typing import Annotated, Any, cast, get_args
 
 from pydantic import (
@@ -15,7 +16,8 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from railgrip.scenario.quantity import InList, Magnitude, Unit
+from railgrip.base.units import short
+from railgrip.scenario.quantity import InList, Parameter, Unit
 
 FASTEST = 160.0  # m/s
 _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"
@@ -70,8 +72,8 @@ def _elements(entry: Any) -> Any:
 
 
 Parameters = Annotated[
-    dict[str, Magnitude],
-    BeforeValidator(_elements, json_schema_input_type=dict[str, Magnitude | list[Magnitude]]),
+    dict[str, Parameter],
+    BeforeValidator(_elements, json_schema_input_type=dict[str, Parameter | list[Parameter]]),
 ]
 
 
@@ -101,12 +103,19 @@ def optional(description: str | None = None, *, default: Any = None, max_length:
     )
 
 
+def not_in(names: Collection[str], name: str, between: str = ", ") -> str:
+    """Return the end of a sentence on a name that is not one of some: the name, these, and the one that is alike."""
+    alike = get_close_matches(name.casefold(), by_case := {known.casefold(): known for known in names}, n=1)
+    hint = f" (did you mean '{by_case[alike[0]]}'?)" if alike else ""
+    return f"{short(name)}{hint}; there is {between.join(names)}"
+
+
 def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
     """Return the annotation of a text that is one of some names."""
 
     def known(name: str) -> str:
         if name not in names:
-            raise broken(f"is '{name}'; there is {between.join(names)}")
+            raise broken(f"is {not_in(names, name, between)}")
         return name
 
     return AfterValidator(known)

@@ -8,7 +8,17 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_seriali
 from railgrip.base.registry import shelf
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, MapEntry, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
+from railgrip.scenario.table import (
+    Length,
+    MapEntry,
+    ModelicaClass,
+    Parameters,
+    Seed,
+    StartSpeed,
+    Table,
+    broken,
+    optional,
+)
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
@@ -55,7 +65,7 @@ class Nudge(Table):
     relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
         description="most that a parameter moves by, as a share of its value"
     )
-    seed: Annotated[StrictInt, Field(ge=0)] = Field(description="of what each parameter moves by")
+    seed: Seed = Field(description="of what each parameter moves by")
 
 
 def _is_class(entry: str) -> bool:

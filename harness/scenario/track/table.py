@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Length, Table, broken, optional
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ Bend = Annotated[float, Unit("m", at_least=-1e5, at_most=1e5, because="no track 
 class Plan(Table):
     """[track.plan]: a track as it was laid, in the direction of its distance, and where the run lies on it."""
 
-    latitude: Annotated[float, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
-    longitude: Annotated[float, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
+    latitude: Annotated[Number, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
+    longitude: Annotated[Number, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
     height: Annotated[float, Unit("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
         description="of the point `middle` above the ellipsoid"
     )

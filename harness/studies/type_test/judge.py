@@ -12,7 +12,7 @@ from pydantic import Field
 from railgrip.report.results import Result
 from railgrip.report.statistics import endless, finite, quantile, quantile_interval
 from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Table
 from railgrip.studies.type_test.entrants import LIBRARY, Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
@@ -24,8 +24,8 @@ class Clause(Table):
     """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
 
     clause: str
-    limit: float | None = Field(default=None, description="in SI units; without one the figure is not judged")
-    friction: tuple[float, float] | None = Field(default=None, description="mean frictions for which it is quoted")
+    limit: Number | None = Field(default=None, description="in SI units; without one the figure is not judged")
+    friction: tuple[Number, Number] | None = Field(default=None, description="mean frictions for which it is quoted")
 
 
 class Supply(Table):
