@@ -2,6 +2,7 @@
 
 import math
 import operator
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,6 +17,9 @@ from railgrip.base.units import quantity, short, to_si, unit
 
 _LIMITS = {"above": operator.gt, "at least": operator.ge, "below": operator.lt, "at most": operator.le}
 """Words for a limit → what a value and the limit have to be."""
+
+_DENORMAL = f"too small to calculate with; give 0, or at least {sys.float_info.min:.2g}"
+"""End of the refusal of a denormal number, which has lost digits and is nobody's quantity."""
 
 _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
 """A number with its unit, for the schema that editors use."""
@@ -36,16 +40,28 @@ class Unit:
         at_least: float | None = None,
         below: float | None = None,
         at_most: float | None = None,
+        or_zero: bool = False,
         because: str = "",
     ) -> None:
-        """Take the SI unit, "1" for a ratio, the limits of the value in that unit, and the reason of the outer ones."""
-        self.unit = unit
+        """Keep unit and limits.
+
+        Args:
+            unit: SI unit, "1" for a ratio.
+            above: Limit in that unit, as the next three.
+            at_least: Limit.
+            below: Limit.
+            at_most: Limit.
+            or_zero: Whether the value may also be 0, whatever the limits.
+            because: Reason of the limits.
+        """
+        self.unit, self.or_zero = unit, or_zero
         self.because = f"; {because}" if because else ""
         self.limits = dict(zip(_LIMITS, (above, at_least, below, at_most), strict=True))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Read before pydantic does: what leaves here is a float in `unit`."""
         above, at_least, below, at_most = self.limits.values()
+        at_least = 0.0 if self.or_zero else at_least
         si = core_schema.float_schema(gt=above, ge=at_least, lt=below, le=at_most)
         return core_schema.no_info_before_validator_function(
             self.read, handler(source), json_schema_input_schema=core_schema.union_schema([si, _WITH_UNIT])
@@ -67,13 +83,22 @@ class Unit:
             value = math.inf
         if not math.isfinite(value):
             raise _refusal(f"is {_spell(entry)}, but a finite number is expected")
-        for words, limit in self.limits.items():
+        if 0.0 < abs(value) < sys.float_info.min:
+            raise _refusal(f"is {_spell(entry)}, {_DENORMAL}")
+        for words, limit in self.limits.items() if value or not self.or_zero else ():
             if limit is not None and not _LIMITS[words](value, limit):
                 # That a speed is above zero needs no reason.
                 reason = "" if limit == 0.0 else self.because
                 suffix = "" if self.unit == "1" else f" {self.unit}"
-                raise _refusal(f"must be {words} {limit:g}{suffix}, got {_spell(entry)}{reason}")
+                span = self._span(suffix)
+                raise _refusal(f"must be {words} {limit:g}{suffix}, got {_spell(entry)}{span}{reason}")
         return value
+
+    def _span(self, suffix: str) -> str:
+        """Return the expected range as the rest of a sentence, where both of its ends say something."""
+        above, at_least, below, at_most = self.limits.values()
+        low, high = above if at_least is None else at_least, below if at_most is None else at_most
+        return f"; expected is {'0, or ' * self.or_zero}{low:g} to {high:g}{suffix}" if low and high else ""
 
     @property
     def _name(self) -> str:
@@ -124,11 +149,13 @@ class Magnitude:
             ValueError: A text that is not a number with a unit, or a number that is not finite.
         """
         try:
-            finite = math.isfinite(quantity(entry)[0] if isinstance(entry, str) else entry)
+            number = float(quantity(entry)[0] if isinstance(entry, str) else entry)
         except OverflowError:
-            finite = False
-        if not finite:
+            number = math.inf
+        if not math.isfinite(number):
             raise ValueError(f"is {short(entry)}, but a finite number is expected")
+        if 0.0 < abs(number) < sys.float_info.min:
+            raise ValueError(f"is {short(entry)}, {_DENORMAL}")
         self.entry, self.count = entry, count
 
     def si(self, unit: str | units.Unit | None) -> float:
