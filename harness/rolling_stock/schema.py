@@ -17,13 +17,12 @@ from railgrip.scenario.sanders import Sander
 from railgrip.scenario.table import FASTEST, Length, Name, Table, broken
 
 # Limits are an order of magnitude beyond any vehicle that the reasons name: outside of them a unit is wrong.
-Ratio = Annotated[
-    float, Unit("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10, drag coefficients are 0.2 to 10")
-]
+Positive = Annotated[float, Unit("1", above=0, at_most=1e3)]
+Ratio = Annotated[float, Unit("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10")]
 Efficiency = Annotated[
     float, Unit("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
 ]
-Share = Annotated[float, Unit("1", at_least=1e-4, at_most=1, because="friction is 0.001 in a roller bearing")]
+Share = Annotated[float, Unit("1", above=0, at_most=1)]
 Effect = Annotated[float, Unit("1", at_least=-1, at_most=1)]
 Size = Annotated[float, Unit("m", at_least=0.005, at_most=100, because="no part of a car is longer than 100 m")]
 WheelRadius = Annotated[
@@ -111,7 +110,7 @@ class Sourced(Table):
 class Resistance(Sourced):
     """What slows the train beside its brakes: air, bearings, rolling."""
 
-    drag_coefficient: Ratio = Field(description="of the whole train, over its frontal area")
+    drag_coefficient: Positive = Field(description="of the whole train, over its frontal area")
     frontal_area: FrontalArea = Field(description="of the train")
     bearing_friction: Share = Field(description="friction coefficient of the axle bearings")
     bearing_radius: Size = Field(description="at which that friction acts")
@@ -176,7 +175,9 @@ class BrakePipe(Sourced):
     branch_volume: Annotated[float, Unit("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
         description="of branch pipe and dirt collector of each car, before the distributor"
     )
-    fill_time: LagTime = Field(description="of a distributor, from the first pressure to 95 % of the highest")
+    fill_time: Annotated[float, Unit("s", at_least=1e-6, at_most=60)] = Field(
+        description="of a distributor, from the first pressure to 95 % of the highest"
+    )
     reservoir: Annotated[float, Unit("m3", at_least=1e-4, at_most=10)] = Field(description="auxiliary one of each car")
 
 

@@ -261,7 +261,9 @@ class FromTable(_Profile):
     """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
 
     kind: Literal["table"]
-    file: NamedFile = Field(description="CSV with columns time [s] or distance [m], and mu0 or mu0_1 … mu0_n")
+    file: NamedFile = Field(
+        description="CSV with columns time or distance, and mu0 or mu0_1 … mu0_n; in s and m, or in stated units"
+    )
 
     @model_validator(mode="after")
     def _readable(self) -> Self:

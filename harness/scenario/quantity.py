@@ -98,7 +98,7 @@ class Unit:
         """Return the expected range as the rest of a sentence, where both of its ends say something."""
         above, at_least, below, at_most = self.limits.values()
         low, high = above if at_least is None else at_least, below if at_most is None else at_most
-        return f"; expected is {'0, or ' * self.or_zero}{low:g} to {high:g}{suffix}" if low and high else ""
+        return f"; expected is {'0, or ' * self.or_zero}{low:g} to {high:g}{suffix}" if low and high and low > 0 else ""
 
     @property
     def _name(self) -> str:

@@ -29,7 +29,7 @@ from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Controller, Instruments, Parts, Plant, StateEstimator
 from railgrip.simulate.plant import fmu_plant, python_plant
-from railgrip.simulate.rail import driver_of, rail_of
+from railgrip.simulate.rail import doubts, driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
@@ -151,6 +151,8 @@ def assembled(
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, players = _clock(scenario), _Players(objects)
+    for doubt in doubts(scenario):
+        notify(doubt)
     with ExitStack() as stack:
         plant = _plant(vehicle, players, stack, notify)
         filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
