@@ -264,6 +264,9 @@ class VehicleData:
         """Bounds of what slows the vehicle as it is, beside adhesion.
 
         A plant from outside may hide its mass, or call something else so; that of the controller stands for it.
+
+        Raises:
+            ScenarioError: `[vehicle.formation] track_brakes` contradicts the train file.
         """
         if "drive_torque" in self.shown:
             return UNBOUNDED
@@ -271,7 +274,13 @@ class VehicleData:
         known = self.true.mass if isinstance(vehicle.source, OfOurParts) else None
         brakes = 0.0 if vehicle.formation is None else vehicle.formation.track_brakes
         if isinstance(vehicle.source, TrainFile):
-            brakes += load_train(vehicle.source.file.path).track_brake_force
+            of_train = load_train(vehicle.source.file.path).track_brake_force
+            if brakes and not isclose(brakes, of_train, rel_tol=1e-3):
+                raise ScenarioError(
+                    f"{self.scenario.name}: [vehicle.formation] track_brakes is {brakes:g} N, but the train file has "
+                    f"{of_train:g} N; leave it out."
+                )
+            brakes = of_train
         if known is None:
             believed = carried_mass(sum(self.nominal.formation.wheelset_load))
             return slowing_of(believed, is_known=False, track_brakes=brakes)

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from synthetic import LIBRARY
 
+from railgrip.api import Scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import load
@@ -73,3 +74,14 @@ def test_nominal_data_ten_times_the_vehicle_s_are_refused(entry, sentence):
     with pytest.raises(ScenarioError) as refusal:
         _ = vehicle(f"controller.parameters.{key}={value}").nominal
     assert f"plain: [controller.parameters] {sentence}" in str(refusal.value)
+
+
+def test_track_brakes_are_those_of_the_train_file():
+    """The tram's magnets draw by 55 kN each, with a friction of 0.2: 44 kN in all for two of each of two bogies."""
+
+    def tram(**formation):
+        return VehicleData(Scenario.load("plain").with_plant({"train": "tram", "formation": formation}))
+
+    with pytest.raises(ScenarioError, match=r"track_brakes is 1000 N, but the train file has 44000 N; leave it out"):
+        _ = tram(track_brakes="1 kN").slowing
+    assert tram().slowing == tram(track_brakes="44 kN").slowing
