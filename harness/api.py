@@ -160,11 +160,11 @@ def run(
         ScenarioError: The scenario asks for something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
-    from railgrip.campaign.one_stop import with_sources
+    from railgrip.campaign.one_stop import with_maker
     from railgrip.simulate.run import run_stop
 
     changed, objects = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
-    return with_sources(run_stop(changed, objects=_parts(import_from, **objects)))
+    return with_maker(run_stop(changed, objects=_parts(import_from, **objects)))
 
 
 def open(

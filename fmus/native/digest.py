@@ -23,4 +23,5 @@ def compiler_digest() -> str:
     here = Path(__file__).parent
     files = sorted(file for file in here.rglob("*") if file.suffix in (".py", ".c", ".h", ".toml", ".jinja"))
     files += [Path(units.__file__), units.DEFINITIONS]
-    return digest([version("rumoca"), version("casadi"), *(file.read_text(encoding="utf-8") for file in files)])
+    packages = [version(name) for name in ("rumoca", "casadi", "numpy", "scipy")]
+    return digest([*packages, *(file.read_text(encoding="utf-8") for file in files)])

@@ -137,7 +137,11 @@ class Failure:
             "pending": f"{self.call} returned {fmi}Pending, and asynchronous FMUs are not supported",
             "no_status": f"{self.call} returned a number that is no {fmi}Status",
             "ended": "the FMU requested the end of the simulation",
-            "not_finite": f"output '{self.variable}' is not a finite number",
+            "not_finite": (
+                f"output '{self.variable}' is not a finite number"
+                if self.variable
+                else f"{self.call} returned a value that is not a finite number"
+            ),
             "crash": "the FMU crashed",
             "timeout": "the FMU did not return",
             "excess": "the FMU was stopped",

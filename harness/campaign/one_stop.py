@@ -7,13 +7,10 @@ from pathlib import Path
 from typing import Protocol
 
 from railgrip.base.errors import RecordError, ScenarioError
-from railgrip.campaign.sources import sources_digest
+from railgrip.campaign.sources import made_by
 from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import FILES, clear_stop, write_stop
-
-SOURCES = "sources"
-"""Name of the digest of this program's text among the versions of a result."""
 
 RUNS = Path("build/runs")
 """Folder of the folders of runs."""
@@ -88,11 +85,11 @@ def run(
     except ScenarioError as problem:
         # Parts know the table and the key they were given, not whose scenario it is.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
-    stop = with_sources(stop)
+    stop = with_maker(stop)
     write_stop(stop, directory, keep_trace=keep_trace)
     return stop
 
 
-def with_sources(stop: Stop) -> Stop:
-    """Return a stop whose versions hold the digest of this program's text."""
-    return replace(stop, versions={**stop.versions, SOURCES: sources_digest()})
+def with_maker(stop: Stop) -> Stop:
+    """Return a stop whose versions contain those of the program that has made it; see `made_by`."""
+    return replace(stop, versions={**stop.versions, **made_by()})

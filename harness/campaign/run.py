@@ -9,8 +9,8 @@ from typing import Literal
 from railgrip.base.errors import InputError, RailgripError, RecordError
 from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.campaign import workers as processes
-from railgrip.campaign.one_stop import SOURCES, Runner, make_folder, run
-from railgrip.campaign.sources import sources_digest
+from railgrip.campaign.one_stop import Runner, make_folder, run
+from railgrip.campaign.sources import made_by
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import remark
@@ -182,7 +182,7 @@ def _failed(order: _StopOrder, problem: RailgripError) -> Report:
 
 
 def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
-    """Return the result of this stop in a folder, if this program and FMU compiler, as they are now, have made it.
+    """Return the result of this stop in a folder, if the program with its packages and compilers would make it again.
 
     A message says which file of such a result is not as it was written.
     """
@@ -194,7 +194,7 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
         return None  # what else a user's class imports is unknown
     try:
         record = read_stop(directory)
-        if record.digest != scenario.digest() or record.versions.get(SOURCES) != sources_digest():
+        if record.digest != scenario.digest() or not made_by().items() <= record.versions.items():
             return None
         if stop.keep_trace:
             if record.trace_digest is None:  # it had found no place, or was not wanted then

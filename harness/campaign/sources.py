@@ -1,11 +1,19 @@
-"""The state of this program's own text, so that a result of yesterday's controller is not taken for today's."""
+"""Everything that a result depends on besides its scenario, so that results of another program are not reused."""
 
 import hashlib
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 
+from railgrip.base.errors import CompilerMissing
+from railgrip.base.versions import versions
+from railgrip.fmus import openmodelica
+from railgrip.fmus.build import choose
+from railgrip.fmus.native.toolchain import compiler
 from railgrip.fmus.recipe import MODELICA
+
+SOURCES = "sources"
+"""Name of the digest of this program's text among the versions of a result."""
 
 _PACKAGES = ("railgrip", "railgrip.controllers", "railgrip.estimators", "railgrip.fmus")
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".txt", ".jinja"}
@@ -38,3 +46,24 @@ def sources_digest(study: str | None = None) -> str:
             if is_of_study or not place.startswith(_UNCONCERNED if study else (*_UNCONCERNED, *_QUESTIONS)):
                 digest.update(place.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
+
+
+def made_by(study: str | None = None) -> dict[str, str]:
+    """Return name → version of all that decides a result besides its scenario.
+
+    These are the sources, by their digest as `SOURCES`, Python, packages, machine, and the compilers of C and FMUs.
+
+    Args:
+        study: As for `sources_digest`.
+    """
+    return {SOURCES: sources_digest(study), **versions(), **_compilers()}
+
+
+@cache
+def _compilers() -> dict[str, str]:
+    try:
+        c_compiler = compiler().version
+    except CompilerMissing:
+        c_compiler = "none"
+    fmu_compiler = openmodelica.version_line() if choose("auto") == "openmodelica" else "built-in"
+    return {"C compiler": c_compiler, "FMU compiler": fmu_compiler}

@@ -21,8 +21,7 @@ from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import Runner
 from railgrip.campaign.run import CampaignRun, Report, State, run_campaigns
-from railgrip.campaign.sources import sources_digest
-from railgrip.fmus.build import choose
+from railgrip.campaign.sources import made_by
 from railgrip.report.console import Progress, complain, progress
 from railgrip.scenario.schema import Scenario
 
@@ -70,8 +69,8 @@ class Work:
     def map(self, function: Callable[[C], R], cases: Iterable[C], *, keep: bool = True) -> list[R]:
         """Return the result of each case; those that are not in the cache are made, in their order.
 
-        The cache is searched for the same function and case, with sources and FMU compiler as they are now. Results are
-        kept as they come: who is interrupted goes on from there.
+        The cache is searched for the same function and case, made by the same sources, packages and compilers. Results
+        are kept as they come, so that an interrupted study continues from there.
 
         Args:
             function: Of a module, or a `partial` of one; it runs in other processes.
@@ -82,8 +81,8 @@ class Work:
             RailgripError: The first that a case ends with.
         """
         order = list(cases)
-        sources = sources_digest(self._study) + choose("auto")
-        keys = [hashlib.sha256(_text([sources, function, case]).encode()).hexdigest() for case in order]
+        maker = made_by(self._study)
+        keys = [hashlib.sha256(_text([maker, function, case]).encode()).hexdigest() for case in order]
         case_of = dict(zip(keys, order, strict=True))
         self.expect(len(case_of))
         results: dict[str, R] = {}

@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import ScenarioError
-from railgrip.base.files import finite
 from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun

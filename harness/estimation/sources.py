@@ -14,6 +14,7 @@ import numpy as np
 import xarray
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.units import cut
 from railgrip.estimation.agreement import require_agreement
 from railgrip.estimation.braking import braking_of
 from railgrip.estimation.check import require_consistent, signals_of
@@ -98,8 +99,8 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
         )
     if specification.data is None:
         raise EstimationError(
-            f"{specification.name}: has no [data], which maps the columns of {path.name}; "
-            f"`railgrip inspect {path.name} --for {specification.name}` proposes it."
+            f"{specification.name}: has no [data], which maps the columns of {cut(path.name)}; "
+            f"`railgrip inspect {cut(path.name)} --for {specification.name}` proposes it."
         )
     units, inputs, outputs = signals_of(specification)
     return recorded(path, specification.data, units, inputs, outputs)

@@ -51,13 +51,13 @@ from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.file import located
 from railgrip.scenario.load import Tables, read_toml, require_kind, validated
 from railgrip.scenario.merge import nested, read_overrides
-from railgrip.scenario.quantity import Magnitude, Unit, in_units
-from railgrip.scenario.table import Duration, Length, Mass, Name, Seed, Table, broken
+from railgrip.scenario.quantity import Magnitude, NotNegative, Number, Unit, in_units
+from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, broken
 from railgrip.scenario.track.table import CurveLaw
 from railgrip.trace.samples import period_of
 from railgrip.trace.table import DataTable
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
+Positive = Annotated[Number, Field(gt=0.0)]
 
 
 class LowPass(Table):
@@ -89,10 +89,6 @@ TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, 
 changes by 5 ‰ in 5 s, `jerk` a brake applied within a second."""
 
 
-NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
-Number = Annotated[float, Field(allow_inf_nan=False)]
-
-
 class ModelTable(Table):
     """The prediction, and its parameters where they differ from the defaults."""
 
@@ -104,9 +100,7 @@ class ModelTable(Table):
     kind: Kind = Field(
         default="fmu", description="the class as an FMU, stepped through FMI 2.0, or its equations in the filter's C"
     )
-    parameters: dict[str, Magnitude] = Field(
-        default_factory=dict, description="of the class; the others keep their defaults"
-    )
+    parameters: Parameters = Field(default={}, description="of the class; the others keep their defaults")
     outputs: list[str] | None = Field(default=None, description="outputs compared with readings; all unless given")
 
 

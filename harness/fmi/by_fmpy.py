@@ -197,9 +197,13 @@ def _solver(instance: Instance, period: float) -> Any:
         ) from error
 
     class Solver(sundials.CVodeSolver):
-        """CVODE, which stops when an FMI function fails: FMPy's callbacks would continue with the last values."""
+        """CVODE, which stops when an FMI function fails or returns NaN.
 
-        failure: FMICallException | None = None
+        FMPy's callbacks would continue with the last values; CVODE takes an event indicator that is NaN for one that
+        has not changed its sign.
+        """
+
+        failure: FMICallException | PlantFailed | None = None
 
         def __init__(self, **arguments: Any) -> None:
             super().__init__(**arguments)
@@ -207,19 +211,28 @@ def _solver(instance: Instance, period: float) -> Any:
             sundials.sundials_core.SUNContext_ClearErrHandlers(self.sunctx)
             sundials.SUNContext_PushErrHandler(self.sunctx, self.ehfun_, None)
 
-        def f(self, *arguments: Any) -> int:
-            return self._guarded(super().f, arguments)
+        def f(self, time: float, states: Any, derivatives: Any, data: Any) -> int:
+            call = "fmi2GetDerivatives" if is_fmi_2 else "fmi3GetContinuousStateDerivatives"
+            values = sundials.NV_DATA_S(derivatives), self.nx
+            return self._guarded(partial(super().f, time, states, derivatives, data), time, call, *values)
 
-        def g(self, *arguments: Any) -> int:
-            return self._guarded(super().g, arguments)
+        def g(self, time: float, states: Any, indicators: Any, data: Any) -> int:
+            call = f"fmi{description.fmi}GetEventIndicators"
+            return self._guarded(partial(super().g, time, states, indicators, data), time, call, indicators, self.nz)
 
-        def _guarded(self, function: Callable[..., int], arguments: tuple[Any, ...]) -> int:
+        def _guarded(self, function: Callable[[], int], time: float, call: str, pointer: Any, size: int) -> int:
             """Return what CVODE takes for success, a step that is too long, or the end."""
             try:
-                return function(*arguments)
+                status = function()
             except FMICallException as error:
                 self.failure = error
                 return 1 if error.status == _DISCARD else -1
+            bad = np.flatnonzero(~np.isfinite(np.ctypeslib.as_array(pointer, (size,)))) if size else np.array([])
+            if bad.size:
+                doing = f"number {bad[0] + 1} of {size}"
+                self.failure = PlantFailed(instance.failure("not_finite", call, time, doing=doing))
+                return 1
+            return status
 
     fmu, description = instance.fmpy, instance.description
 

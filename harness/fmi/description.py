@@ -85,11 +85,16 @@ class Interface:
         identifier: Of its library.
         directional_derivatives: It offers them by FMI 2.0.
         completed_steps: A solver has to call completedIntegratorStep after each of its steps.
+        fixed_step: Internal step of a co-simulation of FMI 3.0 [s], of which a communication step is a whole multiple;
+            None when it has none.
+        needs_tool: It runs only where the tool that made it is installed.
     """
 
     identifier: str
     directional_derivatives: bool
     completed_steps: bool
+    fixed_step: float | None
+    needs_tool: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -320,8 +325,8 @@ def _description(
         },
         event_indicators=event_indicators,
         log_categories=tuple(c.name for c in xml.logCategories),
-        co_simulation=_interface(xml.coSimulation),
-        model_exchange=_interface(xml.modelExchange),
+        co_simulation=_interface(path, xml.coSimulation),
+        model_exchange=_interface(path, xml.modelExchange),
         blemishes=blemishes,
     )
 
@@ -470,11 +475,24 @@ def _variable(
     )
 
 
-def _interface(element: Any) -> Interface | None:
+def _interface(path: Path, element: Any) -> Interface | None:
+    """Return an interface of an FMU; None when it is not offered.
+
+    Raises:
+        FmuError: Its internal step is not a positive time.
+    """
     if element is None:
         return None
+    text = getattr(element, "fixedInternalStepSize", None)
+    if text is not None and not 0.0 < float(text) < math.inf:
+        raise FmuError(
+            f"{path}: fixedInternalStepSize is {text} in {DESCRIPTION}, but a positive time in s is expected; correct "
+            "it or ask the tool that made the FMU."
+        )
     return Interface(
         identifier=element.modelIdentifier,
         directional_derivatives=bool(element.providesDirectionalDerivative),
         completed_steps=bool(getattr(element, "needsCompletedIntegratorStep", False)),
+        fixed_step=None if text is None else float(text),
+        needs_tool=bool(element.needsExecutionTool),
     )

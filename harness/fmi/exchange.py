@@ -257,8 +257,17 @@ class FmuPrediction:
 
     @property
     def start(self) -> Vector:
-        """The FMU's own initial state, shape (n,)."""
-        return self._read(self._open(), "fmi2GetContinuousStates")
+        """The FMU's own initial state, shape (n,).
+
+        Raises:
+            PlantFailed: A value is not a finite number.
+        """
+        instance = self._open()
+        states = self._read(instance, "fmi2GetContinuousStates")
+        if (bad := np.flatnonzero(~np.isfinite(states))).size:
+            doing = f"{self.states[bad[0]]} is {states[bad[0]]}"
+            raise PlantFailed(instance.failure("not_finite", "fmi2GetContinuousStates", 0.0, doing=doing))
+        return states
 
     def in_c(self) -> ModelInC:
         """Return the C by which a filter evaluates this FMU, valid inside `with`."""

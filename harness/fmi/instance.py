@@ -206,7 +206,8 @@ class Instance:
         if not self.component:
             kind = "CoSimulation" if way == "co-simulation" else "ModelExchange"
             call = "fmi2Instantiate" if description.fmi == 2 else f"fmi3Instantiate{kind}"
-            failure = self.failure("refused", call, 0.0)
+            needs = f"it needs {description.generator or 'its tool'} on this machine" if interface.needs_tool else ""
+            failure = self.failure("refused", call, 0.0, doing=needs)
             self.close()
             raise PlantFailed(failure)
         with suppress(FMICallException):  # an FMU without such logging still works
@@ -305,7 +306,7 @@ class Instance:
         """Iterate an event of Model Exchange, enter continuous time and return when the next time event is, if ever.
 
         Raises:
-            PlantFailed: The FMU requests the end, or never settles.
+            PlantFailed: The FMU requests the end, never settles, or sets its next event in the past or at NaN.
         """
         with self.calling(time, "at an event") as fmu:
             update = fmu.newDiscreteStates if self.description.fmi == 2 else fmu.updateDiscreteStates
@@ -314,6 +315,9 @@ class Instance:
                 if ended:
                     raise PlantFailed(self.failure("ended", "", time))
                 if not goes_on:
+                    if is_defined and not next_time >= time:
+                        doing = f"it sets its next event at {next_time:g} s"
+                        raise PlantFailed(self.failure("not_integrated", "", time, doing=doing))
                     fmu.enterContinuousTimeMode()
                     return next_time if is_defined else None
         raise PlantFailed(self.failure("not_integrated", "", time, doing="its events never settle"))

@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Generator
 from contextlib import ExitStack, contextmanager
-from math import isfinite
+from math import isclose, isfinite
 from pathlib import Path
 from types import TracebackType
 from typing import ClassVar, Self
@@ -28,9 +28,19 @@ class SteppedPlant:
     """
 
     def __init__(self, description: Description, binding: Binding, period: float, parameters: Values) -> None:
-        """Check period [s] and parameters; see `LoadedPlant`."""
+        """Check period [s] and parameters; see `LoadedPlant`.
+
+        The period is constant, as an FMU without canHandleVariableCommunicationStepSize requires.
+        """
         if not (isfinite(period) and period > 0):
             raise FmuError(f"{description.file.name}: the communication period is a positive time, got {period} s.")
+        step = description.co_simulation.fixed_step if description.co_simulation is not None else None
+        if step is not None and not (round(period / step) >= 1 and isclose(period, round(period / step) * step)):
+            near = max(round(period / step), 1) * step
+            raise FmuError(
+                f"{description.file.name}: its internal step is fixed at {step:g} s, and the communication period of "
+                f"{period:g} s is not a whole multiple of it; give a multiple in [periods], such as {near:g} s."
+            )
         self._description = description
         self._binding = binding
         self._period = period

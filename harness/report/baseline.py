@@ -37,7 +37,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, FiniteFloat, NonNegativeInt, model_validator
+from pydantic import Field, StrictInt, model_validator
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.files import write_json, write_text
@@ -47,7 +47,7 @@ from railgrip.report.results import Results, from_elsewhere
 from railgrip.scenario.campaign import Campaign
 from railgrip.scenario.conditioning import CERTAINTY, LOOSEST, SMOOTH, Repeated
 from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Table, broken
 
 FINDINGS_FILE = "figures.json"
@@ -70,24 +70,22 @@ the valves. A wrong model changes the distance by more."""
 class Beside(Table):
     """Accepted value of a figure beside a distance, in the unit that `railgrip.trace.metrics` gives."""
 
-    value: FiniteFloat
-    tolerance: Annotated[FiniteFloat, Field(gt=0.0)]
+    value: Number
+    tolerance: Annotated[Number, Field(gt=0.0)]
 
 
 class Accepted(Table):
     """Accepted value of one stop or one figure."""
 
-    value: FiniteFloat
-    tolerance: Annotated[FiniteFloat, Field(gt=0.0)]
+    value: Number
+    tolerance: Annotated[Number, Field(gt=0.0)]
     unit: str
-    lowest: FiniteFloat | None = None
-    highest: FiniteFloat | None = None
+    lowest: Number | None = None
+    highest: Number | None = None
     longest_lock: Annotated[float, Unit("s", at_least=0)] | None = None
-    valve_strokes: NonNegativeInt | None = None
+    valve_strokes: Annotated[StrictInt, Field(ge=0)] | None = None
     reason: Annotated[str, Field(min_length=1)]
-    compilers: dict[str, FiniteFloat] = Field(
-        default={}, description="compiler → value with its plant, where it differs"
-    )
+    compilers: dict[str, Number] = Field(default={}, description="compiler → value with its plant, where it differs")
     figures: dict[str, Beside] = Field(default={}, description="figure beside the distance → accepted value")
 
     @model_validator(mode="after")

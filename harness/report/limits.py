@@ -9,7 +9,7 @@ from pydantic import Field
 
 from railgrip.report.statistics import finite
 from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Table
 from railgrip.trace.stop import StopRecord
 
@@ -21,8 +21,8 @@ class Clause(Table):
     """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
 
     clause: str
-    limit: float | None = Field(default=None, description="in SI units; without one the figure is not judged")
-    friction: tuple[float, float] | None = Field(default=None, description="mean frictions for which it is quoted")
+    limit: Number | None = Field(default=None, description="in SI units; without one the figure is not judged")
+    friction: tuple[Number, Number] | None = Field(default=None, description="mean frictions for which it is quoted")
 
 
 class Supply(Table):

@@ -15,21 +15,73 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from railgrip.base.names import did_you_mean
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.sanders import Sander
-from railgrip.scenario.table import Length, Mass, Name, Speed, Table, broken
+from railgrip.scenario.table import FASTEST, Length, Name, Table, broken
 
+# Limits are an order of magnitude beyond any vehicle that the reasons name: outside of them a unit is wrong.
 Positive = Annotated[float, Unit("1", above=0, at_most=1e3)]
+Ratio = Annotated[float, Unit("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10")]
+Efficiency = Annotated[
+    float, Unit("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
+]
 Share = Annotated[float, Unit("1", above=0, at_most=1)]
 Effect = Annotated[float, Unit("1", at_least=-1, at_most=1)]
-Size = Annotated[float, Unit("m", above=0, at_most=100, because="no part of a car is longer than 100 m")]
-Height = Annotated[float, Unit("m", at_least=0, at_most=5, because="no centre of a bogie is higher than 5 m")]
-Inertia = Annotated[float, Unit("kg.m2", above=0, at_most=1e6)]
-Area = Annotated[float, Unit("m2", above=0, at_most=1e3)]
-Force = Annotated[float, Unit("N", at_least=0, at_most=1e7)]
-Pressure = Annotated[float, Unit("Pa", above=0, at_most=1e8)]
-Stiffness = Annotated[float, Unit("N/m", above=0, at_most=1e10)]
-Damping = Annotated[float, Unit("N.s/m", at_least=0, at_most=1e9)]
-Seconds = Annotated[float, Unit("s", at_least=0, at_most=120, because="no cylinder takes two minutes")]
-Temperature = Annotated[float, Unit("K", above=0, at_most=3e3)]
+Size = Annotated[float, Unit("m", at_least=0.005, at_most=100, because="no part of a car is longer than 100 m")]
+WheelRadius = Annotated[
+    float,
+    Unit("m", at_least=0.1, at_most=1.3, because="wheels have diameters of 330 mm (UIC 510-2) to 2.3 m (steam)"),
+]
+PadRadius = Annotated[float, Unit("m", at_least=0.02, at_most=1.3, because="pads and blocks act within the wheel")]
+Diameter = Annotated[float, Unit("m", at_least=0.005, at_most=0.2, because="brake pipes have 25 to 32 mm")]
+CarLength = Annotated[float, Unit("m", at_least=2, at_most=100, because="cars are 5 to 50 m long")]
+Height = Annotated[float, Unit("m", at_least=0.01, at_most=5, because="no centre of a bogie is higher than 5 m")]
+CarMass = Annotated[float, Unit("kg", at_least=500, at_most=1e6, because="cars weigh 3 t to 250 t")]
+AxleMass = Annotated[
+    float, Unit("kg", at_least=100, at_most=1e5, because="axles carry 2 t to 45 t; EN 15528 has 25 t at most")
+]
+PartMass = Annotated[
+    float, Unit("kg", at_least=50, at_most=1e5, because="wheelsets weigh 0.5 t to 5 t and bogie frames 1 t to 20 t")
+]
+Inertia = Annotated[
+    float, Unit("kg.m2", at_least=1, at_most=1e6, because="wheelsets have 20 to 2000 kg.m2, bogie frames 200 to 1e5")
+]
+FrontalArea = Annotated[
+    float, Unit("m2", at_least=0.5, at_most=100, because="European gauges (EN 15273) enclose some 12 m2")
+]
+PistonArea = Annotated[
+    float, Unit("m2", at_least=1e-4, at_most=1, because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)")
+]
+Spring = Annotated[float, Unit("N", at_least=1, at_most=1e5, or_zero=True, because="springs of cylinders have some kN")]
+PadForce = Annotated[float, Unit("N", at_least=100, at_most=1e7, because="pads are pressed by 5 kN to 100 kN")]
+Attraction = Annotated[
+    float, Unit("N", at_least=1e3, at_most=1e6, because="magnets of track brakes draw by some 40 kN to 100 kN")
+]
+Strength = Annotated[
+    float,
+    Unit(
+        "N", at_least=1e4, at_most=1e8, because="couplers bear some 100 kN in trams and 1.5 MN in trains (EN 12663-1)"
+    ),
+]
+Pressure = Annotated[
+    float,
+    Unit("Pa", at_least=1e4, at_most=1e8, because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil"),
+]
+Stiffness = Annotated[
+    float,
+    Unit(
+        "N/m",
+        at_least=1e4,
+        at_most=1e10,
+        because="an axle box has 1.2 MN/m in the Manchester benchmarks (Iwnicki, 1998), a coupler some 10 MN/m",
+    ),
+]
+Damping = Annotated[
+    float, Unit("N.s/m", at_least=10, at_most=1e9, or_zero=True, because="dampers of trains have 1 kN.s/m to 1 MN.s/m")
+]
+Seconds = Annotated[float, Unit("s", at_least=1e-3, at_most=120, or_zero=True, because="no cylinder takes two minutes")]
+TravelSpeed = Annotated[
+    float, Unit("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
+]
+Temperature = Annotated[float, Unit("K", at_least=1, at_most=3e3, because="brakes work between 230 K and 1300 K")]
 LagTime = Annotated[float, Unit("s", at_least=1e-3, at_most=60)]
 SharedBy = Literal["axle", "bogie", "car"]
 
@@ -60,10 +112,10 @@ class Resistance(Sourced):
     """Resistances of the train: air, bearings, rolling."""
 
     drag_coefficient: Positive = Field(description="of the whole train, over its frontal area")
-    frontal_area: Area = Field(description="of the train")
+    frontal_area: FrontalArea = Field(description="of the train")
     bearing_friction: Share = Field(description="friction coefficient of the axle bearings")
     bearing_radius: Size = Field(description="at which that friction acts")
-    rolling_arm: Annotated[float, Unit("m", at_least=0, at_most=0.01)] = Field(
+    rolling_arm: Annotated[float, Unit("m", at_least=1e-6, at_most=0.01, or_zero=True)] = Field(
         description="lever arm of the rolling resistance"
     )
 
@@ -72,26 +124,26 @@ class Pads(Sourced):
     """How the friction of pads on discs follows speed, force and temperature: RailBraking.Friction.PadFriction."""
 
     speed_effect: Effect = Field(description="rise of friction from nominal speed to standstill, relative")
-    speed_nominal: Speed = Field(description="sliding speed at which it is nominal")
+    speed_nominal: TravelSpeed = Field(description="sliding speed at which it is nominal")
     force_effect: Effect = Field(description="loss of friction from nominal force to twice of it, relative")
-    force_nominal: Force = Field(description="force of both pads at which it is nominal")
+    force_nominal: PadForce = Field(description="force of both pads at which it is nominal")
     temperature_effect: Effect = Field(description="rise of friction over the temperature range, relative")
     temperature_nominal: Temperature = Field(description="at which friction is nominal")
     temperature_range: Temperature = Field(description="over which it changes by the temperature effect")
-    settle_energy: Annotated[float, Unit("J", above=0, at_most=1e9)] = Field(
-        description="friction energy of one unit in which friction settles"
-    )
+    settle_energy: Annotated[
+        float, Unit("J", at_least=10, at_most=1e9, because="pads of trains settle over 50 to 200 kJ")
+    ] = Field(description="friction energy of one unit in which friction settles")
 
 
 class Brake(Sourced):
     """A unit of the friction brake: cylinder, rigging, two pads and a disc."""
 
     pads: Name = Field(description="of [pads]")
-    friction_radius: Size = Field(description="mean radius of the pads on the disc")
-    piston_area: Area = Field(description="of the cylinder")
-    rigging: Positive = Field(description="force of both pads over force of the piston")
-    efficiency: Share = Field(description="of the rigging")
-    spring_force: Force = Field(description="of slack adjuster and return spring, at the piston")
+    friction_radius: PadRadius = Field(description="mean radius of the pads on the disc")
+    piston_area: PistonArea = Field(description="of the cylinder")
+    rigging: Ratio = Field(description="force of both pads over force of the piston")
+    efficiency: Efficiency = Field(description="of the rigging")
+    spring_force: Spring = Field(description="of slack adjuster and return spring, at the piston")
     pressure_max: Pressure = Field(description="highest cylinder pressure")
     pad_friction: Share = Field(description="nominal")
 
@@ -100,12 +152,12 @@ class TrackBrake(Sourced):
     """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
 
     magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of them at the bogie")
-    attraction: Force = Field(description="that draws one magnet to the rail")
+    attraction: Attraction = Field(description="that draws one magnet to the rail")
     friction_slow: Share = Field(description="at standstill")
     friction_fast: Share = Field(description="at high speed")
-    friction_speed: Speed = Field(description="at which friction has fallen half way")
+    friction_speed: TravelSpeed = Field(description="at which friction has fallen half way")
     delay: Seconds = Field(description="until magnets are lowered")
-    time_constant: Annotated[float, Unit("s", above=0, at_most=60)] = Field(description="of the magnetic field")
+    time_constant: LagTime = Field(description="of the magnetic field")
 
 
 class Electropneumatic(Sourced):
@@ -113,29 +165,29 @@ class Electropneumatic(Sourced):
 
     kind: Literal["electropneumatic"]
     delay: Seconds = Field(description="from the demand to the first pressure")
-    time_constant: Annotated[float, Unit("s", above=0, at_most=60)] = Field(description="of the build-up after it")
+    time_constant: LagTime = Field(description="of the build-up after it")
 
 
 class BrakePipe(Sourced):
     """An emergency brake commanded through the brake pipe; a distributor in each car fills its cylinders."""
 
     kind: Literal["brake_pipe"]
-    diameter: Size = Field(description="inner one, of the pipe")
-    branch_volume: Annotated[float, Unit("m3", at_least=0, at_most=1)] = Field(
+    diameter: Diameter = Field(description="inner one, of the pipe")
+    branch_volume: Annotated[float, Unit("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
         description="of branch pipe and dirt collector of each car, before the distributor"
     )
-    fill_time: Annotated[float, Unit("s", above=0, at_most=60)] = Field(
+    fill_time: Annotated[float, Unit("s", at_least=1e-6, at_most=60)] = Field(
         description="of a distributor, from the first pressure to 95 % of the highest"
     )
-    reservoir: Annotated[float, Unit("m3", above=0, at_most=10)] = Field(description="auxiliary one of each car")
+    reservoir: Annotated[float, Unit("m3", at_least=1e-4, at_most=10)] = Field(description="auxiliary one of each car")
 
 
 class Distributor(Sourced):
     """A distributor in position R with a high and a low stage: RailBraking.Pneumatics.TwoStageDistributor."""
 
     low_share: Share = Field(description="cylinder pressure of the low stage over that of the high one")
-    speed_up: Speed = Field(description="at and above which the high stage comes in")
-    speed_down: Speed = Field(description="below which the low stage comes in")
+    speed_up: TravelSpeed = Field(description="at and above which the high stage comes in")
+    speed_down: TravelSpeed = Field(description="below which the low stage comes in")
     stage_time: LagTime = Field(description="time constant with which one stage gives way to the other")
 
     @model_validator(mode="after")
@@ -154,13 +206,13 @@ _READY = "from there on an accelerator is ready to open once more, and would ope
 class Accelerator(Sourced):
     """What vents the brake pipe at a car once pressure falls fast: RailBraking.Pneumatics.Accelerator."""
 
-    conductance: Annotated[float, Unit("m3/(s.Pa)", above=0, at_most=1e-5)] = Field(
+    conductance: Annotated[float, Unit("m3/(s.Pa)", at_least=1e-11, at_most=1e-5)] = Field(
         description="sonic conductance of the vent; 1 cm2 has about 2e-7"
     )
     opening_rate: Annotated[float, Unit("Pa/s", at_least=1, at_most=1e7)] = Field(
         description="fall of the pipe's pressure at which it opens"
     )
-    closing_pressure: Annotated[float, Unit("Pa", above=0, below=4.5e5, because=_READY)] = Field(
+    closing_pressure: Annotated[float, Unit("Pa", at_least=1, below=4.5e5, because=_READY)] = Field(
         description="of the pipe, at which it closes again"
     )
     sensing_time: LagTime = Field(description="over which the fall is sensed")
@@ -182,12 +234,12 @@ class Bogie(Sourced):
     coupled: StrictBool = Field(description="whether shafts let all its axles turn as one")
     valve: SharedBy = Field(description="who shares a brake valve: each axle has its own, or its bogie's or car's")
     track_brake: Name | None = Field(default=None, description="of [track_brakes], in an emergency")
-    wheel_radius: Size = Field(description="rolling radius")
+    wheel_radius: WheelRadius = Field(description="rolling radius")
     inertia: tuple[Inertia, ...] = Field(
         min_length=1, description="of an axle with wheels, discs and drive: one for all axles, or one for each"
     )
-    axle_mass: Mass = Field(description="of a wheelset itself")
-    frame_mass: Mass = Field(description="of the frame, without wheelsets")
+    axle_mass: PartMass = Field(description="of a wheelset itself")
+    frame_mass: PartMass = Field(description="of the frame, without wheelsets")
     frame_inertia: Inertia = Field(description="in pitch")
     frame_height: Height = Field(description="of its centre of gravity above the rail")
     rod_height: Height = Field(description="of the traction rod above the rail")
@@ -231,17 +283,19 @@ class Coupler(Sourced):
 
     stiffness: Stiffness = Field(description="of the spring")
     damping: Damping = Field(description="of the damper")
-    slack: Annotated[float, Unit("m", at_least=0, at_most=1)] = Field(description="play of the coupler")
-    strength: Force = Field(description="force in it that must not be passed")
+    slack: Annotated[float, Unit("m", at_least=1e-5, at_most=1, or_zero=True)] = Field(
+        description="play of the coupler"
+    )
+    strength: Strength = Field(description="force in it that must not be passed")
 
 
 class Car(Sourced):
     """A car: its mass in the stop, and its bogies."""
 
     name: Name = Field(description="of the car, in figures and sentences")
-    length: Size = Field(description="over couplers")
-    mass: Mass = Field(description="as it brakes, with bogies and load")
-    axle_masses: tuple[Mass, ...] = Field(
+    length: CarLength = Field(description="over couplers")
+    mass: CarMass = Field(description="as it brakes, with bogies and load")
+    axle_masses: tuple[AxleMass, ...] = Field(
         default=(), description="on each of the axles listed under it; shared alike among all where they are not given"
     )
     bogies: tuple[Placed, ...] = Field(default=(), max_length=16, description="under it, leading one first")
@@ -257,8 +311,8 @@ class Car(Sourced):
 class Reference(Table):
     """A dry stop on level track that somebody published."""
 
-    speed: Speed = Field(description="at the start")
-    distance: Annotated[float, Unit("m", above=0, at_most=1e4)] = Field(description="braking distance")
+    speed: TravelSpeed = Field(description="at the start")
+    distance: Annotated[float, Unit("m", at_least=1, at_most=1e4)] = Field(description="braking distance")
     limit: StrictBool = Field(default=False, description="whether it is the longest that is allowed, not a measurement")
     source: str = Field(description="who published it, and where")
 

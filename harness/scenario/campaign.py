@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, StrictInt, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
@@ -20,7 +20,7 @@ from railgrip.scenario.merge import nested, read_overrides
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import Name, Table, broken
+from railgrip.scenario.table import Name, Seed, Table, broken
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
@@ -49,8 +49,8 @@ class Expected(Table):
 class Draws(Table):
     """The seeds `first` to `last`, both of them included, for the stops that match."""
 
-    first: Annotated[StrictInt, Field(ge=0)] = Field(description="first seed")
-    last: Annotated[StrictInt, Field(ge=0)] = Field(description="last seed")
+    first: Seed = Field(description="first seed")
+    last: Seed = Field(description="last seed")
     match: dict[str, str] = Field(default={}, description="axis → variant of the stops that are drawn; all without it")
     traces: StrictBool = Field(default=False, description="whether their samples are kept, some 2 MB each")
 

@@ -11,11 +11,12 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from pydantic import Field, FiniteFloat, NonNegativeFloat
+from pydantic import Field
 from scipy.special import stdtrit
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import validated
+from railgrip.scenario.quantity import NotNegative, Number
 from railgrip.scenario.table import Table
 
 SPREAD = 1e-3
@@ -44,14 +45,14 @@ class Repeated(Table):
     """
 
     digest: str = Field(description="of the scenario of the stop")
-    distances: tuple[NonNegativeFloat | None, ...] = Field(min_length=1, description="[m], from the shortest on")
-    compilers: dict[str, NonNegativeFloat | None] = Field(
+    distances: tuple[NotNegative | None, ...] = Field(min_length=1, description="[m], from the shortest on")
+    compilers: dict[str, NotNegative | None] = Field(
         default={}, description="compiler → distance [m] with its plant, parameters as they are"
     )
-    figures: dict[str, tuple[FiniteFloat, ...]] = Field(
+    figures: dict[str, tuple[Number, ...]] = Field(
         default={}, description="figure of `Metrics.beside_distance` → its value in each of the first repeats"
     )
-    lots: tuple[NonNegativeFloat | None, ...] = Field(
+    lots: tuple[NotNegative | None, ...] = Field(
         default=(), description="[m], with lots 1, 2, … of the sensors; empty if sensors have no errors"
     )
 
@@ -136,7 +137,7 @@ def _endless(distances: Sequence[float | None]) -> list[float]:
 class Conditioning(Table):
     """What the file says."""
 
-    relative: float = Field(gt=0, description="most that a parameter of the plant moved by, as a share of its value")
+    relative: Number = Field(gt=0, description="most that a parameter of the plant moved by, as a share of its value")
     stops: dict[str, Repeated]
 
 

@@ -2,13 +2,60 @@
 
 import csv
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from railgrip.base.units import conversion, unit
+
+_HEADER: Final = re.compile(r"\s*(.*?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
+"""Name of a column, and its unit in brackets if it states one."""
+_BEGINS_EARLY: Final = 0.1
+"""Share of the shortest possible stop; a curve that ends before it has another unit, or only its last value matters."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Columns:
+    """A quantity over a rising axis, in SI units; straight lines between points, constant beyond.
+
+    Attributes:
+        axis: Name of the axis, such as time.
+        unit: SI unit of the axis.
+        has_unit: Whether the file states the unit of the axis.
+        points: Of the axis, rising, shape (n,), n ≥ 2.
+        values: Of the quantity, shape (n, 1) for all, or (n, columns).
+    """
+
+    axis: str
+    unit: str
+    has_unit: bool
+    points: NDArray[np.float64]
+    values: NDArray[np.float64]
+
+    def doubt(self, shortest: float, longest: float) -> str:
+        """Return why the unit of the axis may be another one, in words that follow the name of the file, or ''.
+
+        Args:
+            shortest: Time [s] or distance [m] of the shortest stop that is possible.
+            longest: That of the longest.
+        """
+        first, last, name = self.points[1], self.points[-1], self.unit
+        if self.has_unit:
+            return ""
+        if last < _BEGINS_EARLY * shortest:
+            fact = f"ends at {last:g} {name}, but the stop takes {shortest:.3g} {name} or more"
+            other = {"m": "km", "s": "min"}[name]
+        elif first > longest:
+            fact = f"has its second point at {first:g} {name}, but the stop ends before {longest:.3g} {name}"
+            other = {"m": "mm", "s": "ms"}[name]
+        else:
+            return ""
+        return f"{fact}; if the column has another unit, state it in the first line, such as '{self.axis} [{other}]'"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,36 +64,57 @@ class Curve:
 
     Attributes:
         over: What the axis is: time [s] or distance [m].
-        axis: Rising, shape (n,), n ≥ 2.
-        mu0: Shape (n, 1), for the first wheelset, or (n, wheelsets).
+        columns: The file.
     """
 
     over: Literal["time", "distance"]
-    axis: NDArray[np.float64]
-    mu0: NDArray[np.float64]
+    columns: Columns
+
+    @property
+    def axis(self) -> NDArray[np.float64]:
+        """Points of the axis [s] or [m], rising, shape (n,)."""
+        return self.columns.points
+
+    @property
+    def mu0(self) -> NDArray[np.float64]:
+        """Friction, shape (n, 1) for the first wheelset, or (n, wheelsets)."""
+        return self.columns.values
 
 
 def read_curve(path: Path) -> Curve:
-    """Read the columns time [s] or distance [m], and mu0 or mu0_1 … mu0_n.
+    """Read the columns time or distance, and mu0 or mu0_1 … mu0_n; without a unit in s, m and 1.
 
     Raises:
         ValueError: What is wrong and in which line, without the file's name.
     """
-    over, axis, mu0 = read_columns(path, axes={"time": "s", "distance": "m"}, name="mu0", span=(0.0, 1.0), above=True)
-    return Curve(over="time" if over == "time" else "distance", axis=axis, mu0=mu0)
+    columns = read_columns(
+        path, axes={"time": "s", "distance": "m"}, name="mu0", si="1", span=(0.0, 1.0), above=True, example="%"
+    )
+    return Curve(over="time" if columns.axis == "time" else "distance", columns=columns)
 
 
 def read_columns(
-    path: Path, *, axes: Mapping[str, str], name: str, span: tuple[float, float], above: bool = False
-) -> tuple[str, NDArray[np.float64], NDArray[np.float64]]:
-    """Read a quantity over a rising axis: which axis it is, its points, shape (n,), and values, shape (n, columns).
+    path: Path,
+    *,
+    axes: Mapping[str, str],
+    name: str,
+    si: str,
+    span: tuple[float, float],
+    above: bool = False,
+    example: str,
+) -> Columns:
+    """Read a quantity over a rising axis.
+
+    A column may state its unit, as `distance [km]` or `pressure (psi)`; without one it is in SI units.
 
     Args:
         path: Of a CSV file whose first line names its columns.
-        axes: Name → unit of what the axis may be; one of them.
+        axes: Name → SI unit of what the axis may be; one of them.
         name: Of the quantity: one column, or name_1 … name_n.
-        span: Least and largest value.
-        above: The least value is none.
+        si: SI unit of the quantity.
+        span: Smallest and largest value in it.
+        above: The smallest value is excluded.
+        example: Another unit of the quantity, for a sentence.
 
     Raises:
         ValueError: What is wrong and in which line, without the file's name.
@@ -59,33 +127,48 @@ def read_columns(
         raise ValueError("is not a table of text, as csv files are") from problem
     if not rows:
         raise ValueError(f"is empty; the first line names the columns, such as time,{name}")
-    header = [cell.strip() for cell in rows[0][1]]
+    cells = [_HEADER.fullmatch(cell) for cell in rows[0][1]]
+    header = [cell[1] if cell else "" for cell in cells]
+    stated = [(cell[2] or cell[3] or "").strip() if cell else "" for cell in cells]
     each = [f"{name}_{number}" for number in range(1, len(header))]
     reserved_names = {*axes, name, *each}
     axes_in_header = [axis for axis in axes if axis in header]
     columns = next((expected for expected in ([name], each) if set(header) == {*axes_in_header, *expected}), None)
     if len(axes_in_header) != 1 or columns is None or len(header) != 1 + len(columns):
-        expected = " or ".join(f"{axis} [{unit}]" for axis, unit in axes.items())
+        expected = " or ".join(f"{axis} [{unit_of_axis}]" for axis, unit_of_axis in axes.items())
         raise ValueError(
-            f"has {len(header)} columns; its first line wants to name {expected}, and {name} for all or {name}_1, "
-            f"{name}_2 … for each, and names of these {', '.join(sorted({*header} & reserved_names)) or 'none'}"
+            f"has {len(header)} columns; its first line must name {expected}, and {name} for all or {name}_1, "
+            f"{name}_2 … for each, with a unit in brackets unless it is in SI units; names of these: "
+            f"{', '.join(sorted({*header} & reserved_names)) or 'none'}"
         )
     if len(rows) < 3:
         raise ValueError(f"has {len(rows) - 1} rows of numbers; a curve takes two or more")
+    axis = axes_in_header[0]
     values = _numbers(rows[1:], len(header))
-    axis = values[:, header.index(axes_in_header[0])]
+    for place, (column, text) in enumerate(zip(header, stated, strict=True)):
+        if text:
+            try:
+                gain, shift = conversion(unit(text), unit(axes[axis] if column == axis else si))
+            except ValueError as problem:
+                raise ValueError(f"column {column}: {problem}") from problem
+            values[:, place] = gain * values[:, place] + shift
+    points = values[:, header.index(axis)]
     quantity = values[:, [header.index(column) for column in columns]]
-    if not np.all(np.diff(axis) > 0):
-        line = rows[1:][int(np.argmin(np.diff(axis) > 0)) + 1][0]
-        raise ValueError(f"line {line}: {axes_in_header[0]} does not rise")
+    if not np.all(np.diff(points) > 0):
+        line = rows[1:][int(np.argmin(np.diff(points) > 0)) + 1][0]
+        raise ValueError(f"line {line}: {axis} does not rise")
     least, most = span
     inside = np.all(((quantity > least) if above else (quantity >= least)) & (quantity <= most), axis=1)
     if not np.all(inside):
         line = rows[1:][int(np.argmin(inside))][0]
+        suffix = "" if si == "1" else f" {si}"
         raise ValueError(
-            f"line {line}: {name} must be {'above' if above else 'at least'} {least:g} and at most {most:g}"
+            f"line {line}: {name} must be {'above' if above else 'at least'} {least:g} and at most {most:g}{suffix}; "
+            f"a column in another unit states it in the first line, such as '{name} [{example}]'"
         )
-    return axes_in_header[0], axis, quantity
+    return Columns(
+        axis=axis, unit=axes[axis], has_unit=bool(stated[header.index(axis)]), points=points, values=quantity
+    )
 
 
 def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.float64]:
@@ -94,11 +177,11 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
         values = np.array([row for _, row in rows], dtype=np.float64)
         if values.shape[1:] == (count,) and all(_is_of_numbers(row, count) for _, row in rows):
             return values
-    except ValueError:  # a cell is no number, or rows differ in length
+    except ValueError:  # a cell is not a number, or rows differ in length
         pass
     line = next(line for line, row in rows if not _is_of_numbers(row, count))
-    # What stands there is not repeated: a user of somebody else's scenario may have replaced the file.
-    raise ValueError(f"line {line}: {count} finite numbers are wanted")
+    # The content is not repeated: a user of somebody else's scenario may have replaced the file.
+    raise ValueError(f"line {line}: {count} finite numbers are expected")
 
 
 def _is_of_numbers(row: Sequence[str], count: int) -> bool:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.curve import read_columns
+from railgrip.scenario.curve import Columns, read_columns
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken, optional
 from railgrip.scenario.track.table import LARGEST_FORCE
 
@@ -82,7 +82,7 @@ class StopAt(Table):
 class Phase(Table):
     """A demand that holds until a condition is met."""
 
-    pressure: tuple[float | Literal["full"], ...] | None = optional(
+    pressure: tuple[Number | Literal["full"], ...] | None = optional(
         "most that a controller may send, for all groups or for each: 'full', 0 to release, or a pressure; "
         "none gets more than its full one"
     )
@@ -112,7 +112,9 @@ class Demand(Table):
     """What the driver asks for: phases in their order, or a profile over time in a file."""
 
     phases: tuple[Phase, ...] = optional("demands, one after the other", default=())
-    file: NamedFile | None = optional("a CSV with columns time [s], and pressure [Pa] or pressure_1 … pressure_n")
+    file: NamedFile | None = optional(
+        "a CSV with columns time, and pressure or pressure_1 … pressure_n; in s and Pa, or in stated units"
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -136,8 +138,8 @@ class Demand(Table):
         """Whether the driver stops at a target."""
         return any(phase.stop_at is not None for phase in self.phases)
 
-    def profile(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the times [s] of the file, shape (n,), and pressures [Pa], shape (n, 1) or (n, groups).
+    def profile(self) -> Columns:
+        """Return the times [s] of the file and pressures [Pa], for all or each group.
 
         Raises:
             PydanticCustomError: For the sentence of a validator: it is no profile.
@@ -149,11 +151,14 @@ class Demand(Table):
             raise broken(f"file {self.file.entry}: {problem}") from problem
 
 
+_FAINTEST = 1e3
+"""Smallest pressure of a brake cylinder that can be meant [Pa]: pads touch at some 0.2 bar."""
+
+
 @lru_cache(maxsize=1)
-def _read_profile(path: Path, digest: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:  # pyright: ignore[reportUnusedParameter]
+def _read_profile(path: Path, digest: str) -> Columns:  # pyright: ignore[reportUnusedParameter]
     """Return `Demand.profile` of a file of this digest: read to check it, and not again to drive by it."""
-    _, time, pressures = read_columns(path, axes={"time": "s"}, name="pressure", span=(0.0, 1e8))
-    return time, pressures
+    return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
 
 
 EndOfPhase = Literal["end", "time", "duration", "distance", "speed_below", "speed_above"]
@@ -205,7 +210,8 @@ def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[Deman
     """
     if demand.file is None:
         return tuple(_written(demand, full, f"{origin}: [demand.phases"))
-    times, pressures = demand.profile()
+    columns = demand.profile()
+    times, pressures = columns.points, columns.values
     _require_pressures(pressures.shape[1], float(pressures.max()), full, f"{origin}: [demand] file {demand.file.entry}")
     return _from_points(times, np.minimum(pressures, full))
 
@@ -261,5 +267,10 @@ def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float]
 def _require_pressures(count: int, highest: float, full: Sequence[float], where: str) -> None:
     if count not in (1, len(full)):
         raise ScenarioError(f"{where} is for {count} groups, the vehicle has {len(full)}")
+    if 0.0 < highest < _FAINTEST:
+        raise ScenarioError(
+            f"{where} is {highest:g} Pa at most, at which no brake acts (full brake is {max(full):g} Pa); state the "
+            "unit: '3 bar' in a scenario, 'pressure [kPa]', [bar] or [psi] in the first line of a file"
+        )
     if highest > max(full):
         raise ScenarioError(f"{where} asks for {highest:g} Pa, full brake is {max(full):g} Pa; write 'full'")

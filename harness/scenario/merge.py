@@ -1,4 +1,4 @@
-"""Changes laid over a scenario's tables: `--set` on the command line, variants and sweeps in a campaign."""
+"""Layers of a scenario: `extends`, the file, equipment, variants of a campaign, `--set` and changes in Python."""
 
 import re
 import tomllib
@@ -47,22 +47,45 @@ def _require_shallow(value: Any, levels: int) -> None:
         _require_shallow(inner, levels - 1)
 
 
+_ELEMENT = re.compile(r"(.+)\[(\d{1,9})\]")
+"""Key of an element of an array, such as `r_wheel[2]`."""
+
+
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with the keys of `change` laid over it, table by table.
+    """Return `base` with the keys of `change` overlaid, table by table.
 
     A change of a table's `kind` starts that table anew, because another kind has other keys; kinds of one filter, which
     differ only in how it is computed, have the same.
+
+    The value of an array element is that of the highest layer that names the element: `r_wheel`, a list or one value
+    for all, names all of them, and `"r_wheel[2]"` the second. A layer with a list and an element of it stays as it is;
+    `railgrip.scenario.table.Parameters` refuses it.
     """
-    result = dict(base)
+    result = {key: value for key, value in base.items() if _array_of(key) not in change}
     for key, value in change.items():
         below = result.get(key)
-        if not isinstance(value, Mapping):
-            result[key] = value
-        elif not isinstance(below, Mapping) or not _has_keys_of(below, value.get("kind")):
-            result[key] = merged({}, value)
-        else:
+        if isinstance(value, Mapping) and isinstance(below, Mapping) and _has_keys_of(below, value.get("kind")):
             result[key] = merged(below, value)
+        elif isinstance(value, Mapping):
+            result[key] = merged({}, value)
+        elif (array := _array_of(key)) is None or array in change or not _replace(result, array, key, value):
+            result[key] = value
     return result
+
+
+def _array_of(key: Any) -> str | None:
+    """Return the name of the array that a key is an element of, or None."""
+    element = _ELEMENT.fullmatch(key) if isinstance(key, str) else None
+    return element[1] if element else None
+
+
+def _replace(table: dict[str, Any], array: str, key: str, value: Any) -> bool:
+    """Replace an element of a list in a table; return whether there is such a list with such an element."""
+    values, index = table.get(array), int(key[len(array) + 1 : -1]) - 1
+    if not isinstance(values, list | tuple) or not 0 <= index < len(values):
+        return False
+    table[array] = [*values[:index], value, *values[index + 1 :]]
+    return True
 
 
 _PLANT = ("plant", "model", "library", "train")
@@ -157,5 +180,5 @@ def _toml_value(text: str) -> Any:
         table = parsed(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text
-    # More than one line: a text that goes on after its value.
+    # A text that continues after its value has more than one line.
     return table["value"] if len(table) == 1 else text

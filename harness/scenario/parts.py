@@ -11,7 +11,7 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind, Custom
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
 
 
@@ -53,7 +53,7 @@ class KalmanFilter(Table):
         "sensors are, else service"
     )
     parameters: Parameters = Field(default={}, description="the prediction's parameters that differ from its own")
-    outlier_limit: dict[str, Annotated[float, Field(gt=0.0, allow_inf_nan=False)]] = optional(
+    outlier_limit: dict[str, Annotated[Number, Field(gt=0.0)]] = optional(
         "from how many standard deviations of what was expected on a reading is left out, by its name", default={}
     )
     free_wheels: StrictBool = optional(

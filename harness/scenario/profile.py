@@ -4,12 +4,13 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from railgrip.base import registry
 from railgrip.scenario.curve import Curve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, Unit
 from railgrip.scenario.sanders import Sand
-from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken, optional
+from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken, not_in, optional
 
 
 class Conditioning(Table):
@@ -78,6 +79,13 @@ class _Profile(Table):
     recovery: Recovery | None = optional("how slip cleans the rail")
     sand: Sand | None = optional("what sand makes of friction; wanted with [[sanders]]")
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
+
+    @model_validator(mode="after")
+    def _calibrated_for_known_curves(self) -> Self:
+        known = {*registry.files(registry.CREEP_CURVES), *(curve.name for curve in self.curves)}
+        if unknown := sorted(self.calibrated.keys() - known):
+            raise broken(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
+        return self
 
     @model_validator(mode="after")
     def _one_cleaning(self) -> Self:
@@ -296,7 +304,9 @@ class FromTable(_Profile):
     """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
 
     kind: Literal["table"]
-    file: NamedFile = Field(description="CSV with columns time [s] or distance [m], and mu0 or mu0_1 … mu0_n")
+    file: NamedFile = Field(
+        description="CSV with columns time or distance, and mu0 or mu0_1 … mu0_n; in s and m, or in stated units"
+    )
 
     @model_validator(mode="after")
     def _readable(self) -> Self:

@@ -2,10 +2,12 @@
 
 import math
 import operator
+import sys
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Final
 
-from pydantic import GetCoreSchemaHandler
+from pydantic import Field, GetCoreSchemaHandler, Strict
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base import units
@@ -15,6 +17,9 @@ from railgrip.base.units import quantity, short, to_si, unit
 
 _LIMITS = {"above": operator.gt, "at least": operator.ge, "below": operator.lt, "at most": operator.le}
 """Words for a limit → what a value and the limit have to be."""
+
+_DENORMAL = f"too small to calculate with; give 0, or at least {sys.float_info.min:.2g}"
+"""End of the refusal of a denormal number, which has lost digits and is nobody's quantity."""
 
 _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
 """A number with its unit, for the schema that editors use."""
@@ -35,16 +40,28 @@ class Unit:
         at_least: float | None = None,
         below: float | None = None,
         at_most: float | None = None,
+        or_zero: bool = False,
         because: str = "",
     ) -> None:
-        """Take the SI unit, "1" for a ratio, the limits of the value in that unit, and the reason of the outer ones."""
-        self.unit = unit
+        """Keep unit and limits.
+
+        Args:
+            unit: SI unit, "1" for a ratio.
+            above: Limit in that unit, as the next three.
+            at_least: Limit.
+            below: Limit.
+            at_most: Limit.
+            or_zero: Whether the value may also be 0, whatever the limits.
+            because: Reason of the limits.
+        """
+        self.unit, self.or_zero = unit, or_zero
         self.because = f"; {because}" if because else ""
         self.limits = dict(zip(_LIMITS, (above, at_least, below, at_most), strict=True))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Read before pydantic does: what leaves here is a float in `unit`."""
         above, at_least, below, at_most = self.limits.values()
+        at_least = 0.0 if self.or_zero else at_least
         si = core_schema.float_schema(gt=above, ge=at_least, lt=below, le=at_most)
         return core_schema.no_info_before_validator_function(
             self.read, handler(source), json_schema_input_schema=core_schema.union_schema([si, _WITH_UNIT])
@@ -57,7 +74,7 @@ class Unit:
             PydanticCustomError: Not a number, wrong dimension, or out of range.
         """
         if isinstance(entry, bool) or not isinstance(entry, int | float | str):
-            raise _refusal(f"is {_spell(entry)}, but a number in {self._name} is wanted")
+            raise _refusal(f"is {_spell(entry)}, but a number in {self._name} is expected")
         try:
             value = to_si(entry, self.unit) if isinstance(entry, str) else float(entry)
         except ValueError as problem:
@@ -65,50 +82,95 @@ class Unit:
         except OverflowError:  # an integer of more than 308 digits
             value = math.inf
         if not math.isfinite(value):
-            raise _refusal(f"is {_spell(entry)}, but a finite number is wanted")
-        for words, limit in self.limits.items():
+            raise _refusal(f"is {_spell(entry)}, but a finite number is expected")
+        if 0.0 < abs(value) < sys.float_info.min:
+            raise _refusal(f"is {_spell(entry)}, {_DENORMAL}")
+        for words, limit in self.limits.items() if value or not self.or_zero else ():
             if limit is not None and not _LIMITS[words](value, limit):
                 # That a speed is above zero needs no reason.
                 reason = "" if limit == 0.0 else self.because
                 suffix = "" if self.unit == "1" else f" {self.unit}"
-                raise _refusal(f"must be {words} {limit:g}{suffix}, got {_spell(entry)}{reason}")
+                span = self._span(suffix)
+                raise _refusal(f"must be {words} {limit:g}{suffix}, got {_spell(entry)}{span}{reason}")
         return value
+
+    def _span(self, suffix: str) -> str:
+        """Return the expected range as the rest of a sentence, where both of its ends say something."""
+        above, at_least, below, at_most = self.limits.values()
+        low, high = above if at_least is None else at_least, below if at_most is None else at_most
+        return f"; expected is {'0, or ' * self.or_zero}{low:g} to {high:g}{suffix}" if low and high and low > 0 else ""
 
     @property
     def _name(self) -> str:
         return "no unit" if self.unit == "1" else repr(self.unit)
 
 
+@dataclass(frozen=True, slots=True)
+class InList:
+    """An element of a list of parameters, as written.
+
+    Attributes:
+        entry: Its value.
+        count: Number of elements of the list.
+    """
+
+    entry: object
+    count: int
+
+
+BOOLEAN: Final = "boolean"
+"""In place of the unit of a parameter that is true or false."""
+
+Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
+"""A number without a unit; unlike float it is not read from true or false, or from a text."""
+
+NotNegative = Annotated[Number, Field(ge=0.0)]
+
+
 class Magnitude:
     """A parameter of a model: the value in its unit, and the dimension if the file states one.
 
-    The unit that is wanted stands in the model, so the dimension can only be checked after the model has been read:
+    The model defines the expected unit, so the dimension can only be checked after the model has been read:
     `magnitude.si("Pa")`.
+
+    Attributes:
+        entry: Number or text, as written; in a `Parameter` also true or false.
+        count: Number of elements of the list that the file gives it in; None where it is given by itself.
     """
 
-    __slots__ = ("entry",)
+    __slots__ = ("count", "entry")
 
-    def __init__(self, entry: float | str | bool) -> None:
-        """Take what the file says.
+    takes_booleans: ClassVar[bool] = False
+
+    def __init__(self, entry: float | str, count: int | None = None) -> None:
+        """Keep the entry of a file.
 
         Raises:
             ValueError: A text that is not a number with a unit, or a number that is not finite.
         """
         try:
-            finite = math.isfinite(quantity(entry)[0] if isinstance(entry, str) else entry)
+            number = float(quantity(entry)[0] if isinstance(entry, str) else entry)
         except OverflowError:
-            finite = False
-        if not finite:
-            raise ValueError(f"is {short(entry)}, but a finite number is wanted")
-        self.entry = entry
+            number = math.inf
+        if not math.isfinite(number):
+            raise ValueError(f"is {short(entry)}, but a finite number is expected")
+        if 0.0 < abs(number) < sys.float_info.min:
+            raise ValueError(f"is {short(entry)}, {_DENORMAL}")
+        self.entry, self.count = entry, count
 
     def si(self, unit: str | units.Unit | None) -> float:
-        """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio.
+        """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio, `BOOLEAN` a bool.
 
         Raises:
-            ValueError: The file states a unit of another dimension, in words that follow the parameter's
-            name.
+            ValueError: The file states a unit of another dimension, or a number where true or false is expected or the
+                other way round; in words that follow the parameter's name.
         """
+        if unit == BOOLEAN:
+            if self.entry not in (0, 1):
+                raise ValueError(f"is {_spell(self.entry)}, but true or false is expected")
+            return bool(self.entry)
+        if isinstance(self.entry, bool):
+            raise ValueError(f"is {_spell(self.entry)}, but a number or a text such as '3.4 bar' is expected")
         return to_si(self.entry, unit or "1") if isinstance(self.entry, str) else float(self.entry)
 
     def __eq__(self, other: object) -> bool:
@@ -125,25 +187,34 @@ class Magnitude:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Accept a number, a truth value or a text with a unit; serialise as written."""
+        """Accept a number or a text with a unit, a `Parameter` also true and false; serialise as written."""
+        kinds = "a number, true, false" if cls.takes_booleans else "a number"
 
         def read(entry: object) -> "Magnitude":
             if isinstance(entry, Magnitude):
                 return entry
-            if not isinstance(entry, bool | int | float | str):
-                raise _refusal(f"is {_spell(entry)}, but a number, true/false or '3.4 bar' is wanted")
+            entry, count = (entry.entry, entry.count) if isinstance(entry, InList) else (entry, None)
+            if not isinstance(entry, int | float | str) or (isinstance(entry, bool) and not cls.takes_booleans):
+                raise _refusal(f"is {_spell(entry)}, but {kinds} or a text such as '3.4 bar' is expected")
             try:
-                return cls(entry)
+                return cls(entry, count)
             except ValueError as problem:
                 raise _refusal(str(problem)) from problem
 
         return core_schema.no_info_plain_validator_function(
             read,
             json_schema_input_schema=core_schema.union_schema(
-                [core_schema.float_schema(), core_schema.bool_schema(), _WITH_UNIT]
+                [core_schema.float_schema(), *([core_schema.bool_schema()] if cls.takes_booleans else []), _WITH_UNIT]
             ),
             serialization=core_schema.plain_serializer_function_ser_schema(lambda magnitude: magnitude.entry),
         )
+
+
+class Parameter(Magnitude):
+    """A parameter of a model that may also be true or false, which is known only when the model has been read."""
+
+    __slots__ = ()
+    takes_booleans: ClassVar[bool] = True
 
 
 _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
@@ -182,8 +253,15 @@ def in_units(
     """
     values: dict[str, float] = {}
     problems: list[str] = []
+    lists = {name.partition("[")[0]: magnitude.count for name, magnitude in magnitudes.items() if magnitude.count}
+    for array, count in lists.items():
+        size = sum(name.startswith(f"{array}[") for name in expected)
+        if size and size != count:
+            problems.append(f"{where} {array} is a list of {count}, but there are {size} elements; give all of them.")
     for name, magnitude in magnitudes.items():
         if name not in expected:
+            if lists.get(name.partition("[")[0]) and problems:
+                continue
             arrays = sorted({name.partition("[")[0] for name in expected})  # a long train has hundreds of elements
             if name in arrays:
                 hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'

@@ -26,12 +26,14 @@ class Sander(Table):
     """A pair of nozzles that lay sand on both rails in front of a wheelset."""
 
     wheelset: Annotated[StrictInt, Field(ge=1, le=256)] = Field(description="in the direction of travel, from 1 on")
-    rate: Annotated[float, Unit("kg/s", above=0, at_most=1, because="sanders lay some kilograms a minute")] = Field(
-        description="on one rail; of one whose rate varies, the most"
+    rate: Annotated[float, Unit("kg/s", at_least=1e-6, at_most=1, because="sanders lay some kilograms a minute")] = (
+        Field(description="on one rail; of one whose rate varies, the most")
     )
     density: _Density | None = optional("that it keeps on the rail while `rate` allows; without it, `rate`")
     begin: Delay = Field(default=0.0, description="when it is switched on, since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
-    delay: Delay = Field(description="that sand takes from the box to the rail, after both")
+    delay: Annotated[float, Unit("s", at_least=1e-3, at_most=600, or_zero=True, because="sand falls a metre")] = Field(
+        description="that sand takes from the box to the rail, after both"
+    )
 
     _in_order = model_validator(mode="after")(ends_after_it_begins)

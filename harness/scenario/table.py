@@ -1,7 +1,7 @@
 """What all tables of a scenario file share: strictness, common quantities, and how a broken rule is said."""
 
-from collections.abc import Collection
-from typing import Annotated, Any, get_args
+from collections.abc import Collection, Mapping, Sequence
+from typing import Annotated, Any, cast, get_args
 
 from pydantic import (
     AfterValidator,
@@ -16,7 +16,8 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base.names import did_you_mean
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.base.units import short
+from railgrip.scenario.quantity import InList, Parameter, Unit
 
 FASTEST = 160.0  # m/s
 _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"
@@ -42,22 +43,37 @@ ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z
 """Full name of a class."""
 
 
-def _scalars(entry: Any) -> Any:
-    """Return a parameter table with `x = [1, 2]` made `"x[1]" = 1`, `"x[2]" = 2`, as FMI names them."""
-    if not isinstance(entry, dict):
+def _elements(entry: Any) -> Any:
+    """Return a parameter table with `x = [1, 2]` replaced by `"x[1]" = 1` and `"x[2]" = 2`, as FMI names them.
+
+    Raises:
+        PydanticCustomError: There is an empty list, or a list and an element of it.
+    """
+    if not isinstance(entry, Mapping):
         return entry
     flat: dict[str, Any] = {}
-    for name, value in entry.items():
-        if isinstance(value, list | tuple):
-            flat.update({f"{name}[{index}]": element for index, element in enumerate(value, start=1)})
-        else:
+    table = cast("Mapping[str, Any]", entry)
+    for name, value in table.items():
+        if not isinstance(value, list | tuple):
             flat[name] = value
+            continue
+        elements = cast("Sequence[Any]", value)
+        twice = next((key for key in table if key.startswith(f"{name}[")), None)
+        if twice is not None:
+            raise broken(
+                f"{name} is a list of {len(elements)}, and '{twice}' is given too; change the element in the list, "
+                "which must have a value for each, and remove the other key"
+            )
+        if not elements:
+            raise broken(f"{name} is an empty list; give a value for each element, or leave it out")
+        for index, element in enumerate(elements, start=1):
+            flat[f"{name}[{index}]"] = InList(element, len(elements))
     return flat
 
 
 Parameters = Annotated[
-    dict[str, Magnitude],
-    BeforeValidator(_scalars, json_schema_input_type=dict[str, Magnitude | list[Magnitude]]),
+    dict[str, Parameter],
+    BeforeValidator(_elements, json_schema_input_type=dict[str, Parameter | list[Parameter]]),
 ]
 
 
@@ -87,12 +103,17 @@ def optional(description: str | None = None, *, default: Any = None, max_length:
     )
 
 
+def not_in(names: Collection[str], name: str, between: str = ", ") -> str:
+    """Return the end of a sentence on a name that is not one of some: the name, these, and the nearest one."""
+    return f"{short(name)}; there is {between.join(names)}" + did_you_mean(name, names, before="; ")
+
+
 def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
     """Return the annotation of a text that is one of some names."""
 
     def known(name: str) -> str:
         if name not in names:
-            raise broken(f"is '{name}'; there is {between.join(names)}" + did_you_mean(name, names, before="; "))
+            raise broken(f"is {not_in(names, name, between)}")
         return name
 
     return AfterValidator(known)

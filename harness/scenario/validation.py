@@ -86,6 +86,8 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
         return _ended(f"{key} {error['msg']}")
     if kind == "literal_error":
         return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
+    if kind in {"tuple_type", "list_type"} and isinstance(error["input"], Mapping):
+        return f"{_table(path)} is a table, but may be given several times; write [{_table(path)}]"
     if kind in {"model_type", "model_attributes_type", "dict_type"}:
         return f"{_table(path)} must be a table, got {short(error['input'])}"
     message = error["msg"]

@@ -9,7 +9,17 @@ from pydantic_core import PydanticCustomError
 from railgrip.base.registry import not_one_of, shelf
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import Length, MapEntry, ModelicaClass, Parameters, StartSpeed, Table, broken, optional
+from railgrip.scenario.table import (
+    Length,
+    MapEntry,
+    ModelicaClass,
+    Parameters,
+    Seed,
+    StartSpeed,
+    Table,
+    broken,
+    optional,
+)
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
@@ -56,7 +66,7 @@ class Nudge(Table):
     relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
         description="most that a parameter moves by, as a share of its value"
     )
-    seed: Annotated[StrictInt, Field(ge=0)] = Field(description="of what each parameter moves by")
+    seed: Seed = Field(description="of what each parameter moves by")
 
 
 def _is_class(entry: str) -> bool:

@@ -15,6 +15,7 @@ from railgrip.fmus.build import build_class, fmu
 from railgrip.fmus.native import Model, lower
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.parts import KalmanFilter
+from railgrip.scenario.quantity import BOOLEAN
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import CompiledHere, FmuFile, LibraryClass, PythonClass, Recipe, TrainFile
 from railgrip.vehicle.signals import CURVE
@@ -152,5 +153,9 @@ def parameters_of(description: Description) -> dict[str, float]:
 
 
 def units_of(description: Description) -> dict[str, Unit | str]:
-    """Return the units of an FMU's parameters."""
-    return {v.name: v.unit or v.unit_name for v in description.variables.values() if v.causality == "parameter"}
+    """Return the units of an FMU's parameters, `BOOLEAN` for those that are true or false."""
+    return {
+        v.name: BOOLEAN if v.kind == "Boolean" else v.unit or v.unit_name
+        for v in description.variables.values()
+        if v.causality == "parameter"
+    }

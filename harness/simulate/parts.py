@@ -1,11 +1,8 @@
 """The parts of a scenario's stop, open and ready for a loop."""
 
-import platform
 from collections.abc import Callable, Collection, Generator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
-from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +10,7 @@ import numpy as np
 
 from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.registry import Role
+from railgrip.base.versions import versions
 from railgrip.controllers.sampled import Sampled
 from railgrip.fmi import Description
 from railgrip.report.stop import Stop
@@ -31,7 +29,7 @@ from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
 from railgrip.simulate.loop.parts import Clock, Controller, Instruments, Parts, Plant, StateEstimator
 from railgrip.simulate.plant import fmu_plant, python_plant
-from railgrip.simulate.rail import driver_of, rail_of
+from railgrip.simulate.rail import doubts, driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
@@ -41,8 +39,6 @@ from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRA
 
 _MOST_OF_THE_RAIL = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
-
-_PACKAGES = ("railgrip", "casadi", "fmpy", "numpy", "rumoca", "scipy", "xarray")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,6 +151,8 @@ def assembled(
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
     clock, players = _clock(scenario), _Players(objects)
+    for doubt in doubts(scenario):
+        notify(doubt)
     with ExitStack() as stack:
         plant = _plant(vehicle, players, stack, notify)
         filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
@@ -334,9 +332,3 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
         versions=versions() | {name: description.generator for name, description in fmus.items()},
         fmus={name: description.digest for name, description in fmus.items()},
     )
-
-
-@cache
-def versions() -> dict[str, str]:
-    """Return the versions of what takes part in a stop."""
-    return {"python": platform.python_version()} | {name: version(name) for name in _PACKAGES}

@@ -180,13 +180,13 @@ def python_plant(vehicle: VehicleData, part: custom.Plant) -> Plant:
 
 
 def _refuse_steep_track(vehicle: VehicleData) -> None:
-    """Refuse a track that no train of this mass could run on; a foreign plant may not say its mass."""
-    mass = vehicle.true.mass or 0.0
+    """Refuse a track that no train of this mass could run on; the mass of a plant from outside may be unknown."""
+    mass = vehicle.mass
     most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
     if mass and abs(force) > most:
         raise ScenarioError(
             f"[track] puts {force:.6g} N on a train of {mass:.6g} kg, but a gradient of {100 * STEEPEST:.0f} % only "
-            f"{most:.6g} N; correct force, gradient, curve or train_mass."
+            f"{most:.6g} N; correct [track] force, gradient or curve."
         )
 
 

@@ -5,9 +5,11 @@ from math import inf
 import numpy as np
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.units import GRAVITY
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.adhesion import position_of, profile_of, reach_of
 from railgrip.scenario.demand import phases_of
+from railgrip.scenario.profile import FromTable
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.loop.driver import Driver
@@ -58,6 +60,25 @@ def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
         )
         for sander in sanders
     ]
+
+
+def doubts(scenario: Scenario) -> list[str]:
+    """Return a sentence for each file of a scenario whose axis seems to be in another unit than it states."""
+    adhesion, demand, speed = scenario.adhesion, scenario.demand, scenario.start.speed
+    has_traction = demand is not None and demand.has_traction
+    sentences: list[str] = []
+    if isinstance(adhesion, FromTable):
+        columns = adhesion.curve.columns
+        strongest = GRAVITY * adhesion.factor * float(columns.values.max())
+        if adhesion.over == "distance":
+            doubt = columns.doubt(speed**2 / (2.0 * strongest), reach_of(scenario))
+        else:
+            doubt = columns.doubt(speed / strongest, scenario.limits.horizon)
+        sentences += [f"[adhesion] file {adhesion.file.entry} {doubt}"] if doubt else []
+    if demand is not None and demand.file is not None:
+        doubt = demand.profile().doubt(0.0 if has_traction else speed / GRAVITY, scenario.limits.horizon)
+        sentences += [f"[demand] file {demand.file.entry} {doubt}"] if doubt else []
+    return [f"{scenario.name}: {sentence}." for sentence in sentences]
 
 
 def driver_of(vehicle: VehicleData) -> Driver:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
+from railgrip.base.units import unit
 from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
@@ -53,6 +54,9 @@ CATALOGUE = "TwoPartTrain"
 
 CATALOGUE_WITH_VALVES = "TwoPartTrainPneumatic"
 
+_MASS_TOLERANCE = 0.2
+"""Largest relative difference of two statements of the same mass: rotating parts and load explain some 10 %."""
+
 
 class VehicleData:
     """What FMU, [vehicle], [controller.parameters], [truth] and [[faults]] say of a vehicle; each worked out once.
@@ -87,12 +91,12 @@ class VehicleData:
         origin, file = f"{self.scenario.name}: [vehicle.formation]", self.file
         table = self.scenario.vehicle.formation or FormationTable()
         values: dict[str, tuple[float, ...]] = {}
-        for name, unit in DESCRIPTIVE.items():
+        for name, descriptive_unit in DESCRIPTIVE.items():
             declared, entry = array_of(self.fmu_parameters, name), getattr(table, name)
-            if declared and file.variables[f"{name}[1]"].unit_name not in (unit, ""):
+            if declared and file.variables[f"{name}[1]"].unit_name not in (descriptive_unit, ""):
                 raise ScenarioError(
                     f"{file.file.name}: its parameter {name} is in '{file.variables[f'{name}[1]'].unit_name}'; by that "
-                    f"name the harness takes '{unit}'"
+                    f"name the harness takes '{descriptive_unit}'"
                 )
             if declared and entry and declared != tuple(entry):
                 raise ScenarioError(
@@ -128,13 +132,11 @@ class VehicleData:
         if formation.load is not None:
             entries |= masses_by_name(carried_mass(formation.load))
         entries = with_each(entries, formation)
-        if not isinstance(vehicle.source, CompiledHere):
-            catalogue = _catalogue()
-            alike = formation.wheelsets_per_group == counts_of(catalogue)
-            return (catalogue if alike else {}) | entries
-        values = with_each(self.fmu_parameters, formation)
-        with suppress(ScenarioError):
-            values |= masses_by_name(Vehicle(formation, self.fmu_parameters).masses)
+        is_compiled_here = isinstance(vehicle.source, CompiledHere)
+        values = with_each(self.fmu_parameters, formation) if is_compiled_here else self._arrays_named_alike(entries)
+        if is_compiled_here:
+            with suppress(ScenarioError):
+                values |= masses_by_name(Vehicle(formation, self.fmu_parameters).masses)
         for name, value in values.items():
             if name in entries and not isclose(entries[name], value, rel_tol=1e-3):
                 key = "wheelset_load" if name.startswith("m_wheelset") else f"brakes {name}"
@@ -142,7 +144,23 @@ class VehicleData:
                     f"{where} {key} says {name} = {entries[name]:g}, {self.file.file.name} has {value:g}; leave it "
                     "out, or change [vehicle.parameters] or [controller.parameters]"
                 )
-        return self.fmu_parameters | entries
+        if is_compiled_here:
+            return self.fmu_parameters | entries
+        catalogue = _catalogue()
+        return (catalogue if formation.wheelsets_per_group == counts_of(catalogue) else {}) | entries
+
+    def _arrays_named_alike(self, entries: Mapping[str, float]) -> dict[str, float]:
+        """Return in SI units the array elements of an FMU from outside that have the name and dimension of an entry.
+
+        A scalar may mean something else: the J of a car body, or the m of a frame.
+        """
+        units = units_of_nominal_data(self.formation)
+        values: dict[str, float] = {}
+        for name in entries.keys() & self.fmu_parameters.keys():
+            of_fmu = self.file.variables[name].unit
+            if "[" in name and of_fmu is not None and of_fmu.exponents == unit(units[name]).exponents:
+                values[name] = of_fmu.factor * self.fmu_parameters[name] + of_fmu.offset
+        return values
 
     @cached_property
     def nominal(self) -> Vehicle:
@@ -157,7 +175,16 @@ class VehicleData:
         units = units_of_nominal_data(formation)
         entries = {name: value for name, value in controller.parameters.items() if name in units}
         entries = in_units("[controller.parameters]", entries, units)
-        nominal = with_each(nominal, formation) | with_each(entries, formation)
+        nominal = with_each(nominal, formation)
+        known = nominal | {"m": Vehicle(formation, nominal).mass or 0.0}
+        for name, value in with_each(entries, formation).items():
+            is_off = value and known.get(name) and not 0.1 <= value / known[name] <= 10.0
+            if is_off:
+                raise ScenarioError(
+                    f"{self.scenario.name}: [controller.parameters] {name} is {value:g} {units[name]}, but the vehicle "
+                    f"has {known[name]:g}; they may differ by a factor of 10. Correct the value or its unit."
+                )
+        nominal |= with_each(entries, formation)
         if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
             nominal |= masses_by_name(np.full(formation.wheelsets, entries["m"] / formation.wheelsets))
         return Vehicle(formation, self._with_valves(nominal), required=self._required)
@@ -247,6 +274,9 @@ class VehicleData:
         """Bounds of what slows the vehicle as it is, beside adhesion.
 
         A plant from outside may hide its mass, or call something else so; that of the controller stands for it.
+
+        Raises:
+            ScenarioError: `[vehicle.formation] track_brakes` contradicts the train file.
         """
         if "drive_torque" in self.shown:
             return UNBOUNDED
@@ -254,29 +284,55 @@ class VehicleData:
         known = self.true.mass if isinstance(vehicle.source, OfOurParts) else None
         brakes = 0.0 if vehicle.formation is None else vehicle.formation.track_brakes
         if isinstance(vehicle.source, TrainFile):
-            brakes += load_train(vehicle.source.file.path).track_brake_force
+            of_train = load_train(vehicle.source.file.path).track_brake_force
+            if brakes and not isclose(brakes, of_train, rel_tol=1e-3):
+                raise ScenarioError(
+                    f"{self.scenario.name}: [vehicle.formation] track_brakes is {brakes:g} N, but the train file has "
+                    f"{of_train:g} N; leave it out."
+                )
+            brakes = of_train
         if known is None:
             believed = carried_mass(sum(self.nominal.formation.wheelset_load))
             return slowing_of(believed, is_known=False, track_brakes=brakes)
         return slowing_of(known, is_known=True, drag=air_resistance(self.true.parameters), track_brakes=brakes)
 
     @cached_property
+    def mass(self) -> float:
+        """Mass of the vehicle as it runs [kg], on which gradients and curves act; 0 on a level, straight track.
+
+        A plant from outside has the mass that `[vehicle.formation] wheelset_load` states, else that of its parameters,
+        else that of `[track] train_mass`.
+
+        Raises:
+            ScenarioError: The mass is not given, or `[track] train_mass` contradicts it.
+        """
+        scenario, track = self.scenario, self.scenario.track
+        known, origin = self.true.mass, "the plant has"
+        if self.formation.load is not None and not isinstance(scenario.vehicle.source, CompiledHere):
+            known, origin = carried_mass(float(self.formation.load.sum())), "[vehicle.formation] wheelset_load gives"
+        given = track.train_mass
+        if given is not None and known is not None and abs(given / known - 1.0) > _MASS_TOLERANCE:
+            raise ScenarioError(
+                f"{scenario.name}: [track] train_mass is {given:g} kg, but {origin} {known:g} kg; they may differ by "
+                f"{100 * _MASS_TOLERANCE:g} %. Leave out train_mass, or correct the mass of the vehicle."
+            )
+        if given is None and known is None and (track.is_inclined_or_curved or scenario.truth.gradient):
+            raise ScenarioError(
+                f"{scenario.name}: gradient, curve or plan act on the mass of the vehicle, which the plant does not "
+                "give; write [vehicle.formation] wheelset_load or [track] train_mass"
+            )
+        return given or known or 0.0
+
+    @cached_property
     def track_force(self) -> TrackForce:
         """Force of the track, and of the gradient that the nominal data lack.
 
         Raises:
-            ScenarioError: There is such a gradient, and the plant does not say its mass.
+            ScenarioError: As for `mass`.
         """
-        force, slope = track_force_of(self.scenario.track), self.scenario.truth.gradient
-        if not slope:
-            return force
-        if self.true.mass is None:
-            raise ScenarioError(
-                f"{self.scenario.name}: [truth] gradient wants the mass of the plant, which does not say it; write "
-                "[track] gradient with train_mass"
-            )
-        more = float(force_along(slope, 0.0, self.true.mass))
-        return replace(force, forces=tuple(track_brake + more for track_brake in force.forces))
+        force, slope = track_force_of(self.scenario.track, self.mass), self.scenario.truth.gradient
+        more = float(force_along(slope, 0.0, self.mass))
+        return replace(force, forces=tuple(of_track + more for of_track in force.forces))
 
     @cached_property
     def shown(self) -> frozenset[str]:

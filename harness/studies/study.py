@@ -1,17 +1,16 @@
 """The interface of a study, and how every study is run."""
 
-import platform
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import ClassVar
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import nearest
 from railgrip.campaign.one_stop import make_folder
-from railgrip.campaign.sources import sources_digest
+from railgrip.campaign.sources import made_by
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
 from railgrip.report.page import FORMATS, Page
@@ -96,15 +95,10 @@ def conduct(
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
         page = study.page(job)
-        origin = {"study": study.options, "sources": sources_digest(), **_versions()}
+        origin = {"study": study.options, **made_by()}
         page = replace(page, provenance={**origin, **page.provenance})
         job.notify("page")
         return page, page.write(folder, formats)
-
-
-def _versions() -> dict[str, str]:
-    packages = ("numpy", "scipy", "casadi", "rumoca")
-    return {"python": platform.python_version()} | {name: metadata.version(name) for name in packages}
 
 
 def headlines(name: str, *, workers: int = 2) -> Findings:

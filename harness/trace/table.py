@@ -23,11 +23,10 @@ from pydantic import Field, StrictBool, model_validator
 from railgrip.base import units
 from railgrip.base.errors import UnitError
 from railgrip.base.units import conversion, quantity, turning_of, unit
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, Number, Unit
 from railgrip.scenario.table import Period, Table, broken
 
 Time = Annotated[float, Unit("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
-Number = Annotated[float, Field(allow_inf_nan=False)]
 
 
 class TimeColumn(Table):

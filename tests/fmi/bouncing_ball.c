@@ -2,7 +2,9 @@
  *
  * dh/dt = v, dv/dt = -g + lift, and 1 m/s2 more from `gust_at` on; at h = 0 the ball leaves with e times its speed.
  * Value references: 1 x[2] = h, v (states), 2 der(x)[2], 3 constants[2] = g, e, 4 lift (input), 5 indicator,
- * 6 bounces (Int32), 7 gust_at. With e < 0 the derivatives fail. */
+ * 6 bounces (Int32), 7 gust_at. With e < 0 the derivatives fail.
+ * Below 0.9 m, with e = 2 the indicator, with e = 3 the second derivative, and with e = 4 the next event is NaN. */
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -22,6 +24,7 @@ static void slopes(const Ball *b, double *dx) {
     dx[0] = b->x[1];
     dx[1] = b->lift - b->constants[0] + b->gust;
 }
+static bool is_ill(const Ball *b, double e) { return b->constants[1] == e && b->x[0] < 0.9; }
 static double *place(Ball *b, unsigned reference, size_t *size) {
     *size = reference == 1 || reference == 3 ? 2 : 1;
     return reference == 1 ? b->x : reference == 3 ? b->constants : reference == 4 ? &b->lift : &b->gust_at;
@@ -59,7 +62,7 @@ int fmi3UpdateDiscreteStates(void *c, bool *again, bool *end, bool *nominals, bo
     }
     if (b->t >= b->gust_at - 1e-12) b->gust = 1;
     *defined = !b->gust;
-    *next = b->gust_at;
+    *next = is_ill(b, 4) ? NAN : b->gust_at;
     return OK;
 }
 int fmi3CompletedIntegratorStep(void *c, bool no, bool *event, bool *end) { (void)c; (void)no; *event = *end = false; return OK; }
@@ -72,6 +75,7 @@ int fmi3GetContinuousStateDerivatives(void *c, double *dx, size_t n) {
     Ball *b = c;
     (void)n;
     slopes(b, dx);
+    if (is_ill(b, 3)) dx[1] = NAN;
     if (b->constants[1] >= 0) return OK;
     b->log(b->environment, ERROR, "logStatusError", "the ball is no ball");
     return ERROR;
@@ -79,7 +83,7 @@ int fmi3GetContinuousStateDerivatives(void *c, double *dx, size_t n) {
 int fmi3GetEventIndicators(void *c, double *z, size_t n) {
     Ball *b = c;
     (void)n;
-    z[0] = b->x[0] == 0 && b->x[1] > 0 ? 1e-300 : b->x[0];
+    z[0] = is_ill(b, 2) ? NAN : b->x[0] == 0 && b->x[1] > 0 ? 1e-300 : b->x[0];
     return OK;
 }
 int fmi3GetFloat64(void *c, const unsigned vr[], size_t n, double value[], size_t n_values) {

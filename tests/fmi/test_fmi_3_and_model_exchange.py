@@ -153,6 +153,59 @@ def test_an_error_in_the_derivatives_ends_in_the_fmus_own_words(foundry: Path):
 
 
 @pytest.mark.parametrize(
+    ("bounce", "sentence"),
+    [
+        (2.0, "fmi3GetEventIndicators returned a value that is not a finite number (number 1 of 1)"),
+        (3.0, "fmi3GetContinuousStateDerivatives returned a value that is not a finite number (number 2 of 2)"),
+        (4.0, "the solver could not integrate the FMU (it sets its next event at nan s)"),
+    ],
+    ids=["indicator", "derivative", "next event"],
+)
+def test_a_value_that_is_not_a_number_ends_the_run(foundry: Path, bounce: float, sentence: str):
+    """The ball is below 0.9 m after 0.14 s; lift that changes makes an event of each period."""
+    description = describe(ball(foundry))
+    plant = IntegratedModel(description, ball_binding(description), period=PERIOD, parameters={"constants[2]": bounce})
+    with pytest.raises(PlantFailed) as failed:
+        flight(plant, np.random.default_rng(5).normal(size=200))
+    assert sentence in str(failed.value)
+    assert plant.time == pytest.approx(np.sqrt(2 * 0.1 / G), abs=2e-3)  # by the lift a little earlier or later
+
+
+def stepped(**attributes: str) -> str:
+    """Return the description of the bouncing ball as Co-Simulation."""
+    more = "".join(f' {name}="{value}"' for name, value in attributes.items())
+    return re.sub(r"<ModelExchange ([^/]*)/>", rf"<CoSimulation \1{more}/>", BALL)
+
+
+@pytest.mark.parametrize("period", [0.003, 0.009, 0.3])
+def test_a_multiple_of_the_internal_step_is_accepted(foundry: Path, period: float):
+    description = describe(ball(foundry, stepped(fixedInternalStepSize="3e-3")))
+    IsolatedCoSimulation(description, ball_binding(description), period=period, parameters={})
+
+
+@pytest.mark.parametrize(("period", "near"), [(0.01, "0.009"), (0.001, "0.003"), (0.005, "0.006")])
+def test_a_period_that_is_not_a_multiple_of_the_internal_step_is_refused(foundry: Path, period: float, near: str):
+    description = describe(ball(foundry, stepped(fixedInternalStepSize="3e-3")))
+    words = f"its internal step is fixed at 0.003 s, and the communication period of {period:g} s is not a whole"
+    with pytest.raises(FmuError, match=re.escape(words) + f".*such as {near} s"):
+        IsolatedCoSimulation(description, ball_binding(description), period=period, parameters={})
+
+
+@pytest.mark.parametrize("step", ["0", "-1e-3", "NaN", "INF"])
+def test_an_internal_step_that_is_not_a_time_is_refused(foundry: Path, step: str):
+    with pytest.raises(FmuError, match=f"fixedInternalStepSize is {step}"):
+        describe(ball(foundry, stepped(fixedInternalStepSize=step)))
+
+
+def test_an_fmu_that_needs_its_tool_says_so_when_it_does_not_start(foundry: Path):
+    text = xml(ways=("CoSimulation",)).replace("<CoSimulation", '<CoSimulation needsExecutionTool="true"')
+    description = describe(tiny(foundry, "REFUSES", description=text))
+    plant = open_plant(description, tied(description), period=0.01, parameters={}, trusted=True, notify=lambda _: None)
+    with pytest.raises(PlantFailed, match=r"could not be started.* \(it needs .* on this machine\)"), plant:
+        pass
+
+
+@pytest.mark.parametrize(
     ("old", "new", "fact"),
     [
         ('<Float64 name="indicator"', '<Clock intervalVariability="triggered" name="indicator"', "is a clock"),

@@ -124,7 +124,7 @@ def test_a_mutated_scenario_is_asked_about_or_refused(data):
         scenario = scenario_of(table, directory=ROOM / "library", origin="mutant.toml")
         scenario.digest()
         profile_of(scenario, TWO_PART_TRAIN)
-        track_force_of(scenario.track)
+        track_force_of(scenario.track, 84e3)
         scenario.sensors.opened(scenario, LAYOUT, 0.38)
 
     answered(question)

@@ -150,7 +150,9 @@ def test_the_trains_of_this_project_fit_together(name):
         (lambda t: t["bogies"]["trailer"].update(axles=[0, 0.8]), "[bogies.trailer] axles", "mm touch where"),
         (lambda t: t["brakes"]["disc"].update(spring_force="20 kN"), "[brakes.disc] spring_force", "holds the piston"),
         (lambda t: t["brakes"]["disc"].update(friction_radius=0.5), "[brakes.disc] friction_radius", "beyond the"),
-        (lambda t: t["couplers"]["bar"].update(strength="0.01 N"), "[couplers.bar] strength", "the brakes alone make"),
+        # The brakes of two cars are alike, and one is three times as heavy.
+        (lambda t: (t["couplers"]["bar"].update(strength="10 kN"), t["cars"][0].update(mass="150 t")),
+         "[couplers.bar] strength", "the brakes alone make"),
         (lambda t: t.update(reference=[{"speed": 33, "distance": 400, "limit": True, "source": "x"}]),
          "[reference[1]] distance", "are allowed"),
     ],

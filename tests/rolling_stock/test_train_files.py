@@ -1,10 +1,14 @@
 """A train file says everything and whose it is; what it cannot mean is refused with file and key."""
 
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from railgrip.base.errors import ScenarioError
+from railgrip.base.registry import shelf
+from railgrip.rolling_stock.check import findings
 from railgrip.rolling_stock.files import NAMED, load_train, train_of
 
 
@@ -95,3 +99,62 @@ def test_the_trains_of_this_project_say_whose_every_number_is(name):
     tables = [train.resistance, *train.pads.values(), *train.brakes.values(), *train.bogies.values(), *train.cars,
               *train.couplers.values(), *train.track_brakes.values(), train.command]  # fmt: skip
     assert all(table.source or table.estimated for table in tables)
+
+
+def quantities(table, path=()):
+    """Yield the path of each quantity of a train file that has a unit."""
+    for key, value in table.items() if isinstance(table, dict) else enumerate(table):
+        if isinstance(value, dict | list):
+            yield from quantities(value, (*path, key))
+        elif isinstance(value, str) and re.match(r"[\d.]+ \D", value) and key not in ("source", "description"):
+            yield (*path, key)
+
+
+@pytest.mark.parametrize("name", NAMED)
+@pytest.mark.parametrize("factor", [1e-9, 1e9], ids=["milli for mega", "mega for milli"])
+def test_a_prefix_that_is_wrong_by_two_steps_is_noticed_for_every_quantity(name, factor):
+    """As 2.4 mN/m for 2.4 MN/m; 0 has no prefix, and degC is not written with one."""
+    file = shelf("trains")[name]
+    before = {str(finding) for finding in findings(load_train(file))}
+    unnoticed = []
+    for *place, key in quantities(tomllib.loads(file.read_text(encoding="utf-8"))):
+        tables = tomllib.loads(file.read_text(encoding="utf-8"))
+        inner = tables
+        for step in place:
+            inner = inner[step]
+        number, unit = inner[key].split(" ", 1)
+        if not float(number) or unit == "degC":
+            continue
+        inner[key] = f"{float(number) * factor:g} {unit}"
+        try:
+            if {str(finding) for finding in findings(train_of(tables, "mine.toml"))} <= before:
+                unnoticed.append((*place, key))
+        except ScenarioError as refusal:
+            name = next(step for step in reversed((*place, key)) if isinstance(step, str))
+            assert name in str(refusal)  # noqa: PT017 (each of many)
+    assert not unnoticed
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sentence"),
+    [
+        (
+            "stiffness",
+            "2.4 mN/m",
+            "must be at least 10000 N/m, got '2.4 mN/m'; expected is 10000 to 1e+10 N/m; an axle",
+        ),
+        ("stiffness", 5e-324, "is 5e-324, too small to calculate with; give 0, or at least 2.2e-308"),
+        ("damping", "5e-310 N.s/m", "is '5e-310 N.s/m', too small to calculate with"),
+        ("damping", "24 mN.s/m", "got '24 mN.s/m'; expected is 0, or 10 to 1e+09 N.s/m; dampers"),
+        ("wheel_radius", "0.46 mm", "expected is 0.1 to 1.3 m; wheels have diameters of 330 mm (UIC 510-2)"),
+    ],
+)
+def test_a_value_that_no_train_has_is_refused_with_the_expected_range(tables, key, value, sentence):
+    tables["bogies"]["trailer"][key] = value
+    assert f"ours.toml: [bogies.trailer] {key} " in refused(tables)
+    assert sentence in refused(tables)
+
+
+def test_no_damping_and_no_slack_are_values(tables):
+    tables["bogies"]["trailer"]["damping"] = 0
+    assert train_of(tables, "ours.toml").bogies["trailer"].damping == 0

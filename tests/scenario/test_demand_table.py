@@ -130,8 +130,11 @@ def test_bad_tables_are_refused_in_a_sentence(demand, words):
     ("content", "words"),
     [
         ("time,pressure\n0,0\n0,1\n", "line 3: time does not rise"),
-        ("time,pressure\n0,0\n1,-1\n", "line 3: pressure must be at least 0 and at most 1e"),
-        ("distance,pressure\n0,0\n1,1\n", r"first line wants to name time \[s\], and pressure"),
+        (
+            "time,pressure\n0,0\n1,-1\n",
+            "line 3: pressure must be at least 0 and at most 1e\\+08 Pa; a column in another unit",
+        ),
+        ("distance,pressure\n0,0\n1,1\n", r"first line must name time \[s\], and pressure"),
         ("time,pressure\n0,0\n", "has 1 rows of numbers"),
     ],
 )
@@ -142,10 +145,22 @@ def test_a_bad_profile_is_refused(content, words, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("header", "pascals"), [("pressure [kPa]", 1e3), ("pressure [bar]", 1e5), ("pressure (psi)", 6894.757293168361)]
+)
+def test_a_profile_states_its_unit(header, pascals, tmp_path):
+    """1 psi is 1 lbf/in², 6894.757 Pa (NIST SP 811, B.8)."""
+    (tmp_path / "brake.csv").write_text(f"time [min],{header}\n0,0\n0.5,{2e5 / pascals!r}\n")
+    columns = scenario_with({"file": "brake.csv"}, tmp_path).demand.profile()
+    assert columns.points.tolist() == [0.0, 30.0]
+    assert columns.values.ravel() == pytest.approx([0.0, 2e5])
+
+
+@pytest.mark.parametrize(
     ("pressure", "words"),
     [
         ("3.5 bar", r"\[demand.phases\[1\]\] pressure asks for 350000 Pa, full brake is 340000 Pa"),
         ([0, 0, 0], "is for 3 groups, the vehicle has 2"),
+        (3.4, r"pressure is 3.4 Pa at most, at which no brake acts .* state the unit: '3 bar' in a scenario"),
     ],
 )
 def test_more_than_full_brake_and_other_formations_are_refused(pressure, words):

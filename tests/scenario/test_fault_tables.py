@@ -145,7 +145,7 @@ def test_truth_is_what_the_vehicle_s_parameters_would_say():
     truth = scenario_with(truth={"load": 0.85, "wheel_radius": [1.03, 1, 1, 0.97], "gradient": 0.02, "efficiency": 0.9})
     parameters = {"m_wheelset": [f"{m * 0.85} kg" for m in (13400, 14100, 14500, 14500, 14100, 13400)],
                   "r_wheel": ["0.3914 m", "0.38 m", "0.38 m", "0.3686 m"], "eta_rigging": 0.95 * 0.9}  # fmt: skip
-    track = {"train_mass": f"{0.85 * 84} t", "gradient": [{"begin": "0 m", "slope": 0.02}]}
+    track = {"gradient": [{"begin": "0 m", "slope": 0.02}]}
     written = scenario_with(vehicle={"parameters": parameters}, track=track)
     (one, force), (other, same_force) = plant_of(truth), plant_of(written)
     assert one == other

@@ -15,6 +15,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.load import load, scenario_of
 from railgrip.scenario.seed import generator, markov
+from railgrip.simulate.rail import doubts
 from railgrip.vehicle.formation import Formation
 
 LIBRARY = Path(railgrip.scenario.__file__).parent / "library"
@@ -177,12 +178,12 @@ def test_a_users_curve_may_lie_on_the_rail_and_differ_for_each_wheelset(tmp_path
     ("content", "sentence"),
     [
         ("", "is empty"),
-        ("time,friction\n0,1\n", "has 2 columns; its first line wants to name"),
-        ("time,distance,mu0\n0,0,1\n", "has 3 columns; its first line wants to name"),
-        ("time,mu0_1,mu0_3\n0,.1,.1\n", "has 3 columns; its first line wants"),
+        ("time,friction\n0,1\n", "has 2 columns; its first line must name"),
+        ("time,distance,mu0\n0,0,1\n", "has 3 columns; its first line must name"),
+        ("time,mu0_1,mu0_3\n0,.1,.1\n", "has 3 columns; its first line must"),
         ("time,mu0\n0,0.1\n", "has 1 rows of numbers"),
-        ("time,mu0\n0,0.1\n1,x\n", "line 3: 2 finite numbers are wanted"),
-        ("time,mu0\n0,0.1\n1\n", "line 3: 2 finite numbers are wanted"),
+        ("time,mu0\n0,0.1\n1,x\n", "line 3: 2 finite numbers are expected"),
+        ("time,mu0\n0,0.1\n1\n", "line 3: 2 finite numbers are expected"),
         ("time,mu0\n0,0.1\n0,0.2\n", "line 3: time does not rise"),
         ("time,mu0\n0,0.1\n\n1,0\n", "line 4: mu0 must be above 0"),
     ],
@@ -191,6 +192,57 @@ def test_a_table_that_is_wrong_is_refused_with_its_line(tmp_path, content, sente
     with pytest.raises(ScenarioError) as refusal:
         tabled(tmp_path, content)
     assert f"mine.toml: [adhesion] file rail.csv: {sentence}" in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("header", "factor", "percent"),
+    [("distance [km],mu0 [%]", 1e-3, 100), ("distance (mm), mu0", 1e3, 1), ("distance [m],mu0 [1]", 1, 1)],
+)
+def test_columns_may_state_their_units(tmp_path, header, factor, percent):
+    def curve(text):
+        return tabled(tmp_path, text).adhesion.curve
+
+    rows = "".join(f"{factor * place:g},{percent * mu0:g}\n" for place, mu0 in ((0, 0.1), (100, 0.2), (300, 0.05)))
+    stated, plain = curve(f"{header}\n{rows}"), curve("distance,mu0\n0,0.1\n100,0.2\n300,0.05\n")
+    np.testing.assert_allclose(stated.axis, plain.axis)
+    np.testing.assert_allclose(stated.mu0, plain.mu0)
+    assert stated.over == "distance"
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        ("time [m],mu0\n0,.1\n1,.1\n", "column time: 'm' (m) cannot become 's' (s)"),
+        ("time [sec.],mu0\n0,.1\n1,.1\n", "column time: 'sec.' is not a unit known here"),
+        (
+            "time,mu0\n0,12\n1,15\n",
+            "mu0 must be above 0 and at most 1; a column in another unit states it in the first",
+        ),
+    ],
+)
+def test_a_unit_that_does_not_fit_is_refused(tmp_path, content, sentence):
+    with pytest.raises(ScenarioError) as refusal:
+        tabled(tmp_path, content)
+    assert sentence in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        # From 80 km/h on friction of 0.1 the way is v²/(2 mu g), 252 m, and the time v/(mu g), 22.7 s.
+        ("distance,mu0\n0,.1\n0.3,.05\n", "ends at 0.3 m, but the stop takes 252 m or more; if the column has another"),
+        ("distance,mu0\n0,.1\n3e5,.05\n", "has its second point at 300000 m, but the stop ends before"),
+        ("time,mu0\n0,.1\n0.5,.05\n", "ends at 0.5 s, but the stop takes 22.7 s or more"),
+        ("time,mu0\n0,.1\n20000,.05\n", "has its second point at 20000 s, but the stop ends before"),
+        ("time [ms],mu0\n0,.1\n20,.05\n", None),
+        ("distance [m],mu0\n0,.1\n0.3,.05\n", None),
+        ("distance,mu0\n0,.1\n300,.05\n", None),
+    ],
+)
+def test_an_axis_in_another_unit_is_mentioned(tmp_path, content, sentence):
+    sentences = doubts(tabled(tmp_path, content))
+    assert len(sentences) == (sentence is not None)
+    assert sentence is None or (sentence in sentences[0] and "[adhesion] file rail.csv" in sentences[0])
 
 
 def test_friction_for_another_number_of_wheelsets_is_refused(tmp_path):

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import to_si
 from railgrip.scenario.merge import merged, nested, parts_of, read_overrides
-from railgrip.scenario.quantity import Magnitude, in_units
+from railgrip.scenario.quantity import BOOLEAN, Magnitude, Parameter, in_units
 
 
 @given(value=st.floats(-1e9, 1e9))
@@ -42,7 +42,11 @@ def test_a_magnitude_is_checked_against_units_as_fmi_spells_them(unit, written):
 
 def test_a_bare_magnitude_is_in_whatever_unit_is_wanted():
     assert Magnitude(3.5).si("kg.m2") == 3.5
-    assert Magnitude(True).si(None) == 1.0
+    assert Parameter(True).si(BOOLEAN) is True
+    assert Parameter(0).si(BOOLEAN) is False
+    for boolean, unit in ((True, None), (2, BOOLEAN), ("1", BOOLEAN)):
+        with pytest.raises(ValueError, match="is expected"):
+            Parameter(boolean).si(unit)
 
 
 scalars = st.one_of(st.integers(-(2**62), 2**62), st.booleans(), st.floats(allow_nan=False, allow_infinity=False))

@@ -102,7 +102,7 @@ def test_a_path_that_no_system_takes_names_no_file(path):
 
 
 WRONG = [
-    ("start.speed=" + "9" * 400, "a finite number is wanted"),
+    ("start.speed=" + "9" * 400, "a finite number is expected"),
     ("seed=" + "9" * 30, "seed is 999999"),
     ("periods.communication=1e-9", "[periods] communication must be at least 1e-06 s"),
     ("periods.communication=10 us", "9e+06 samples; a stop holds 1e+06 at most"),

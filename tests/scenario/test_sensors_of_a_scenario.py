@@ -61,7 +61,7 @@ def test_a_quantity_without_a_reading_is_refused(sensors, sentence):
 
 def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track():
     """Backwards down a track that climbs to the north by 10 ‰."""
-    track = {"plan": PLAN, "train_mass": 84e3}
+    track = {"plan": PLAN}
     scenario = scenario_with(track, bias={"acceleration_along": "0.03 m/s^2"}, gnss=GNSS)
     layout, sensors = reader(scenario)
     truth = np.zeros(layout.outputs)
@@ -160,7 +160,7 @@ def test_an_accelerometer_feels_the_gradients_of_the_track_and_an_unknown_one():
     sheet = {"acceleration": {"noise": 0, "bias": 0, "feels_gradient": True}}
     scenario = service("1 ms", **sheet)
     gradient = [{"begin": "100 m", "slope": 0.02}, {"begin": "300 m", "slope": 0}]
-    track = {"train_mass": "84 t", "gradient": gradient}
+    track = {"gradient": gradient}
     changes = {"track": track, "truth": {"gradient": 0.01}}
     scenario = scenario_of(merged(scenario.resolved(), changes), directory=LIBRARY, origin="mine")
     read = driven(scenario, seconds=20.0)[:, LAYOUT.reading["acceleration"].start]

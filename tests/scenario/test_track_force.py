@@ -7,7 +7,7 @@ from railgrip.scenario.track.table import CurveLaw, Track, curve_coefficient, fo
 
 
 def test_a_level_straight_track_does_nothing():
-    assert track_force_of(Track()).at(123.0) == 0.0
+    assert track_force_of(Track(), 84e3).at(123.0) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -18,8 +18,8 @@ def test_a_level_straight_track_does_nothing():
 def test_a_curve_of_500_m_holds_by_the_coefficient_of_its_law(law: CurveLaw, per_mille: float):
     assert 1e3 * curve_coefficient(1 / 500, law) == pytest.approx(per_mille, abs=6e-4)
     assert curve_coefficient(-1 / 500, law) == curve_coefficient(1 / 500, law)
-    sections = {"curve": [{"begin": 0, "radius": "500 m"}, {"begin": 50, "radius": 0}], "train_mass": 84e3}
-    force = track_force_of(Track.model_validate(sections | {"curve_law": law}))
+    sections = {"curve": [{"begin": 0, "radius": "500 m"}, {"begin": 50, "radius": 0}]}
+    force = track_force_of(Track.model_validate(sections | {"curve_law": law}), 84e3)
     assert force.at(10.0) == pytest.approx(-84e3 * 9.81 * 1e-3 * per_mille, rel=1e-3)
     assert force.at(60.0) == 0.0
 
@@ -30,7 +30,7 @@ def test_roeckl_is_constant_beyond_the_end_of_its_range():
 
 def test_a_falling_gradient_pushes_by_m_g_sin_beside_a_constant_force():
     gradient = [{"begin": "100 m", "slope": "-25 ‰"}]
-    force = track_force_of(Track.model_validate({"force": "2 kN", "gradient": gradient, "train_mass": "84 t"}))
+    force = track_force_of(Track.model_validate({"force": "2 kN", "gradient": gradient}), 84e3)
     assert force.at(99.9) == 2000.0
     assert force.at(100.0) == pytest.approx(2000.0 + 84e3 * 9.81 * np.sin(np.arctan(0.025)))
 
@@ -45,8 +45,8 @@ PLAN = {
 @pytest.mark.parametrize(("direction", "start"), [("forward", 100.0), ("backward", 900.0)])
 def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(direction, start):
     plan = PLAN | {"direction": direction, "start": start}
-    track = Track.model_validate({"plan": plan, "train_mass": 84e3})
-    force, laid, way = track_force_of(track), track.plan.laid(), 1.0 if direction == "forward" else -1.0
+    track = Track.model_validate({"plan": plan})
+    force, laid, way = track_force_of(track, 84e3), track.plan.laid(), 1.0 if direction == "forward" else -1.0
     distance = np.linspace(0.0, 800.0, 3333)
     place = start + way * distance
     exact = force_along(way * laid.slope(place), laid.curvature(place), 84e3)
@@ -66,4 +66,4 @@ def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(directi
 )
 def test_a_plan_that_contradicts_itself_is_refused(changes, sentence):
     with pytest.raises(ValueError, match=sentence):
-        Track.model_validate({"plan": PLAN | changes, "train_mass": 84e3})
+        Track.model_validate({"plan": PLAN | changes})

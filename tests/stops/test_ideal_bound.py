@@ -48,7 +48,7 @@ def test_a_horizon_that_cuts_off_the_best_stop_is_its_outcome():
 
 @pytest.mark.parametrize(
     "change",
-    [("track.gradient=[{begin=0.0, slope=-0.02}]", "track.train_mass=84 t"), ("truth.gradient=-0.02",)],
+    [("track.gradient=[{begin=0.0, slope=-0.02}]",), ("truth.gradient=-0.02",)],
     ids=["of the track", "that nobody told"],
 )
 def test_the_bound_feels_a_gradient_once(change):

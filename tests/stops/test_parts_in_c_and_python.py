@@ -96,7 +96,6 @@ def test_wheels_that_stand_in_for_a_silent_radar():
 def test_friction_and_forces_that_lie_on_the_track():
     """A gradient that changes, and friction over distance that each wheelset meets when it gets there."""
     track = (
-        "track.train_mass=84 t",
         "track.gradient=[{begin='0 m', slope=-0.01}, {begin='30 m', slope=0.02}]",
         "adhesion={kind='random', polach='dry', over='distance', mean=0.08, deviation=0.02, correlation='10 m', "
         "minimum=0.03, maximum=0.2}",

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import Number, Unit
 from railgrip.scenario.table import Length, Table, broken, optional
 
 if TYPE_CHECKING:
@@ -60,8 +60,8 @@ Bend = Annotated[float, Unit("m", at_least=-1e5, at_most=1e5, because="no track 
 class Plan(Table):
     """[track.plan]: a track as it was laid, in the direction of its distance, and where the run lies on it."""
 
-    latitude: Annotated[float, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
-    longitude: Annotated[float, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
+    latitude: Annotated[Number, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
+    longitude: Annotated[Number, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
     height: Annotated[float, Unit("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
         description="of the point `middle` above the ellipsoid"
     )
@@ -133,12 +133,13 @@ class Track(Table):
     )
     train_mass: (
         Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")] | None
-    ) = Field(default=None, description="mass that gradient and curves act on; wanted with either")
+    ) = Field(
+        default=None,
+        description="mass that gradient and curves act on; required only for a plant that does not give its mass",
+    )
 
     @model_validator(mode="after")
-    def _mass_and_order(self) -> Self:
-        if (self.gradient or self.curve or self.plan) and self.train_mass is None:
-            raise broken("has gradient, curve or plan but no train_mass, which turns them into a force")
+    def _one_course_in_order(self) -> Self:
         if self.plan is not None and (self.gradient or self.curve):
             raise broken("has a plan, which says all gradients and curves, and gradient or curve beside it; keep one")
         for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
@@ -149,6 +150,11 @@ class Track(Table):
         if self.curve_law == "roeckl" and tightest < 300:
             raise broken(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
         return self
+
+    @property
+    def is_inclined_or_curved(self) -> bool:
+        """Whether there is a force that is proportional to the mass of the train."""
+        return bool(self.gradient or self.curve or self.plan)
 
 
 def slope_of(track: Track) -> Callable[[float], float]:
@@ -182,14 +188,18 @@ class TrackForce:
         return np.array(self.forces)[section] + rate * np.where(rate, np.asarray(distance) - begin, 0.0)
 
 
-def track_force_of(track: Track) -> TrackForce:
+def track_force_of(track: Track, mass: float) -> TrackForce:
     """Return the force of a track: the constant one, −m g sin(β) and the curve resistance.
 
-    Along a plan it is straight between the places where curvature or slope change their course, and every metre: 1e-4 N
-    from the exact one. Beyond the ends of the plan it is that of the end.
+    Along a plan it is linear between the places where curvature or slope change their course, and every metre: 1e-4 N
+    from the exact force. Beyond the ends of the plan it is the force at the end.
+
+    Args:
+        track: Gradient, curves and constant force.
+        mass: Mass of the train [kg].
     """
     if track.plan is not None:
-        return _along(track, track.plan)
+        return _along(track, track.plan, mass)
     places = sorted({section.begin for section in (*track.gradient, *track.curve)})
     begins = (float("-inf"), *places)
 
@@ -197,22 +207,18 @@ def track_force_of(track: Track) -> TrackForce:
         slopes = [section.slope for section in track.gradient if section.begin <= place]
         curves = [section.radius for section in track.curve if section.begin <= place]
         bend = 1.0 / curves[-1] if curves and curves[-1] else 0.0
-        return track.force + float(
-            force_along(slopes[-1] if slopes else 0.0, bend, track.train_mass or 0.0, track.curve_law)
-        )
+        return track.force + float(force_along(slopes[-1] if slopes else 0.0, bend, mass, track.curve_law))
 
     return TrackForce(begins=begins, forces=tuple(force(place) for place in begins), rates=(0.0,) * len(begins))
 
 
-def _along(track: Track, plan: Plan) -> TrackForce:
+def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
     course = plan.laid()
     ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
     kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
     begins = np.unique(np.concatenate([np.arange(*ends), kinks, ends]))
     at = np.clip(plan.place(begins), 0.0, course.length)
-    forces = track.force + force_along(
-        plan.way * course.slope(at), course.curvature(at), track.train_mass or 0.0, track.curve_law
-    )
+    forces = track.force + force_along(plan.way * course.slope(at), course.curvature(at), mass, track.curve_law)
     rates = np.append(np.diff(forces) / np.diff(begins), 0.0)
     return TrackForce(
         begins=(float("-inf"), *begins.tolist()),

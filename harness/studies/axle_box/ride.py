@@ -26,7 +26,7 @@ from typing import Annotated, Final, Literal
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from pydantic import Field, StrictInt
+from pydantic import Field
 
 from railgrip.base.errors import FmuError, ScenarioError
 from railgrip.estimators.belief import Array
@@ -55,7 +55,7 @@ class CarTable(Table):
     condition: Annotated[str, one_of(SURFACES)]
     friction: Friction
     track: Annotated[str, one_of(TRACKS)]
-    track_seed: Annotated[StrictInt, Field(ge=0)]
+    track_seed: Seed
     seed: Seed
     length: Length
     direction: Literal[1, -1] = 1

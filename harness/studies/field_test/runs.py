@@ -16,6 +16,7 @@ from railgrip.estimators.belief import Array
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track.table import Plan
+from railgrip.simulate.vehicle import VehicleData
 
 TUNING = ("c1", "c2", "c3", "c4", "c5")
 TEST = "c6"
@@ -68,11 +69,10 @@ def run(case: tuple[str, Scenario], import_from: Sequence[Path] = ()) -> FieldRu
     name, scenario = case
     track = scenario.track
     assert track.plan is not None  # of every scenario of `cases`
-    assert track.train_mass is not None
     recording = stop_read(scenario, f"{scenario.name} {name}", import_from)
     return FieldRun(
         recording=recording,
-        braking=braking_of(recording, CourseTable(mass=track.train_mass, curve_law=track.curve_law)),
+        braking=braking_of(recording, CourseTable(mass=VehicleData(scenario).mass, curve_law=track.curve_law)),
         plan=track.plan,
     )
 

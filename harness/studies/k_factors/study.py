@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.sources import sources_digest
+from railgrip.campaign.sources import made_by
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
@@ -20,7 +20,6 @@ from railgrip.report.style import band, dress, figure, legend
 from railgrip.report.table import Table
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
-from railgrip.simulate.parts import versions
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.k_factors.brake import QuasiStaticBrake
 from railgrip.studies.k_factors.k_dry import (
@@ -217,7 +216,7 @@ def content(
         ],
         "specification": specification.model_dump(mode="json"),
         "scenario_digest": scenario.digest(),
-        "versions": versions() | {"sources": sources_digest(), plant.file.name: plant.generator},
+        "versions": made_by() | {plant.file.name: plant.generator},
         "fmus": {plant.file.name: plant.digest},
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }

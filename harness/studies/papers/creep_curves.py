@@ -46,7 +46,7 @@ def curves(name: str, mu0: float, slips: Vector = SLIPS) -> tuple[Vector, Vector
     cleaned = np.empty((slips.size, count))
     for slip, row in zip(slips, cleaned, strict=True):
         field = Field(layout, CLEAN, scenario.adhesion.polach, way)
-        rail = TabulatedRail(layout, profile, track_force_of(Track()), field)
+        rail = TabulatedRail(layout, profile, track_force_of(Track(), mass=0.0), field)
         plant_outputs = np.zeros(layout.outputs)
         plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = SPEED, slip
         plant_outputs[layout.output["wheelset_load"]] = LOAD

@@ -1,0 +1,101 @@
+"""True and false are not numbers: no key of any table accepts them in place of one."""
+
+import importlib
+import pkgutil
+from typing import Annotated, Any
+
+import numpy as np
+import pytest
+from pydantic import BaseModel, TypeAdapter, ValidationError
+from synthetic import LIBRARY
+
+import railgrip.estimation
+import railgrip.rolling_stock
+import railgrip.scenario
+import railgrip.simulate
+import railgrip.studies
+import railgrip.trace
+from railgrip.api import Scenario
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.load import load
+from railgrip.scenario.quantity import Magnitude, Parameter
+from railgrip.scenario.table import Table
+from railgrip.simulate.vehicle import VehicleData
+
+PACKAGES = (
+    railgrip.estimation,
+    railgrip.rolling_stock,
+    railgrip.scenario,
+    railgrip.simulate,
+    railgrip.studies,
+    railgrip.trace,
+)
+ENTRIES = (True, [True], [True, True], [[True, True]], {"a": True}, {"k_A": True})
+
+
+def tables(base: type[BaseModel] = Table):
+    for table in base.__subclasses__():
+        yield table
+        yield from tables(table)
+
+
+def fields():
+    for package in PACKAGES:
+        for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+            importlib.import_module(module.name)
+    every = {table for table in tables() if table.__module__.startswith("railgrip.")}
+    for table in sorted(every, key=lambda table: (table.__module__, table.__qualname__)):
+        for name, field in table.model_fields.items():
+            yield f"{table.__qualname__}.{name}", Annotated[field.annotation, *field.metadata, None]
+
+
+def numbers(value: Any):
+    """Yield all numbers of a value that are not true or false."""
+    if isinstance(value, Magnitude) and not isinstance(value, Parameter):
+        yield value.entry
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield value
+    elif isinstance(value, dict):
+        yield from (number for inner in value.values() for number in numbers(inner))
+    elif isinstance(value, list | tuple):
+        yield from (number for inner in value for number in numbers(inner))
+
+
+def test_no_key_of_any_table_reads_true_as_a_number():
+    accepted, asked = [], 0
+    for name, annotation in fields():
+        adapter = TypeAdapter(annotation)
+        for entry in ENTRIES:
+            asked += 1
+            try:
+                value = adapter.validate_python(entry)
+            except ValidationError:
+                continue
+            accepted += [(name, entry) for _ in numbers(value)]
+    assert asked > 1000  # all tables were found
+    assert {name for name, _ in accepted} == {"CarTable.direction"}  # 1 or -1, where true is 1
+
+
+@pytest.mark.parametrize(
+    ("key", "sentence"),
+    [
+        ("start.speed", "[start] speed is true, but a number in 'm/s' is expected"),
+        ("adhesion.polach", "[adhesion.polach] must be a table"),
+        ('vehicle.parameters."r_wheel[1]"', "[vehicle.parameters] r_wheel[1] is true, but a number"),
+        ("controller.parameters.r_wheel", "[controller.parameters] r_wheel is true, but a number"),
+        ("adhesion.polach.k_A", "[adhesion.polach] k_A is true, but a number"),
+        ("seed", "seed is True"),
+    ],
+)
+@pytest.mark.parametrize("how", ["--set", "python", "numpy"])
+def test_true_is_refused_with_its_key(key, sentence, how):
+    def vehicle():
+        if how == "--set":
+            scenario = load(LIBRARY / "plain.toml", [f"{key}=true"])
+        else:
+            scenario = Scenario.load("plain", {key: True if how == "python" else np.True_})
+        return VehicleData(scenario).true, VehicleData(scenario).nominal
+
+    with pytest.raises(ScenarioError) as refusal:
+        vehicle()
+    assert sentence in str(refusal.value)

@@ -1,0 +1,32 @@
+"""A table that may be repeated and is written once in single brackets is answered with the double ones."""
+
+import pytest
+from synthetic import LIBRARY
+
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.load import load
+
+CAMPAIGN = 'name = "mine"\nscenarios = ["plain"]\n[axes.control]\nnone = { "controller.kind" = "full_brake" }\n'
+
+
+@pytest.mark.parametrize("table", ["exclude", "reference", "expected"])
+def test_a_campaign_names_the_brackets(table, tmp_path):
+    (tmp_path / "mine.toml").write_text(f'{CAMPAIGN}[{table}]\ncontrol = "none"\n', encoding="utf-8")
+    with pytest.raises(ScenarioError, match=rf"mine.toml: \[{table}\] is a table, .*; write \[\[{table}\]\]"):
+        load_campaign(tmp_path / "mine.toml")
+
+
+@pytest.mark.parametrize("table", ["faults", "sanders", "track.gradient", "adhesion.patch"])
+def test_a_scenario_names_the_brackets(table):
+    with pytest.raises(ScenarioError) as refusal:
+        load(LIBRARY / "plain.toml", [f"{table}={{begin=0}}"])
+    assert f"[{table}] is a table, but may be given several times; write [[{table}]]" in str(refusal.value)
+
+
+@pytest.mark.parametrize("last", [2**63, 2**70, -1, 1.5, True])
+def test_seeds_of_draws_are_those_of_a_scenario(last, tmp_path):
+    text = f"{CAMPAIGN}[draws]\nfirst = 0\nlast = {str(last).lower()}\n"
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ScenarioError, match=r"mine.toml: \[draws\] last is "):
+        load_campaign(tmp_path / "mine.toml")
