@@ -207,6 +207,7 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
     with subprocess.Popen(
         command,
         cwd=folder,
+        env=os.environ,  # not the one of C, in which `dae` hides the user's cache folder from rumoca
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         encoding="utf-8",
