@@ -161,6 +161,8 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
     for (name, trace), (colour, _) in zip(traces.items(), colours, strict=True):
         panel.plot(trace["time"].values, trace["adhesion"].values[:, 0], color=colour, linewidth=0.9, label=name)
     for (name, trace), (_, colour) in zip(traces.items(), colours, strict=True):
+        if "peak_adhesion" not in trace:
+            continue  # a plant that does not output its brakes has no bound
         greatest = trace["peak_adhesion"].values[:, 0]
         name = f"greatest possible, {name.partition(',')[0]}"
         # Wide and below, so that adhesion that has reached it is seen on it.

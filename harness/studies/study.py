@@ -8,7 +8,7 @@ from importlib import import_module, metadata
 from pathlib import Path
 
 from railgrip.base.errors import InputError
-from railgrip.campaign.one_stop import make_folder
+from railgrip.base.outputs import make_folder, require_own
 from railgrip.campaign.sources import sources_digest
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
@@ -81,6 +81,7 @@ def conduct(
         RailgripError: A case failed; earlier results are kept in the cache.
     """
     folder = out / study.place
+    require_own(folder)
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
         page = study.page(job)
