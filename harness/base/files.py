@@ -89,10 +89,20 @@ _MARK: Final = ".railgrip-temporary"
 
 @contextmanager
 def scratch(purpose: Purpose) -> Generator[Path]:
-    """Yield a temporary folder, removed at the end; `purpose` is part of its name."""
-    temporary = Path(tempfile.gettempdir()).absolute()
-    _remove_stale(temporary)
-    folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{purpose}-{os.getpid()}-", dir=temporary))
+    """Yield a temporary folder, removed at the end; `purpose` is part of its name.
+
+    Raises:
+        Unwritten: No folder for temporary files can be written.
+    """
+    try:
+        temporary = Path(tempfile.gettempdir()).absolute()
+        _remove_stale(temporary)
+        folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{purpose}-{os.getpid()}-", dir=temporary))
+    except OSError as problem:
+        raise Unwritten(
+            f"no temporary folder can be written ({problem.strerror}); make room, lift the limit of file sizes, or "
+            "name another folder in TMPDIR"
+        ) from problem
     try:
         # The mark is written under the lock: a marked folder without a lock has lost its process.
         with locked(folder):
