@@ -1,5 +1,6 @@
 """Files of a user in a folder named by --out stay as they are: railgrip replaces and removes its own files alone."""
 
+import json
 import os
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from railgrip.base.errors import RecordError
-from railgrip.base.outputs import RECORD, claim, discard, require_free, require_own
+from railgrip.base.outputs import RECORD, adopt, claim, discard, require_free, require_own
 
 SHORT = ("--set", "limits.horizon=2 s")
 ESTIMATION = Path(__file__).parents[1] / "harness/estimation/library/rig_own.toml"
@@ -93,3 +94,45 @@ def test_a_link_out_of_the_folder_is_not_followed(tmp_path: Path) -> None:
     with pytest.raises(RecordError, match="leads out of the folder"):
         claim(tmp_path / "site", "figures/a.png")
     assert not list((tmp_path / "elsewhere").iterdir())
+
+
+STOP = {"scenario_digest": "0", "sha256": "0"}
+CAMPAIGN = {"name": "a", "description": "", "stops": []}
+PAGE = '<p class="question">?</p>\n<h2>Provenance</h2>'
+EARLIER = {
+    "a stop": ({"stop.json": json.dumps(STOP), "trace.nc": ""}, ["stop.json", "trace.nc"]),
+    "a campaign": ({"campaign.json": json.dumps(CAMPAIGN), "a.md": ""}, ["campaign.json", "a.md"]),
+    "a study": ({"index.html": PAGE, "a.csv": ""}, ["index.html", "a.csv"]),
+    "figures of a study": ({"figures.json": '[{"name": "a", "value": 1, "unit": "m"}]'}, ["figures.json"]),
+}
+
+
+@pytest.mark.parametrize("kind", EARLIER)
+def test_results_of_the_first_release_are_replaced(kind: str, tmp_path: Path) -> None:
+    """They have no record, and are known by what they contain."""
+    contents, files = EARLIER[kind]
+    for name, content in contents.items():
+        (tmp_path / name).write_text(content)
+    claim(tmp_path, *files)
+    for name in files:
+        (tmp_path / name).write_text("mine")
+        (tmp_path / RECORD).unlink(missing_ok=True)
+    with pytest.raises(RecordError, match="has not written"):
+        claim(tmp_path, *files)
+
+
+def test_a_page_of_the_user_next_to_a_stop_of_the_first_release_stays(tmp_path: Path) -> None:
+    for name, content in {"stop.json": json.dumps(STOP), "index.html": "mine", "stop.pdf": "mine"}.items():
+        (tmp_path / name).write_text(content)
+    discard(tmp_path, ["stop.json", "index.html", "stop.pdf"])
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["index.html", "stop.pdf"]
+
+
+def test_a_folder_that_railgrip_named_is_adopted_once(tmp_path: Path) -> None:
+    (tmp_path / "estimates.nc").write_text("earlier")
+    adopt(tmp_path, "estimates.nc", "estimates.png")
+    require_free(tmp_path, "estimates.nc")
+    (tmp_path / "estimates.png").write_text("mine")
+    adopt(tmp_path, "estimates.nc", "estimates.png")
+    with pytest.raises(RecordError, match=r"\(estimates\.png\)"):
+        require_free(tmp_path, "estimates.nc", "estimates.png")

@@ -12,7 +12,7 @@ from typing import Final
 
 from railgrip.base.errors import RecordError
 from railgrip.base.files import remove, write_json
-from railgrip.base.records import LARGEST_JSON, inside, read_bounded, read_json
+from railgrip.base.records import LARGEST_JSON, inside, read_bounded, read_json, read_json_value
 
 RECORD: Final = ".railgrip.json"
 """File in each folder of results, with the names of the files that railgrip has written into the folder."""
@@ -75,6 +75,17 @@ def claim(directory: Path, *files: str) -> None:
         _record(directory, (*(recorded or ()), *files))
 
 
+def adopt(directory: Path, *files: str) -> None:
+    """Record files of a folder that railgrip itself has named: release 0.1.0 wrote them there without a record.
+
+    Raises:
+        Unwritten: The record cannot be written.
+    """
+    present = [name for name in files if (directory / name).is_file()]
+    if present and _recorded(directory) is None:
+        _record(directory, present)
+
+
 def discard(directory: Path, files: Iterable[str]) -> None:
     """Remove those files from a folder that railgrip has written into it.
 
@@ -114,6 +125,12 @@ def _is_own(directory: Path, name: str) -> bool:
     with suppress(FileNotFoundError, RecordError):
         page = read_bounded(directory, "index.html", LARGEST_JSON)
         if b'<p class="question">' in page and b"<h2>Provenance</h2>" in page:
+            return True
+    with suppress(FileNotFoundError, RecordError):
+        figures = read_json_value(directory, name) if name == "figures.json" else None
+        if isinstance(figures, list) and all(
+            isinstance(figure, dict) and {"name", "value", "unit"} <= figure.keys() for figure in figures
+        ):
             return True
     is_page = Path(name).suffix in (".html", ".png", ".svg", ".pdf") and not name.startswith("figures/")
     marks = {"stop.json": {"scenario_digest", "sha256"}, "campaign.json": {"name", "description", "stops"}}

@@ -9,7 +9,7 @@ import xarray
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_bytes, write_text
-from railgrip.base.outputs import claim, require_free
+from railgrip.base.outputs import adopt, claim, require_free
 from railgrip.cli.app import ImportFrom, Overrides, complete, fail
 from railgrip.cli.library import write_schema
 from railgrip.estimation.inspection import inspect_recording
@@ -58,6 +58,8 @@ def observability(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     files = ("observability.csv", "observability.png")
+    if out is None:
+        adopt(folder, *files)
     require_free(folder, *files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     if data is not None:
@@ -96,6 +98,8 @@ def estimate(
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
     files = ("estimates.nc", "estimates.png")
+    if out is None:
+        adopt(folder, *files)
     require_free(folder, *files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):

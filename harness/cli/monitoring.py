@@ -7,7 +7,7 @@ import typer
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.files import write_bytes
-from railgrip.base.outputs import claim, require_free
+from railgrip.base.outputs import adopt, claim, require_free
 from railgrip.estimation.spec import load_specification
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.style import save
@@ -29,6 +29,8 @@ def ride(
     """Run the instrumented car with a trained friction estimator."""
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
+    if out is None:
+        adopt(folder, *RIDE_FILES)
     require_free(folder, *RIDE_FILES)
     with progress(specification.name, 1.0) as bar:
         trace, apart = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)

@@ -114,8 +114,8 @@ def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
     """Return the variants of the axes of which no other rail has one of these."""
     parts: list[str] = []
     for axis in here[0].variants:
-        here_only = list(dict.fromkeys(stop.variants[axis] for stop in here))
-        others = {stop.variants[axis] for rail in rails if rail is not here for stop in rail}
+        here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
+        others = {stop.variants.get(axis, "") for rail in rails if rail is not here for stop in rail}
         if others and others.isdisjoint(here_only):
             more = f" and {len(here_only) - 2} more" if len(here_only) > 3 else ""
             parts.append(", ".join(here_only[: 2 if more else 3]).replace("_", " ") + more)

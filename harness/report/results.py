@@ -46,9 +46,11 @@ class StoredCampaign(Stored):
 
     @field_validator("stops")
     @classmethod
-    def _different_names(cls, stops: list[StoredPlan]) -> list[StoredPlan]:
+    def _of_one_campaign(cls, stops: list[StoredPlan]) -> list[StoredPlan]:
         if len({stop.name for stop in stops}) < len(stops):
             raise broken("two stops have the same name")
+        if len({frozenset(stop.variants.keys() - {DRAW}) for stop in stops}) > 1:
+            raise broken("stops have variants of different axes")
         return stops
 
 
