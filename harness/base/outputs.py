@@ -34,19 +34,16 @@ def make_folder(directory: Path, *files: str) -> None:
         ) from problem
     if not os.access(directory, os.W_OK):
         raise RecordError(f"{directory}: results cannot be written there: no permission; name another folder by --out")
-    obstacle = next((directory / name for name in files if (directory / name).is_dir()), None)
-    if obstacle is not None:
-        raise RecordError(
-            f"{obstacle}: a file is to be written there, and it is a folder; move it or name another --out"
-        )
+    _refuse_folders(directory, files)
 
 
 def require_free(directory: Path, *files: str) -> None:
     """Check that railgrip may write these files into a folder, which need not exist.
 
     Raises:
-        RecordError: Files that railgrip has not written are in the way, or a path leads out of the folder.
+        RecordError: Folders, or files that railgrip has not written, are in the way, or a path leads out of the folder.
     """
+    _refuse_folders(directory, files)
     present = [name for name in files if os.path.lexists(inside(directory, name))]
     _refuse(directory, [name for name in present if not _is_own(directory, name)])
 
@@ -139,6 +136,14 @@ def _is_own(directory: Path, name: str) -> bool:
             if not is_page and keys <= read_json(directory, file).keys():
                 return True
     return False
+
+
+def _refuse_folders(directory: Path, files: Iterable[str]) -> None:
+    obstacle = next((directory / name for name in files if (directory / name).is_dir()), None)
+    if obstacle is not None:
+        raise RecordError(
+            f"{obstacle}: a file is to be written there, and it is a folder; move it or name another --out"
+        )
 
 
 def _refuse(directory: Path, names: list[str]) -> None:
