@@ -1,6 +1,11 @@
 # Everything this project does, from a clone with nothing but Python 3.11+ and make. `make help` lists it.
 PYTHON ?= python3
-VENV   ?= .venv
+# The file by which make knows an environment that it made, so that it never changes one of the user.
+MADE   := .made-by-make
+made_by_make = $(wildcard $(1)/$(MADE) $(1)/.ready)
+ifndef VENV
+VENV   := $(if $(wildcard .venv),$(if $(call made_by_make,.venv),.venv,.venv-dev),.venv)
+endif
 BIN    := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 RUN    := $(BIN)/python
 # Not `python -m`, which imports what lies in the current folder.
@@ -21,6 +26,10 @@ unexport PYTHONDONTWRITEBYTECODE
 # Without --no-compile pip spends longer on bytecode, most of which is never imported, than on everything else.
 $(READY): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "railgrip needs Python 3.11 or newer; set PYTHON=/path/to/python3.11"; exit 2; }
+	@test -n "$(call made_by_make,$(VENV))" || test -z "$$(ls -A $(VENV) 2>/dev/null)" || { \
+	  echo "$(VENV): make did not create this environment and does not install into it; set VENV to a new folder"; exit 2; }
+	@test $(VENV) != .venv-dev || echo "make leaves .venv, which it did not create, as it is and uses .venv-dev"
+	@mkdir -p $(VENV) && touch $(VENV)/$(MADE)
 	$(PYTHON) -m venv $(VENV)
 	$(RUN) -m pip install --quiet --no-compile --editable .
 	@touch $@
@@ -32,7 +41,7 @@ $(DEV): $(READY)
 	$(RUN) -m pip install --quiet --no-compile --target $(VENV)/cluster --upgrade --group cluster
 	@touch $@
 
-install: $(DEV)  ## make .venv with everything declared in pyproject.toml
+install: $(DEV)  ## make .venv, or .venv-dev if .venv is yours, with everything declared in pyproject.toml
 
 fmus: $(READY)  ## build the FMUs that are not up to date
 	$(PROGRAM) build
@@ -122,7 +131,7 @@ regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(PROGRAM) study pad_monitor
 
-fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
+fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides, recordings and results (half an hour)
 	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py
 
 TYPED := build/typed/railgrip
@@ -131,7 +140,7 @@ check: $(DEV)
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	@rm -rf $(TYPED) && mkdir -p $(TYPED) && cp -r harness/* estimators controllers fmus $(TYPED)
-	$(RUN) -m pyright
+	$(RUN) -m pyright --pythonpath $(RUN)
 	cd build/typed && $(abspath $(BIN))/lint-imports --config $(CURDIR)/.importlinter --no-logo --no-cache
 
 ESTIMATIONS := harness/estimation/library
@@ -166,5 +175,5 @@ k-factors: fmus  ## K_dry_rst of ETCS for EBCL 0 to 9, and stops with the contro
 docs: $(DEV)  ## the documentation as a site, build/site/index.html
 	NO_MKDOCS_2_WARNING=1 DISABLE_MKDOCS_2_WARNING=true $(RUN) -m mkdocs build --strict
 
-clean:  ## remove what was built (not .venv)
+clean:  ## remove what was built, except environments
 	rm -rf build

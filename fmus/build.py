@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from railgrip.base import cache
 from railgrip.base.errors import CompilerMissing, InputError, RailgripError
 from railgrip.base.files import scratch
+from railgrip.base.programs import find_program
 from railgrip.fmus import openmodelica
 from railgrip.fmus.native import confined, toolchain
 from railgrip.fmus.native.digest import compiler_digest, digest
@@ -267,7 +267,7 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
         CompilerMissing: OpenModelica was requested and is not on the PATH.
         InputError: The name of the compiler is unknown.
     """
-    present = shutil.which("omc") is not None
+    present = find_program("omc") is not None
     if compiler == "openmodelica" and not present:
         raise CompilerMissing(
             "OpenModelica was requested, but omc is not on the PATH; install it or use --compiler native."

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch
+from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.fmus.native.library import LIBRARY
 from railgrip.fmus.recipe import Recipe
 
@@ -126,7 +127,13 @@ def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
     """Return the FMU that omc made from a script, if any, and its complaints."""
     (folder / "export.mos").write_text(text, encoding="utf-8")
     process = subprocess.run(
-        [_omc(), "export.mos"], cwd=folder, capture_output=True, encoding="utf-8", errors="replace", check=False
+        [_omc(), "export.mos"],
+        cwd=folder,
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        check=False,
+        env=environment_of_programs(),
     )
     fmu = folder / f"{recipe.class_name.replace('.', '_')}.fmu"
     open_parameters = "\n".join(unset(process.stdout))
@@ -168,13 +175,18 @@ def version_line() -> str:
         CompilerMissing: There is no omc on the PATH.
     """
     process = subprocess.run(
-        [_omc(), "--version"], capture_output=True, encoding="utf-8", errors="replace", check=False
+        [_omc(), "--version"],
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        check=False,
+        env=environment_of_programs(),
     )
     return process.stdout.strip()
 
 
 def _omc() -> str:
-    path = shutil.which("omc")
+    path = find_program("omc")
     if path is None:
         raise CompilerMissing("OpenModelica's omc is not on the PATH; install it or use --compiler native.")
     return path

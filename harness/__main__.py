@@ -1,6 +1,7 @@
 """The way in: listens to signals before anything that takes time is loaded."""
 
 import io
+import os
 import sys
 
 from railgrip.base.interrupted import Interrupted, listen, stop_listening
@@ -9,6 +10,7 @@ from railgrip.base.interrupted import Interrupted, listen, stop_listening
 def main(arguments: list[str] | None = None) -> None:
     """Run the command line; Ctrl-C and SIGTERM end it with a sentence, after open files and processes are closed."""
     listen()
+    _open_standard_streams()
     _write_unicode()
     try:
         from railgrip.cli.main import main as command_line
@@ -20,6 +22,21 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(end.code)
     finally:
         stop_listening()
+
+
+def _open_standard_streams() -> None:
+    """Open the null device in the place of standard streams that are closed.
+
+    Otherwise the next file that is opened, a result perhaps, would be one of them, and whatever an FMU prints would be
+    written into it.
+    """
+    for number, name, mode in ((0, "stdin", "r"), (1, "stdout", "w"), (2, "stderr", "w")):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free, which is this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(number, mode, encoding="utf-8", closefd=False))  # noqa: SIM115 - until the end
 
 
 def _write_unicode() -> None:

@@ -1,16 +1,20 @@
 """Temporary folders go with their process, however it ended."""
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import zipfile
 from pathlib import Path
 
 import fmpy
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
-from railgrip.base.files import locked, scratch
+from railgrip.base.files import _remove_stale, locked, scratch
 from railgrip.campaign.workers import workers
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the locks are POSIX")
@@ -19,24 +23,62 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the locks are P
 @pytest.fixture
 def temporary(tmp_path, monkeypatch):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    _remove_stale.cache_clear()
     return tmp_path
+
+
+NAMES = st.from_regex(r"railgrip-(build|far|fmu|study|workers|unlocked)-[0-9]{1,5}-[a-z0-9_]{8}", fullmatch=True)
+
+
+def filled(folder):
+    """Make a folder with a file in it, two days old."""
+    (folder / "binaries").mkdir(parents=True)
+    (folder / "binaries" / "kept.txt").write_text("mine")
+    two_days_ago = time.time() - 2 * 86400
+    os.utime(folder, (two_days_ago, two_days_ago))
+    return folder
+
+
+def abandoned(folder):
+    """Make the folder of a run that was killed: it is marked, and nobody holds its lock."""
+    filled(folder)
+    with scratch("build") as running:
+        shutil.copy(next(path for path in running.iterdir() if path.is_file()), folder)
+    return folder
 
 
 @pytest.mark.parametrize("purpose", ["fmu", "workers"])
 def test_what_a_killed_run_left_is_removed_by_the_next_at_once(temporary, purpose):
-    """Whatever it was for. A folder in use, here by this very process, stays, and so does one of a user."""
+    """Whatever it was for. A folder in use, here by this very process, stays."""
     stale = [
-        temporary / f"railgrip-{other}-1-abcdef_{number}" for number, other in enumerate(("fmu", "workers", "build"))
+        abandoned(temporary / f"railgrip-{other}-1-abcdef_{number}")
+        for number, other in enumerate(("fmu", "workers", "build"))
     ]
-    used = temporary / f"railgrip-{purpose}-{os.getpid()}-12345678"
-    own = [
-        temporary / name for name in ("railgrip-fmu-results", "railgrip-results-2024-05", "railgrip-fmu-2024-of_may")
-    ]
-    for folder in (*stale, used, *own):
-        (folder / "binaries").mkdir(parents=True)
+    used = abandoned(temporary / f"railgrip-{purpose}-{os.getpid()}-12345678")
+    _remove_stale.cache_clear()
     with locked(used), scratch(purpose) as mine:
-        assert sorted(temporary.iterdir()) == sorted([used, *own, mine])
-    assert sorted(temporary.iterdir()) == sorted([used, *own])
+        assert sorted(temporary.iterdir()) == sorted([used, mine])
+    assert list(temporary.iterdir()) == [used]
+    assert not any(folder.exists() for folder in stale)
+
+
+@given(names=st.sets(st.one_of(NAMES, st.sampled_from(["railgrip-study-3-baseline"])), min_size=1, max_size=4))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=50)
+def test_a_folder_without_the_mark_stays_whatever_its_name(temporary, names):
+    """So does one that a link of such a name points to, and one whose mark is itself a link."""
+    with tempfile.TemporaryDirectory(dir=temporary) as place, pytest.MonkeyPatch.context() as patch:
+        here = Path(place)
+        patch.setattr(tempfile, "tempdir", place)
+        own = [filled(here / name) for name in names]
+        target = abandoned(here / "linked")
+        (here / "railgrip-fmu-1-00000000").symlink_to(target)
+        mark = next(path.name for path in target.iterdir() if path.is_file())
+        (own[0] / mark).symlink_to(target / mark)
+        _remove_stale.cache_clear()
+        with scratch("study"):
+            pass
+        for folder in (*own, target):
+            assert (folder / "binaries" / "kept.txt").read_text() == "mine"
 
 
 def test_fmpy_unpacks_below_the_folder_of_the_tests(tmp_path):
@@ -99,8 +141,9 @@ def test_a_parent_that_was_killed_leaves_no_folder_at_the_next_start(tmp_path, t
 
 
 def test_what_workers_unpack_goes_with_their_pool(temporary):
-    left = temporary / "railgrip-workers-1-12345678" / "railgrip-fmu-2-12345678"
-    left.mkdir(parents=True)
+    left = abandoned(temporary / "railgrip-workers-1-12345678") / "railgrip-fmu-2-12345678"
+    left.mkdir()
+    _remove_stale.cache_clear()
     with workers(1) as pool:
         assert not left.exists()
         folder = pool.submit(tempfile.gettempdir).result()

@@ -63,6 +63,7 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
         done = subprocess.run(
             [sys.executable, "-I", "-c", start],
             input=json.dumps(request | {"arguments": arguments}).encode(),
+            env=os.environ,  # see `toolchain`
             capture_output=True,
             check=False,
             timeout=LIMITS.seconds,

@@ -1,9 +1,11 @@
 """The front end: rumoca reads Modelica and hands over the checked, flat DAE with operands resolved."""
 
 import json
+import os
 import re
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -18,6 +20,9 @@ from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
 
 FRONT = Path(__file__).parent / "front"
+_CACHE_OF_RUMOCA = "XDG_CACHE_HOME"
+"""Environment variable in which rumoca finds the folder of its cache, on every platform."""
+
 SCHEMA = ("rumoca.checked-dae-template", 6)
 
 Node = dict[str, Any]
@@ -132,15 +137,16 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
     if path.parent != LIBRARY:
         require_readable(path)
     try:
-        if path.name == "package.mo":
-            model = _session(path.parent).load(str(path), model=class_name)
-        else:
-            model = rumoca.Session(roots=[str(LIBRARY)]).loads(
-                path.read_text(encoding="utf-8"), model=class_name, filename=alias
-            )
-        template = model.codegen(str(FRONT)).files[0].content
-        flat = _part(model.to_json("flat", pretty=False), "variables")
-        files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
+        with _without_cache_of_rumoca():
+            if path.name == "package.mo":
+                model = _session(path.parent).load(str(path), model=class_name)
+            else:
+                model = rumoca.Session(roots=[str(LIBRARY)]).loads(
+                    path.read_text(encoding="utf-8"), model=class_name, filename=alias
+                )
+            template = model.codegen(str(FRONT)).files[0].content
+            flat = _part(model.to_json("flat", pretty=False), "variables")
+            files = _part(model.to_json("dae", pretty=False), "source_map")["files"]
     except (rumoca.RumocaError, RuntimeError) as error:
         # `codegen` raises RuntimeError and names its own template first.
         message = str(error).replace(alias, str(path)).rpartition("_dae.json': ")[2]
@@ -163,6 +169,28 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
         require_values(class_name, flat, sources)
     protected = frozenset(name for name, variable in flat.items() if variable["is_protected"])
     return Dae(class_name=class_name, content=content, protected=protected, sources=sources)
+
+
+_environment = threading.Lock()
+
+
+@contextmanager
+def _without_cache_of_rumoca() -> Generator[None]:
+    """Keep rumoca from reading and writing a cache of its own.
+
+    rumoca does not check the files of its cache, and a damaged one aborts this process. The cache saves less than a
+    tenth of the time of a translation, whose result railgrip keeps in a cache with digests. Only rumoca sees the
+    variable: `os.environ`, and with it Python and the processes that are given it, stays as it is.
+    """
+    with _environment:
+        os.putenv(_CACHE_OF_RUMOCA, os.devnull)
+        try:
+            yield
+        finally:
+            if _CACHE_OF_RUMOCA in os.environ:
+                os.putenv(_CACHE_OF_RUMOCA, os.environ[_CACHE_OF_RUMOCA])
+            else:
+                os.unsetenv(_CACHE_OF_RUMOCA)
 
 
 def _content(template: str) -> Node:

@@ -5,7 +5,6 @@ import importlib.util
 import json
 import os
 import platform
-import shutil
 import signal
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from pathlib import Path
 from railgrip.base.cache import find, keep
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.base.files import scratch
+from railgrip.base.programs import environment_of_programs, find_program
 
 # -ffp-contract=off and no -ffast-math: the same sources give the same bits on every x86-64 machine. gnu99 is C99
 # without trigraphs, by which `??/` would be a backslash, also inside a string literal.
@@ -83,7 +83,7 @@ def compiler() -> Compiler:
     usual = () if SUFFIX == ".dll" else ("cc", "gcc", "clang")
     for name in filter(None, (os.environ.get("CC"), *usual)):
         words = name.split()
-        path = shutil.which(words[0])
+        path = find_program(words[0])
         if path:
             return _probe((path, *words[1:]))
     if importlib.util.find_spec("ziglang") is not None:
@@ -163,7 +163,7 @@ def static_library(sources: Mapping[str, str], name: str, *, units: Sequence[str
         CompilerMissing: There is no C compiler, or it comes without `ar`.
     """
     cc = compiler()
-    archiver = (*cc.command[:-1], "ar") if cc.command[-1:] == _ZIG[-1:] else (shutil.which("ar") or "",)
+    archiver = (*cc.command[:-1], "ar") if cc.command[-1:] == _ZIG[-1:] else (find_program("ar") or "",)
     if not archiver[0]:
         raise CompilerMissing("a static library takes the program `ar`, which comes with the C compiler (binutils).")
     with scratch("build") as folder:
@@ -207,6 +207,7 @@ def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
     with subprocess.Popen(
         command,
         cwd=folder,
+        env=environment_of_programs(),  # not the one of C, in which `dae` hides the user's cache folder from rumoca
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         encoding="utf-8",

@@ -176,5 +176,5 @@ def for_user(problem: BaseException) -> RailgripError | None:
     if isinstance(problem, RailgripError):
         return problem
     if isinstance(problem, OSError) and problem.errno in _DISK:
-        return Unwritten(f"{problem.filename or 'a file'}: {problem.strerror}")
+        return Unwritten(f"{problem.filename or 'a file or the standard output'}: {problem.strerror}")
     return None

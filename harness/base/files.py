@@ -1,21 +1,20 @@
 """Files that are whole or not there, and temporary folders that go with their process, however it ends.
 
-A temporary folder carries the number of its process, which also holds a lock on it. Of a process that was killed the
-system frees the lock; the next one that wants a folder, for whatever purpose, removes what lies there without.
+A temporary folder contains a mark, and its process holds a lock on it. The system frees the lock of a process that was
+killed; the next process that makes a temporary folder removes the marked folders without a lock, and no others.
 """
 
 import json
 import math
 import os
-import re
 import shutil
+import stat
 import tempfile
-import time
 from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal
 
 from railgrip.base.errors import Unwritten
 
@@ -84,26 +83,34 @@ def finite(value: Any) -> Any:
 
 Purpose = Literal["build", "far", "fmu", "study", "workers"]
 _PREFIX: Final = "railgrip-"
-_UNLOCKED: Final = f"{_PREFIX}unlocked-"
-_MINE: Final = re.compile(rf"{_PREFIX}({'|'.join(get_args(Purpose))})-[0-9]+-[a-z0-9_]{{8}}")
-_FRESH: Final = 60.0  # s
+_MARK: Final = ".railgrip-temporary"
+"""File in each temporary folder that `scratch` made: a folder without it belongs to somebody else."""
 
 
 @contextmanager
 def scratch(purpose: Purpose) -> Generator[Path]:
-    """Yield a temporary folder, removed at the end; `purpose` is part of its name."""
-    temporary = Path(tempfile.gettempdir())
-    _remove_stale(temporary)
-    unlocked = Path(tempfile.mkdtemp(prefix=_UNLOCKED, dir=temporary))
-    # It gets its name with its lock: a file of such a name without a lock may be removed, however young it is.
-    with locked(unlocked):
-        folder = temporary / f"{_PREFIX}{purpose}-{os.getpid()}-{unlocked.name.removeprefix(_UNLOCKED)}"
-        unlocked.rename(folder)
-        try:
+    """Yield a temporary folder, removed at the end; `purpose` is part of its name.
+
+    Raises:
+        Unwritten: No folder for temporary files can be written.
+    """
+    try:
+        temporary = Path(tempfile.gettempdir()).absolute()
+        _remove_stale(temporary)
+        folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{purpose}-{os.getpid()}-", dir=temporary))
+    except OSError as problem:
+        raise Unwritten(
+            f"no temporary folder can be written ({problem.strerror}); make room, lift the limit of file sizes, or "
+            "name another folder in TMPDIR"
+        ) from problem
+    try:
+        # The mark is written under the lock: a marked folder without a lock has lost its process.
+        with locked(folder):
+            (folder / _MARK).touch()
             yield folder
-        finally:
-            # A library that is still mapped may not be removable on some platforms; there the system clears it later.
-            shutil.rmtree(folder, ignore_errors=True)
+    finally:
+        # A library that is still mapped may not be removable on some platforms; there the system clears it later.
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager
@@ -133,11 +140,9 @@ def _remove_stale(temporary: Path) -> None:
         return  # without locks its use is unknown
     for folder in temporary.glob(f"{_PREFIX}*"):
         with suppress(OSError):
-            status = folder.lstat()
-            is_old = time.time() - status.st_mtime > _FRESH
-            if status.st_uid == os.geteuid() and (
-                _MINE.fullmatch(folder.name) or (is_old and folder.name.startswith(_UNLOCKED))
-            ):
+            mark = (folder / _MARK).lstat()
+            is_marked = stat.S_ISREG(mark.st_mode) and {mark.st_uid, folder.lstat().st_uid} == {os.geteuid()}
+            if is_marked:
                 with locked(folder) as free:
                     if free:
                         shutil.rmtree(folder, ignore_errors=True)

@@ -1,16 +1,16 @@
 """One scenario, run and kept."""
 
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.errors import ScenarioError
+from railgrip.base.outputs import make_folder
 from railgrip.campaign.sources import made_by
 from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
-from railgrip.trace.stop import FILES, clear_stop, write_stop
+from railgrip.trace.stop import FILES, require_place, write_stop
 
 RUNS = Path("build/runs")
 """Folder of the folders of runs."""
@@ -39,27 +39,6 @@ def run_folder(scenario: Scenario) -> Path:
     return RUNS / f"{scenario.name}-{scenario.digest()[:8]}"
 
 
-def make_folder(directory: Path, *files: str) -> None:
-    """Make the folder for results, before anybody waits for one.
-
-    Raises:
-        RecordError: It cannot be made or not be written, or a file's place is taken by a folder.
-    """
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as problem:
-        raise RecordError(
-            f"{directory}: results cannot be written there: {problem.strerror}; name another folder by --out"
-        ) from problem
-    if not os.access(directory, os.W_OK):
-        raise RecordError(f"{directory}: results cannot be written there: no permission; name another folder by --out")
-    obstacle = next((directory / name for name in files if (directory / name).is_dir()), None)
-    if obstacle is not None:
-        raise RecordError(
-            f"{obstacle}: a file is to be written there, and it is a folder; move it or name another --out"
-        )
-
-
 def run(
     scenario: Scenario,
     directory: Path,
@@ -71,15 +50,16 @@ def run(
 ) -> Stop:
     """Run a scenario and write its result into a folder, whole or not at all.
 
-    What the folder holds of an earlier stop, its page among it, is removed before the stop runs.
+    The result of an earlier stop in the folder stays until the new one replaces it.
 
     Raises:
-        RecordError: Results cannot be written there, or the folder is that of a campaign; nothing was run.
+        RecordError: Results cannot be written there, files of the user are in the way, or the folder is that of a
+            campaign; nothing was run.
         Unwritten: The result could not be written.
         ScenarioError: The scenario asks for something that its parts cannot do; it names the scenario.
     """
+    require_place(directory)
     make_folder(directory, *FILES)
-    clear_stop(directory)
     try:
         stop = runner(scenario, progress, notify)
     except ScenarioError as problem:

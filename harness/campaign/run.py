@@ -8,19 +8,29 @@ from typing import Literal
 
 from railgrip.base.errors import InputError, RailgripError, RecordError
 from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
+from railgrip.base.outputs import RECORD, claim, discard, make_folder, require_free
 from railgrip.campaign import workers as processes
-from railgrip.campaign.one_stop import Runner, make_folder, run
+from railgrip.campaign.one_stop import Runner, run
 from railgrip.campaign.sources import made_by
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import remark
-from railgrip.report.results import OURS, clear_campaign, makers
+from railgrip.report.results import OURS, makers, require_campaign
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.vehicle import PythonClass
-from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, clear_stop, read_stop
+from railgrip.trace.stop import (
+    CAMPAIGN_FILE,
+    FILES,
+    PAGE_FILES,
+    STOP_FILE,
+    StopRecord,
+    discard_stop,
+    read_stop,
+    require_place,
+)
 
 State = Literal["found", "done", "unexpected", "refused", "failed"]
 
@@ -79,8 +89,11 @@ def run_campaigns(
     """
     for planned in campaigns:
         name = planned.campaign.name
+        require_free(planned.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
+        require_campaign(planned.directory, name)
+        for stop in planned.campaign.stops:
+            require_place(planned.directory / stop.name)
         make_folder(planned.directory, CAMPAIGN_FILE, f"{name}.json", f"{name}.md", "index.html")
-        clear_campaign(planned.directory, name)
         write_description(planned.campaign, planned.directory)
     reports: list[dict[str, Report]] = [{} for _ in campaigns]
     waiting: list[_StopOrder] = []
@@ -98,6 +111,8 @@ def run_campaigns(
             if number not in open_:
                 on_complete(number)
         for order, report in running:
+            if report.state in ("refused", "failed"):
+                discard_stop(order.folder)  # an earlier result would pass for the present one
             reports[order.campaign][order.stop.name] = report
             notify(report)
             if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
@@ -169,9 +184,11 @@ def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str
 def _fetched(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
     """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
     if files:
-        clear_stop(order.folder)
-    for name in sorted(files, key=lambda name: name == STOP_FILE):
-        write_bytes(order.folder / name, files[name])
+        names = sorted(files.keys() - {RECORD}, key=lambda name: name == STOP_FILE)
+        claim(order.folder, *names)
+        for name in names:
+            write_bytes(order.folder / name, files[name])
+        discard(order.folder, {*FILES, *PAGE_FILES} - files.keys())
     return report
 
 
@@ -229,4 +246,5 @@ def write_description(campaign: Campaign, directory: Path) -> None:
             for stop in campaign.stops
         ],
     }
+    claim(directory, CAMPAIGN_FILE)
     write_json(directory / CAMPAIGN_FILE, content)

@@ -8,7 +8,6 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.campaign.load import csv_of, load_results, write_table
-from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
 from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
@@ -183,7 +182,6 @@ def compare(
         "-".join(names) if len(names) < 4 else f"{names[0]}-{len(names) - 1}-others"
     )
     require_no_result(folder)
-    make_folder(folder)
     page = comparison.page()
     path = page.write(folder, formats)
     if as_json:

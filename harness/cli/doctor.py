@@ -19,6 +19,7 @@ import typer
 import railgrip
 from railgrip.base import cache
 from railgrip.base.errors import RailgripError
+from railgrip.base.programs import find_program
 from railgrip.base.registry import Role, installed_names
 from railgrip.report.console import complain, say, show_table
 from railgrip.report.table import Table
@@ -105,7 +106,7 @@ def _compiler() -> Iterator[Finding]:
 
 
 def _openmodelica() -> Iterator[Finding]:
-    omc = shutil.which("omc")
+    omc = find_program("omc")
     yield Finding("OpenModelica", omc or "not found; the built-in compiler makes the FMUs")
 
 

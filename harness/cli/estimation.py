@@ -11,7 +11,8 @@ import typer
 import xarray
 
 from railgrip.base.errors import InputError
-from railgrip.base.files import remove, write_bytes, write_text
+from railgrip.base.files import write_bytes, write_text
+from railgrip.base.outputs import adopt, claim, require_free
 from railgrip.cli.app import ImportFrom, Overrides, complete, fail
 from railgrip.cli.library import write_schema
 from railgrip.cli.output import AsJson, print_json
@@ -68,6 +69,10 @@ def observability(
     """
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
+    files = ("observability.csv", "observability.png")
+    if out is None:
+        adopt(folder, *files)
+    require_free(folder, *files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     _print_recording(recording)
     for sentence in recording.attrs.get("warnings", ()):
@@ -87,7 +92,7 @@ def observability(
         for what, time, result in points
     ]
     show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
-    remove(folder, "observability.csv", "observability.png")
+    claim(folder, *files)
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
     inputs = tuple(gate.inputs) if gate is not None else prediction_for(specification).inputs[:2]
@@ -108,11 +113,15 @@ def estimate(
     """Run the filter of an estimation over its recording."""
     specification = load_specification(file, overrides or [])
     folder = out or OUT / specification.name
+    files = ("estimates.nc", "estimates.png")
+    if out is None:
+        adopt(folder, *files)
+    require_free(folder, *files)
     recording = _recording(specification, data=data, scenario=scenario, seed=seed, import_from=import_from or ())
     with progress(f"{specification.name}: filter"):
         prediction = prediction_for(specification)
         estimates = estimate_of(specification, recording)
-    remove(folder, "estimates.nc", "estimates.png")  # not before: a refusal leaves the earlier result
+    claim(folder, *files)
     write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
     strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(estimates)
     problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]

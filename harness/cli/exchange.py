@@ -8,7 +8,7 @@ import typer
 
 from railgrip.base.errors import InputError, PlantFailed
 from railgrip.base.names import did_you_mean
-from railgrip.campaign.one_stop import make_folder
+from railgrip.base.outputs import make_folder, require_own
 from railgrip.cli.app import RUN_FAILED, File, Overrides, With
 from railgrip.fmi import describe
 from railgrip.fmus.native.fmi3 import as_fmi_3
@@ -78,6 +78,7 @@ def export(
                 "--library compiles the onboard part for this machine; leave out --part, --fmi and --platforms."
             )
         folder = out or Path("build") / f"{scenario.name}-library"
+        require_own(folder)
         make_folder(folder, "library")
         for file in write_library(scenario, folder):
             say(str(file))

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from railgrip.base.errors import EstimationError
-from railgrip.base.files import remove, write_bytes
+from railgrip.base.files import write_bytes
+from railgrip.base.outputs import adopt, claim, require_free
 from railgrip.estimation.spec import load_specification
 from railgrip.report.console import progress, remark, say, show_table
 from railgrip.report.style import save
@@ -14,6 +15,9 @@ from railgrip.studies.axle_box.ride import read_ride, ride_beside, ride_figure
 from railgrip.studies.pad_monitor.folder import stops_in
 from railgrip.studies.pad_monitor.page import draw, health_table, summary_of
 from railgrip.studies.pad_monitor.watch import MonitorDesign, watch
+
+RIDE_FILES = ("ride.nc", "ride.png")
+"""Files that `railgrip ride` writes."""
 
 
 def ride(
@@ -25,9 +29,12 @@ def ride(
     """Run the instrumented car with a trained friction estimator."""
     specification = read_ride(file)
     folder = out or Path("build/rides") / specification.name
+    if out is None:
+        adopt(folder, *RIDE_FILES)
+    require_free(folder, *RIDE_FILES)
     with progress(specification.name, 1.0) as bar:
         trace, apart = ride_beside(specification, file.parent, lambda share: bar.update(amount=share), remark)
-    remove(folder, "ride.nc", "ride.png")
+    claim(folder, *RIDE_FILES)
     write_bytes(folder / "ride.nc", bytes(trace.to_netcdf(engine="h5netcdf")))
     save(ride_figure(trace), folder / "ride.png")
     last = trace.isel(time=-1)

@@ -11,10 +11,10 @@ import typer
 from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.base.files import write_text
 from railgrip.base.names import did_you_mean
+from railgrip.base.outputs import make_folder
 from railgrip.campaign import tune_control as laws
 from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.calibrate import calibrate as fit_levels
-from railgrip.campaign.one_stop import make_folder
 from railgrip.campaign.tune_control import EQUIPMENT, RANGES, Optimum, set_of, text_of
 from railgrip.campaign.work import work
 from railgrip.campaign.workers import workers as processes

@@ -37,10 +37,12 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, StrictInt, model_validator
+from pydantic import Field, StrictInt, TypeAdapter, ValidationError, model_validator
 
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.base.files import write_json, write_text
+from railgrip.base.outputs import claim
+from railgrip.base.records import read_json_value, words_of
 from railgrip.report import table
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Results, from_elsewhere
@@ -279,6 +281,7 @@ def beyond_accepted(results: Results, path: Path) -> list[str]:
 
 def write_findings(findings: Findings, directory: Path) -> None:
     """Write the figures of a study into a folder, for `read_findings`."""
+    claim(directory, FINDINGS_FILE)
     write_json(directory / FINDINGS_FILE, [asdict(finding) for finding in findings.values])
 
 
@@ -290,11 +293,12 @@ def read_findings(directory: Path) -> Findings:
     """
     path = directory / FINDINGS_FILE
     try:
-        return Findings(values=tuple(Finding(**finding) for finding in json.loads(path.read_text(encoding="utf-8"))))
+        values = TypeAdapter(tuple[Finding, ...]).validate_python(read_json_value(directory, FINDINGS_FILE))
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such file; `railgrip maintain regress` makes one") from problem
-    except (OSError, ValueError, TypeError) as problem:
-        raise RecordError(f"{path}: does not contain the figures of a study ({problem})") from problem
+    except ValidationError as problem:
+        raise RecordError(f"{path}: does not contain the figures of a study ({words_of(problem)})") from problem
+    return Findings(values=values)
 
 
 def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:

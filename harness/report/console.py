@@ -8,13 +8,14 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable, Generator, Iterable
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from threading import Event, Thread
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from rich.console import Console
 
-from railgrip.base.errors import for_user
+from railgrip.base.errors import InputError, for_user
 
 if TYPE_CHECKING:
     from railgrip.report.table import Table
@@ -31,7 +32,7 @@ def _console(**settings: Any) -> Console:
 
 
 # Without a terminal, a table is not cut to the width of one.
-_out = _console(width=None if sys.stdout.isatty() else 180)
+_out = _console(width=None if sys.stdout and sys.stdout.isatty() else 180)
 _err = _console(stderr=True)
 
 
@@ -62,17 +63,20 @@ def say(text: str) -> None:
 def remark(text: str) -> None:
     """Print a line that is not a result on standard error, unless only results and errors are wanted."""
     if not _is_quiet():
-        _err.print(text, soft_wrap=True)
+        with suppress(OSError):
+            _err.print(text, soft_wrap=True)
 
 
 def complain(text: str) -> None:
-    """Print what went wrong on standard error."""
-    _err.print(text, style="red", soft_wrap=True)
+    """Print what went wrong on standard error; if that cannot be written, the exit code alone says it."""
+    with suppress(OSError):
+        _err.print(text, style="red", soft_wrap=True)
 
 
 def answer(command: Callable[[], object]) -> None:
     """Run a command; what a user can correct ends in a sentence and its exit code, never in a traceback."""
     try:
+        _require_folder()
         command()
     except Exception as problem:
         message = for_user(problem)
@@ -80,6 +84,18 @@ def answer(command: Callable[[], object]) -> None:
             raise
         complain(str(message))
         sys.exit(message.exit_code)
+
+
+def _require_folder() -> None:
+    """Check that the current folder exists, at which paths start.
+
+    Raises:
+        InputError: Somebody has removed it.
+    """
+    try:
+        Path.cwd()
+    except OSError as problem:
+        raise InputError("the current folder no longer exists; change to another one") from problem
 
 
 def show_table(table: "Table", nothing: str = "nothing") -> None:

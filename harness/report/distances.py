@@ -10,6 +10,7 @@ from types import MappingProxyType
 from typing import Any
 
 from railgrip.base.files import write_json
+from railgrip.base.outputs import claim
 from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.limits import SUBJECTS, limits_of
 from railgrip.report.page import write_page
@@ -52,6 +53,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
         "fmus": {stop.name: makers(stop.record.versions) for stop in results.stops},
     }
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
+    claim(directory, as_json.name, as_markdown.name)
     write_json(as_json, content)
     sections: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:

@@ -114,8 +114,8 @@ def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
     """Return the variants of the axes of which no other rail has one of these."""
     parts: list[str] = []
     for axis in here[0].variants:
-        here_only = list(dict.fromkeys(stop.variants[axis] for stop in here))
-        others = {stop.variants[axis] for rail in rails if rail is not here for stop in rail}
+        here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
+        others = {stop.variants.get(axis, "") for rail in rails if rail is not here for stop in rail}
         if others and others.isdisjoint(here_only):
             more = f" and {len(here_only) - 2} more" if len(here_only) > 3 else ""
             parts.append(", ".join(here_only[: 2 if more else 3]).replace("_", " ") + more)
@@ -161,6 +161,8 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
     for (name, trace), (colour, _) in zip(traces.items(), colours, strict=True):
         panel.plot(trace["time"].values, trace["adhesion"].values[:, 0], color=colour, linewidth=0.9, label=name)
     for (name, trace), (_, colour) in zip(traces.items(), colours, strict=True):
+        if "peak_adhesion" not in trace:
+            continue  # a plant that does not output its brakes has no bound
         greatest = trace["peak_adhesion"].values[:, 0]
         name = f"greatest possible, {name.partition(',')[0]}"
         # Wide and below, so that adhesion that has reached it is seen on it.

@@ -8,6 +8,7 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from railgrip.base.errors import InputError, RecordError
+from railgrip.base.outputs import claim
 from railgrip.report import style
 from railgrip.report.baseline import beyond_accepted
 from railgrip.report.distances import rows_of, shown, write_table
@@ -80,6 +81,7 @@ def write_report(
         result = Result(name=record.scenario["name"], variants={}, record=record, paper_distance=None)
         notify("stop")
         if record.has_trace:
+            claim(directory, *(f"stop.{form}" for form in formats))
             style.save_as(stop_figure(result), directory / PAGE_FILES[1], formats)
         return stop_page(result).write(directory)
     like = others_like(directory) or "; name the folder of a run or campaign"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata, resources
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -18,6 +18,8 @@ from markupsafe import Markup
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
+from railgrip.base.outputs import claim, discard, written
+from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.report.table import Table
 
 if TYPE_CHECKING:
@@ -70,7 +72,12 @@ class Page:
         Args:
             folder: Is made.
             formats: Of the figures beside the page, of `FORMATS`.
+
+        Raises:
+            RecordError: Files of the user are in the way; nothing was written.
         """
+        files = self.file_names(formats)
+        claim(folder, *files)
         plots = dict(self.plots)
         if self.figures:
             from railgrip.report.interactive import interactive  # matplotlib takes half a second to load
@@ -87,7 +94,14 @@ class Page:
             write(folder / name)
         page = folder / "index.html"
         write_text(page, self._html(plots))
+        # Figures of an earlier page that this one does not show.
+        discard(folder, {name for name in written(folder) if name.startswith("figures/")} - files)
         return page
+
+    def file_names(self, formats: Sequence[str] = FORMATS[:1]) -> set[str]:
+        """Return the names of the files that `write` writes."""
+        figures = {str(PurePosixPath(name).with_suffix(f".{form}")) for name in self.figures for form in formats}
+        return {"index.html", *figures, *self.tables, *self.data, *self.files}
 
     def _html(self, plots: Mapping[str, Mapping[str, Any]]) -> str:
         names = {name: name for name in plots}
@@ -147,9 +161,14 @@ def commit() -> str:
     checkout = _ROOT.parent
     if not (checkout / ".git").exists():
         return ""
-    command = ["git", "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=12"]
+    git = find_program("git")
+    if git is None:
+        return ""
+    command = [git, "-C", str(checkout), "describe", "--always", "--dirty", "--abbrev=12"]
     try:
-        found = subprocess.run(command, capture_output=True, encoding="utf-8", timeout=10, check=False)
+        found = subprocess.run(
+            command, capture_output=True, encoding="utf-8", timeout=10, check=False, env=environment_of_programs()
+        )
         return found.stdout.strip()
     except (OSError, subprocess.TimeoutExpired):  # no git on this machine
         return ""

@@ -1,17 +1,57 @@
 """The results in the folder of a campaign as one value, and the compilers that made the FMUs of its stops."""
 
-import json
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Annotated
+
+from pydantic import Field, FiniteFloat, ValidationError, field_validator
 
 from railgrip.base.errors import RecordError
-from railgrip.base.files import remove
+from railgrip.base.records import inside, read_json, words_of
+from railgrip.scenario.campaign import DRAW
 from railgrip.scenario.conditioning import Repeated
+from railgrip.scenario.table import Name, broken
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, read_stop
+from railgrip.trace.stored import Digest, Stored
+
+
+class StoredPlan(Stored):
+    """A stop in campaign.json."""
+
+    name: Annotated[Name, Field(max_length=255)]
+    variants: dict[str, str]
+    scenario_digest: Digest
+    paper_distance_m: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    conditioning: Annotated[Repeated, Field(strict=False)] | None = None
+
+    @field_validator("variants")
+    @classmethod
+    def _number_of_draw(cls, variants: dict[str, str]) -> dict[str, str]:
+        if not re.fullmatch("[0-9]{1,19}", variants.get(DRAW, "0")):
+            raise broken(f"{DRAW} is not a number")
+        return variants
+
+
+class StoredCampaign(Stored):
+    """The content of campaign.json."""
+
+    name: Name
+    description: str
+    permitted_distance_m: Annotated[FiniteFloat, Field(gt=0)] | None = None
+    stops: list[StoredPlan]
+
+    @field_validator("stops")
+    @classmethod
+    def _of_one_campaign(cls, stops: list[StoredPlan]) -> list[StoredPlan]:
+        if len({stop.name for stop in stops}) < len(stops):
+            raise broken("two stops have the same name")
+        if len({frozenset(stop.variants.keys() - {DRAW}) for stop in stops}) > 1:
+            raise broken("stops have variants of different axes")
+        return stops
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,62 +103,63 @@ def read_results(directory: Path) -> Results:
     """
     path = directory / CAMPAIGN_FILE
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        plan = [
-            (stop["name"], stop["variants"], stop["scenario_digest"], stop["paper_distance_m"], _repeated(stop))
-            for stop in content["stops"]
-        ]
-        name, description = str(content["name"]), str(content["description"])
-        permitted = content.get("permitted_distance_m")
+        campaign = read_campaign(directory)
     except FileNotFoundError as problem:
         raise RecordError(f"{path}: there is no such file; `railgrip campaign FILE --out DIR` makes one") from problem
-    except (OSError, ValueError, KeyError, TypeError) as problem:
-        raise RecordError(f"{path}: is not the description of a campaign ({problem})") from problem
     results: list[Result] = []
     missing: list[str] = []
-    for stop, variants, digest, paper, conditioning in plan:
-        if not (directory / stop / STOP_FILE).exists():
-            missing.append(stop)
-            continue
-        record = read_stop(directory / stop)
-        if record.digest != digest:
-            missing.append(stop)
+    for stop in campaign.stops:
+        folder = inside(directory, stop.name)
+        record = read_stop(folder) if (folder / STOP_FILE).exists() else None
+        if record is None or record.digest != stop.scenario_digest:
+            missing.append(stop.name)
             continue
         results.append(
-            Result(name=stop, variants=variants, record=record, paper_distance=paper, conditioning=conditioning)
+            Result(
+                name=stop.name,
+                variants=stop.variants,
+                record=record,
+                paper_distance=stop.paper_distance_m,
+                conditioning=stop.conditioning,
+            )
         )
     return Results(
-        name=name,
-        description=description,
+        name=campaign.name,
+        description=campaign.description,
         stops=tuple(results),
         missing=tuple(missing),
-        permitted_distance=permitted,
+        permitted_distance=campaign.permitted_distance_m,
     )
 
 
-def clear_campaign(directory: Path, name: str) -> None:
-    """Remove the report on earlier results of a campaign from its folder; the results themselves stay.
+def read_campaign(directory: Path) -> StoredCampaign:
+    """Return the content of the campaign.json in a folder.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        RecordError: The file is not the description of a campaign.
+    """
+    try:
+        return StoredCampaign.model_validate(read_json(directory, CAMPAIGN_FILE))
+    except ValidationError as problem:
+        path = directory / CAMPAIGN_FILE
+        raise RecordError(f"{path}: is not the description of a campaign ({words_of(problem)})") from problem
+
+
+def require_campaign(directory: Path, name: str) -> None:
+    """Check that a folder, which need not exist, may hold the results of a campaign.
 
     Raises:
         RecordError: The folder holds another campaign or the result of a stop.
     """
     if (directory / STOP_FILE).exists():
         raise RecordError(f"{directory}: holds the result of a stop; name another folder for campaign '{name}'")
-    path = directory / CAMPAIGN_FILE
     try:
-        earlier = json.loads(path.read_text(encoding="utf-8"))["name"]
+        earlier = read_campaign(directory).name
     except FileNotFoundError:
         return
-    except (OSError, ValueError, KeyError, TypeError):
-        earlier = name  # it is written anew
     if earlier != name:
         raise RecordError(f"{directory}: holds campaign '{earlier}'; name another folder for campaign '{name}'")
-    figures = (f"figures/{figure.name}" for figure in (directory / "figures").glob("*.*"))
-    remove(directory, "index.html", f"{name}.json", f"{name}.md", *figures)
-
-
-def _repeated(stop: Mapping[str, Any]) -> Repeated | None:
-    return Repeated.model_validate(stop["conditioning"]) if stop.get("conditioning") else None
 
 
 OURS = "railgrip"

@@ -14,7 +14,8 @@ import numpy as np
 from pydantic import Field
 from scipy.special import stdtrit
 
-from railgrip.base.errors import ScenarioError
+from railgrip.base.errors import RecordError, ScenarioError
+from railgrip.base.records import read_json
 from railgrip.scenario.load import validated
 from railgrip.scenario.quantity import NotNegative, Number
 from railgrip.scenario.table import Table
@@ -147,16 +148,15 @@ def read_conditioning(path: Path) -> Conditioning:
     Raises:
         ScenarioError: Missing, or not such a file.
     """
+    real = path.resolve()
     try:
-        table = json.loads(path.read_text(encoding="utf-8"))
+        table = read_json(real.parent, real.name)
     except FileNotFoundError as problem:
         raise ScenarioError(
             f"{path}: there is no such file; `railgrip maintain conditioning FILE.toml` writes it"
         ) from problem
-    except (OSError, ValueError) as problem:
-        raise ScenarioError(f"{path}: is not JSON ({problem})") from problem
-    if not isinstance(table, dict):
-        raise ScenarioError(f"{path}: is not what `railgrip maintain conditioning` writes")
+    except RecordError as problem:
+        raise ScenarioError(str(problem)) from problem
     return validated(Conditioning, table, directory=path.parent, origin=path.name)
 
 

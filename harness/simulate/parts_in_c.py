@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
+from railgrip.base.outputs import claim
 from railgrip.controllers.law import OF_GROUPS
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
@@ -125,7 +126,8 @@ def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
     contents |= {folder / "sources" / file: text.encode() for file, text in files.items() if file not in beside}
     contents[folder / "sources" / f"{name}.h"] = contents[folder / f"{name}.h"]
     contents[folder / f"lib{name}.a"] = static_library(files, name, units=units, flags=FMU_FLAGS)
-    (folder / "sources").mkdir(parents=True, exist_ok=True)
+    claim(folder, *(file.relative_to(folder).as_posix() for file in contents))
+    (folder / "sources").mkdir(exist_ok=True)
     for file, content in contents.items():
         write_bytes(file, content)
         yield file

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from railgrip.base.errors import InputError
 from railgrip.base.names import nearest
-from railgrip.campaign.one_stop import make_folder
+from railgrip.base.outputs import make_folder, require_own
 from railgrip.campaign.sources import made_by
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
@@ -92,6 +92,7 @@ def conduct(
     if scheduler is not None and not study.has_cases:
         raise InputError(f"--scheduler {scheduler}: study {study.name} has no cases for a cluster; omit it.")
     folder = out / study.place
+    require_own(folder)
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
         page = study.page(job)

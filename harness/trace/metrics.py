@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import Annotated, Any, Self, cast, get_type_hints
 
 import numpy as np
 import xarray
+from pydantic import BaseModel, ConfigDict, create_model
 
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
@@ -142,14 +144,26 @@ class Metrics:
         """Return the figures that `to_plain` gave, null being NaN for a single figure.
 
         Raises:
-            TypeError: A figure is missing or unknown.
+            ValueError: A figure is missing, unknown or has another type or number of values.
         """
         hints = get_type_hints(cls)
         values: dict[str, Any] = {
             name: None if value is None and hints.get(name) is not float else _tupled(value)
             for name, value in plain.items()
         }
-        return cls(**values)
+        metrics = cls(**dict(_table().model_validate(values)))
+        each = metrics.longest_lock
+        counts = {len(of) for of in (metrics.adhesion_outside, metrics.pad_friction_outside, each) if of is not None}
+        if not each or len(counts) > 1:
+            raise ValueError("figures of groups: one value for each group is expected")
+        return metrics
+
+
+@cache
+def _table() -> type[BaseModel]:
+    """Return a table of pydantic with the fields of `Metrics`."""
+    fields: dict[str, Any] = {name: (hint, ...) for name, hint in get_type_hints(Metrics).items()}
+    return create_model("StoredMetrics", __config__=ConfigDict(strict=True, extra="forbid"), **fields)
 
 
 def meanings() -> dict[str, tuple[str, str]]:

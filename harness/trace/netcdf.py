@@ -1,6 +1,7 @@
 """The NetCDF file of a trace: the only format that is written, and read without a description of its contents."""
 
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import RecordError
 from railgrip.base.files import write_bytes
+from railgrip.base.records import LARGEST_TRACE, read_bounded
 
 FILE_NAME = "trace.nc"
 
@@ -56,21 +58,26 @@ def _written(file: h5py.File, name: str, samples: xarray.Variable | xarray.DataA
     return variable
 
 
-def read_trace(path: Path) -> xarray.Dataset:
-    """Return the trace in a NetCDF file, read whole.
+def read_trace(path: Path, content: bytes | None = None) -> xarray.Dataset:
+    """Return the trace in a NetCDF file, read whole; of `content`, if the file was read before.
 
     Read through h5py, a NetCDF 4 file being an HDF5 file whose dimensions are scales: xarray's own reader takes ten
     times as long, and a report reads many traces.
 
     Raises:
-        RecordError: Missing, damaged or not a trace.
+        RecordError: Missing, damaged, too large, not a trace, or with samples in another file.
     """
+    if content is None:
+        try:
+            real = path.resolve()  # a link to a recording is followed; `inside` checks those in a folder of results
+            content = read_bounded(real.parent, real.name, LARGEST_TRACE)
+        except FileNotFoundError as problem:
+            raise RecordError(f"{path}: there is no such trace; a stop writes it next to its stop.json") from problem
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(BytesIO(content), "r") as file:
+            _require_own_samples(file)
             variables = {str(name): _variable(str(name), samples) for name, samples in file.items()}
             attributes = {key: np.asarray(file.attrs[key]).reshape(()).item() for key in _OF_ALL if key in file.attrs}
-    except FileNotFoundError as problem:
-        raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
     except Exception as problem:  # whatever a damaged file makes h5py raise
         raise RecordError(f"{path}: is not a NetCDF file: {problem}") from problem
     _require_trace(path, variables, attributes)
@@ -80,6 +87,24 @@ def read_trace(path: Path) -> xarray.Dataset:
         coords={name: variables[name] for name in scales},
         attrs=attributes,
     )
+
+
+def _require_own_samples(file: h5py.File) -> None:
+    """Check that HDF5 reads no other file, and that the samples fit into memory.
+
+    Raises:
+        ValueError: A link or a variable refers to another file, or the variables are too large.
+    """
+    size = 0
+    for name in file:
+        if not isinstance(file.get(name, getlink=True), h5py.HardLink):
+            raise ValueError(f"'{name}' is a link")
+        samples = file[name]
+        if not isinstance(samples, h5py.Dataset) or samples.external or samples.is_virtual:
+            raise ValueError(f"'{name}' does not contain its samples")
+        size += samples.nbytes
+    if size > LARGEST_TRACE:
+        raise ValueError(f"its samples take more than {LARGEST_TRACE >> 20} MiB")
 
 
 _Variable = tuple[tuple[str, ...], NDArray[Any], dict[str, str]]

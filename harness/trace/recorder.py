@@ -1,6 +1,7 @@
 """Rows of a stop while it runs, one preallocated block written in place by the loop, and the trace that they become."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -8,8 +9,20 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.base.errors import RecordError
 from railgrip.vehicle.formation import Formation, formation_of
-from railgrip.vehicle.signals import Signal, length, places
+from railgrip.vehicle.signals import (
+    DEMANDED,
+    DRIVEN,
+    ESTIMATES,
+    EXTRA,
+    PLANT,
+    READINGS,
+    SENT,
+    Signal,
+    length,
+    places,
+)
 
 _GROUPS = "group_of_wheelset"
 
@@ -98,9 +111,50 @@ def trace_of(blocks: Mapping[Signal, NDArray[np.float64]], formation: Formation,
     )
 
 
+_REQUIRED = ("speed", "distance", "mu0", "adhesion", _GROUPS)
+_DIMENSIONS = {
+    **{
+        signal.name: ("time",) if signal.extent == "train" else ("time", signal.extent)
+        for signal in (*PLANT, *EXTRA, *SENT, *DEMANDED, *DRIVEN, *READINGS, *ESTIMATES)
+    },
+    **dict.fromkeys(("peak_adhesion", "peak_slip"), ("time", "group")),
+    **dict.fromkeys((_GROUPS, "wheelset_position", "car_of_wheelset"), ("wheelset",)),
+}
+"""Variable of a stop's trace → its dimensions."""
+
+
 def formation_in(trace: xarray.Dataset) -> Formation:
     """Return the formation of the vehicle that a trace is of."""
     return formation_of(trace[_GROUPS].values.tolist())
+
+
+def require_stop(path: Path, trace: xarray.Dataset, *, groups: int) -> None:
+    """Check that a trace from a file has the signals of a stop, each with the dimensions of its extent.
+
+    Args:
+        path: Of the file, for the message.
+        groups: Number of groups in the figures of the stop.
+
+    Raises:
+        RecordError: A signal is missing or has other dimensions, or the formation is not one.
+    """
+    problems = [f"'{name}' is missing" for name in _REQUIRED if name not in trace]
+    for name, variable in trace.data_vars.items():
+        expected = _DIMENSIONS.get(str(name), variable.dims)
+        if variable.dims != expected:
+            problems.append(f"'{name}' has the dimensions {variable.dims}, {expected} are expected")
+        if "time" not in variable.dims and not np.isfinite(variable.values).all():
+            problems.append(f"'{name}' has values that are not finite")
+    if not problems:
+        try:
+            found = formation_in(trace).groups
+        except (ValueError, IndexError, OverflowError) as problem:
+            problems.append(str(problem))
+        else:
+            if not found == trace.sizes["group"] == groups:
+                problems.append(f"it has {found} groups of wheelsets, {groups} are expected")
+    if problems:
+        raise RecordError(f"{path}: is not the trace of a stop: {'; '.join(problems[:3])}")
 
 
 def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:

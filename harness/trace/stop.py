@@ -13,15 +13,19 @@ from pathlib import Path
 from typing import Any
 
 import xarray
+from pydantic import ValidationError
 
 from railgrip.base.errors import RecordError, Unwritten
-from railgrip.base.files import finite, remove, write_json
+from railgrip.base.files import finite, write_json
+from railgrip.base.outputs import claim, discard, require_free
+from railgrip.base.records import LARGEST_TRACE, read_bounded, read_json, words_of
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import thinned
+from railgrip.trace.recorder import require_stop, thinned
+from railgrip.trace.stored import StoredScenario, StoredStop
 
 STOP_FILE = "stop.json"
 FILES = (STOP_FILE, TRACE_FILE)
@@ -170,24 +174,28 @@ class StopRecord:
         Raises:
             RecordError: It is missing, was changed or is not whole.
         """
-        path = self.directory / TRACE_FILE
-        try:
-            digest = hashlib.sha256(path.read_bytes()).hexdigest()
-        except FileNotFoundError as problem:
-            raise RecordError(f"{path}: there is no such trace; a stop writes it beside its stop.json") from problem
-        except OSError as problem:
-            raise RecordError(f"{path}: cannot be read: {problem}") from problem
-        if digest != self.trace_digest:
-            raise RecordError(f"{path}: is not the file that was written with its stop.json; run the stop again")
+        self._content_of_trace()
 
     def trace(self) -> xarray.Dataset:
         """Return the kept samples.
 
         Raises:
-            RecordError: The trace is missing, was changed or is unreadable.
+            RecordError: The trace is missing, was changed, is unreadable or is not that of a stop.
         """
-        self.require_unchanged_trace()
-        return read_trace(self.directory / TRACE_FILE)
+        path = self.directory / TRACE_FILE
+        trace = read_trace(path, self._content_of_trace())
+        require_stop(path, trace, groups=len(self.metrics.longest_lock))
+        return trace
+
+    def _content_of_trace(self) -> bytes:
+        path = self.directory / TRACE_FILE
+        try:
+            content = read_bounded(self.directory, TRACE_FILE, LARGEST_TRACE)
+        except FileNotFoundError as problem:
+            raise RecordError(f"{path}: there is no such trace; a stop writes it next to its stop.json") from problem
+        if hashlib.sha256(content).hexdigest() != self.trace_digest:
+            raise RecordError(f"{path}: is not the file that was written with its stop.json; run the stop again")
+        return content
 
 
 def require_no_campaign(directory: Path) -> None:
@@ -213,29 +221,36 @@ def require_no_result(directory: Path) -> None:
         raise RecordError(f"{directory}: holds a result with a page of its own; name another folder")
 
 
-def clear_stop(directory: Path) -> None:
-    """Remove the result of an earlier stop from a folder, and the page that was made of it.
+def require_place(directory: Path) -> None:
+    """Check that the result of a stop may be written into a folder, which need not exist.
 
     Raises:
-        RecordError: The folder is that of a campaign, whose report would show another result.
+        RecordError: The folder is that of a campaign, whose report would show another result, or files of the user are
+            in the way.
     """
     if (directory / CAMPAIGN_FILE).exists():
         raise RecordError(f"{directory}: holds the results of a campaign; name another folder for those of a stop")
-    remove(directory, *FILES, *PAGE_FILES)
+    require_free(directory, *FILES)
+
+
+def discard_stop(directory: Path) -> None:
+    """Remove the result of a stop from its folder, and the page that was made of it; files of the user stay."""
+    discard(directory, (*FILES, *PAGE_FILES))
 
 
 def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     """Write trace.nc, unless it is not to be kept, and then stop.json: where both are, the trace is whole.
 
-    What an earlier stop left in the folder is removed first. A trace may find no place where the figures still do: they
-    are kept without it. The same stop gives the same bytes; there is no clock time in them. The trace keeps a row each
-    `periods.trace`.
+    An earlier result in the folder is replaced, and its page is removed afterwards. If there is no room for the trace,
+    the figures are kept without it. The same stop gives the same bytes; there is no clock time in them. The trace keeps
+    a row each `periods.trace`.
 
     Raises:
-        RecordError: The folder is that of a campaign.
+        RecordError: The folder is that of a campaign, or files of the user are in the way.
         Unwritten: The disk is full, or may not be written.
     """
-    clear_stop(directory)
+    require_place(directory)
+    claim(directory, *FILES)
     content = {
         "outcome": stop.outcome.value,
         "reason": stop.reason,
@@ -264,6 +279,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
 
 def _write_content(content: Mapping[str, Any], directory: Path) -> None:
     write_json(directory / STOP_FILE, {**content, _DIGEST: _digest(content)})
+    discard(directory, PAGE_FILES if content[_TRACE_DIGEST] else (TRACE_FILE, *PAGE_FILES))
 
 
 def _digest(content: Mapping[str, Any]) -> str:
@@ -279,34 +295,37 @@ def others_like(directory: Path) -> str:
 
 
 def read_stop(directory: Path) -> StopRecord:
-    """Return what the stop.json in a folder says.
+    """Return the content of the stop.json in a folder.
 
     Raises:
         RecordError: Missing, not the result of a stop, or changed since it was written.
     """
     path = directory / STOP_FILE
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        digest = content.pop(_DIGEST)
+        content = read_json(directory, STOP_FILE)
+        stored = StoredStop.model_validate(content)
+        StoredScenario.check(stored.scenario)
         record = StopRecord(
             directory=directory,
-            outcome=Outcome(content["outcome"]),
-            reason=content["reason"],
-            scenario=content["scenario"],
-            digest=content["scenario_digest"],
-            metrics=Metrics.from_plain(content["metrics"]),
-            versions=content["versions"],
-            fmus=content["fmus"],
-            classes=content.get("classes", {}),
-            trace_digest=content[_TRACE_DIGEST],
+            outcome=Outcome(stored.outcome),
+            reason=stored.reason,
+            scenario=stored.scenario,
+            digest=stored.scenario_digest,
+            metrics=Metrics.from_plain(stored.metrics),
+            versions=stored.versions,
+            fmus=stored.fmus,
+            classes=stored.classes,
+            trace_digest=stored.trace_sha256,
         )
     except FileNotFoundError as problem:
         like = others_like(directory) or "; `railgrip run FILE --out DIR` makes one"
         raise RecordError(f"{path}: there is no such result{like}") from problem
-    except (OSError, UnicodeDecodeError) as problem:
-        raise RecordError(f"{path}: cannot be read: {problem}") from problem
-    except (ValueError, KeyError, TypeError, AttributeError) as problem:
+    except ValidationError as problem:
+        raise RecordError(f"{path}: is not the result of a stop of this version ({words_of(problem)})") from problem
+    except RecordError:
+        raise
+    except ValueError as problem:
         raise RecordError(f"{path}: is not the result of a stop of this version ({problem})") from problem
-    if digest != _digest(content):
+    if content.pop(_DIGEST) != _digest(content):
         raise RecordError(f"{path}: was changed after the stop had written it; run the stop again")
     return record

@@ -18,6 +18,7 @@ from synthetic_runner import run_stop
 
 from railgrip.base.errors import Unwritten, for_user
 from railgrip.base.files import replacing, write_text
+from railgrip.base.outputs import RECORD
 from railgrip.campaign.run import kept_result
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
@@ -70,13 +71,15 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
     disk(size + 100)
     with pytest.raises(Unwritten, match=r"trace\.nc: cannot be written"):
         write_stop(stop, tmp_path)
-    assert [file.name for file in tmp_path.iterdir()] == ["stop.json"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
     assert read_stop(tmp_path).metrics.distance == stop.metrics.distance
     assert kept_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
     disk(size - 100)
     with pytest.raises(Unwritten, match=r"stop\.json: cannot be written"):
         write_stop(stop, tmp_path)
-    assert list(tmp_path.iterdir()) == []
+    # What was there before stays whole.
+    assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
+    assert read_stop(tmp_path).digest == scenario.digest()
 
 
 def test_a_full_disk_is_the_runs_failure_and_no_wrong_question(tmp_path):
@@ -115,5 +118,5 @@ def test_the_command_line_ends_with_3_and_the_distance_is_not_lost(tmp_path):
     assert [line for line in result.stderr.splitlines() if not line.endswith(" s")] == [
         "out/trace.nc: cannot be written: File too large"
     ]
-    assert [file.name for file in (tmp_path / "out").iterdir()] == ["stop.json"]
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [RECORD, "stop.json"]
     assert json.loads((tmp_path / "out" / "stop.json").read_text(encoding="utf-8"))["distance_m"] > 0

@@ -2,6 +2,7 @@
 
 import json
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -138,26 +139,34 @@ def test_nothing_half_written_is_left_when_writing_is_interrupted(tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_an_interrupted_rewrite_leaves_no_stop_json_beside_another_trace(stop, tmp_path, monkeypatch):
+@pytest.mark.parametrize("function", ["write_trace", "write_json"])
+def test_an_interrupted_rewrite_leaves_the_earlier_result_or_none(stop, tmp_path, monkeypatch, function):
+    """Before the new trace is there, the earlier stop is whole; after it, its stop.json no longer fits."""
+    other = replace(stop, scenario=stop.scenario.model_copy(update={"seed": 7}))
     write_stop(stop, tmp_path)
 
     def interrupt(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("railgrip.trace.stop.write_trace", interrupt)
+    monkeypatch.setattr(f"railgrip.trace.stop.{function}", interrupt)
     with pytest.raises(KeyboardInterrupt):
-        write_stop(stop, tmp_path)
-    assert not (tmp_path / "stop.json").exists()
+        write_stop(other, tmp_path)
+    assert read_stop(tmp_path).digest == stop.scenario.digest()
+    if function == "write_trace":
+        assert read_stop(tmp_path).trace().sizes["time"] > 1
+    else:
+        with pytest.raises(RecordError, match=r"not the file that was written with its stop\.json"):
+            read_stop(tmp_path).trace()
 
 
 @pytest.mark.parametrize(
     ("name", "content", "sentence"),
     [
         ("stop.json", None, "there is no such result"),
-        ("stop.json", b"{", "is not the result of a stop"),
-        ("stop.json", b"[]", "is not the result of a stop"),
+        ("stop.json", b"{", "is not JSON"),
+        ("stop.json", b"[]", "a table in JSON is expected"),
         ("stop.json", b'{"outcome": "tired"}', "is not the result of a stop"),
-        ("stop.json", b"\xff\xfe\x00", "cannot be read"),
+        ("stop.json", b"\xff\xfe\x00", "is not JSON"),
     ],
 )
 def test_a_folder_without_a_stop_is_refused(tmp_path, name, content, sentence):

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from railgrip.base.errors import EstimationError
+from railgrip.base.records import inside
 from railgrip.estimation.agreement import require_agreement
 from railgrip.estimation.sources import completed, recording_for
 from railgrip.estimation.spec import Specification, parameters_for
@@ -58,7 +59,7 @@ def stops_in(
         try:
             temperature = np.full(formation().groups, UNKNOWN_TEMPERATURE)
             if specification is None:
-                trace = read_trace(place / FILE_NAME)
+                trace = read_trace(inside(folder, f"{place.name}/{FILE_NAME}"))
                 recording = evenly(trace, place.name)
                 if TEMPERATURE in trace:
                     temperature = trace[TEMPERATURE].values[0]

@@ -1,0 +1,121 @@
+"""Streams, folders, limits and programs around a command: none ends in a traceback, and none is trusted blindly."""
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from railgrip.base.programs import environment_of_programs, find_program
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="shell and limits of POSIX")
+
+PROGRAM = f"{shlex.quote(sys.executable)} -m railgrip"
+ROOT = Path(__file__).parents[2]
+STOP = "run trapezoid --set limits.horizon='1 s' --set controller.kind=full_brake --set estimator.kind=none"
+
+
+def shell(command: str, folder: Path, **variables: str) -> "subprocess.CompletedProcess[str]":
+    """Run a command of the shell, which has a minute."""
+    return subprocess.run(
+        ["/bin/sh", "-c", command],
+        cwd=folder,
+        env={**os.environ, **variables},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        stdin=subprocess.DEVNULL,
+    )
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", ">&- 2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(("command", "code"), [("list scenarios", 0), ("run nosuch", 2)])
+def test_closed_streams_change_no_exit_code(command: str, code: int, closed: str, tmp_path: Path) -> None:
+    done = shell(f"{PROGRAM} {command} {closed}", tmp_path)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+    if code and "2>&-" not in closed:
+        assert "nosuch" in done.stderr
+
+
+def test_results_are_whole_when_all_streams_are_closed(tmp_path: Path) -> None:
+    """What the plant or the program prints does not become part of a file that took the number of a stream."""
+    open_, closed = (shell(f"{PROGRAM} {STOP} --out {name} {how}", tmp_path) for name, how in FOLDERS.items())
+    assert (open_.returncode, closed.returncode) == (3, 3)  # no standstill within a second
+    contents = [{path.name: path.read_bytes() for path in (tmp_path / name).iterdir()} for name in FOLDERS]
+    assert contents[0] == contents[1]
+    assert contents[0]["stop.json"]
+
+
+FOLDERS = {"open": "", "closed": "<&- >&- 2>&-"}
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize(("command", "code"), [("list scenarios > /dev/full", 3), ("run nosuch 2> /dev/full", 2)])
+def test_a_stream_without_room_is_a_sentence(command: str, code: int, tmp_path: Path) -> None:
+    done = shell(f"{PROGRAM} {command}", tmp_path)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+    assert code == 2 or "standard output: No space left on device" in done.stderr
+
+
+def test_a_reader_that_leaves_ends_the_command_without_words(tmp_path: Path) -> None:
+    done = shell(f"{PROGRAM} schema scenario | head -c 10", tmp_path)
+    assert (len(done.stdout), done.stderr) == (10, "")
+
+
+@pytest.mark.parametrize("command", ["list scenarios", "run trapezoid", "doctor", "report ."])
+def test_a_removed_current_folder_is_a_sentence(command: str, tmp_path: Path) -> None:
+    (tmp_path / "gone").mkdir()
+    done = shell(f"cd gone && rmdir ../gone && {PROGRAM} {command}", tmp_path, PYTHONPATH=str(ROOT / "harness"))
+    assert done.returncode == 2
+    assert done.stderr == "the current folder no longer exists; change to another one\n"
+
+
+@pytest.mark.parametrize("command", [f"{STOP} --out out", "list scenarios"])
+def test_files_of_no_length_are_a_sentence(command: str, tmp_path: Path) -> None:
+    """By `ulimit -f 0`; nothing is left that looks like a result."""
+    done = shell(f"ulimit -f 0; {PROGRAM} {command} 2>&1 | cat", tmp_path)
+    assert "Traceback" not in done.stdout
+    assert not list(tmp_path.glob("out/*.json"))
+    if "out" in command:
+        assert "no temporary folder can be written" in done.stdout
+
+
+@pytest.mark.parametrize("temporary", [".", "temporary", "./missing"])
+def test_a_relative_temporary_folder_is_left_empty(temporary: str, tmp_path: Path) -> None:
+    (tmp_path / "temporary").mkdir()
+    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, TMPDIR=temporary)
+    assert done.returncode == 3, done.stderr
+    assert "Traceback" not in done.stderr
+    assert not [path for path in tmp_path.rglob("railgrip-*") if path.is_dir()]
+
+
+@pytest.mark.parametrize("folders", [".:{}", ":{}", "{}:.", "{}:", "tools:{}", "./tools:{}"])
+def test_programs_of_the_current_folder_are_not_run(folders: str, tmp_path: Path) -> None:
+    (tmp_path / "tools").mkdir()
+    for folder in (tmp_path, tmp_path / "tools"):
+        for name in ("omc", "git", "cc", "gcc", "clang", "ar"):
+            (folder / name).write_text(f"#!/bin/sh\ntouch {tmp_path}/ran\n")
+            (folder / name).chmod(0o755)
+    done = shell(f"{PROGRAM} {STOP} --out out", tmp_path, PATH=folders.format(os.environ["PATH"]))
+    assert done.returncode == 3, done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_program_is_found_in_absolute_folders_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "omc").write_text("#!/bin/sh\n")
+    (tmp_path / "omc").chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    for path in (".", "", ":", f"..{os.sep}{tmp_path.name}", "./", ".:relative"):
+        monkeypatch.setenv("PATH", path)
+        assert find_program("omc") is None
+        assert environment_of_programs()["PATH"] == ""
+    monkeypatch.setenv("PATH", f".:{tmp_path}")
+    assert find_program("omc") == str(tmp_path / "omc")
+    assert environment_of_programs()["PATH"] == str(tmp_path)
+    assert find_program("./omc") == str(tmp_path / "omc")  # as CC may name it

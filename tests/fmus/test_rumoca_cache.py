@@ -1,0 +1,53 @@
+"""rumoca keeps parsed files in a cache that it does not check; railgrip does without it."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from railgrip.fmus.native.library import LIBRARY
+
+CLASS = "RailBraking.FMUs.ContactPoint"
+FILL = f"import rumoca; rumoca.Session(roots=[{str(LIBRARY)!r}]).load({str(LIBRARY / 'package.mo')!r}, model='{CLASS}')"
+READ = f"from railgrip.fmus.native.dae import read; print(read('{CLASS}').class_name)"
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "empty": lambda content: b"",
+    "cut": lambda content: content[: len(content) // 2],
+    "lengths": lambda content: content[:8] + 8 * b"\xff" + content[16:],
+    "bytes": lambda content: bytes(byte ^ (0x80 if number % 97 == 0 else 0) for number, byte in enumerate(content)),
+}
+
+
+def python(code: str, cache: Path) -> "subprocess.CompletedProcess[str]":
+    """Run Python with `cache` as the folder of all caches but railgrip's."""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(cache), "RAILGRIP_CACHE": str(cache / "own")}
+    return subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False, timeout=120
+    )
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="it ends with a window of the system there")
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_file_in_the_cache_of_rumoca_changes_nothing(tmp_path: Path, damage: str) -> None:
+    assert python(FILL, tmp_path).returncode == 0
+    files = [path for path in tmp_path.rglob("*.bin") if path.is_file()]
+    assert len(files) > 10, "rumoca keeps its cache elsewhere now"
+    for file in files:
+        file.write_bytes(DAMAGES[damage](file.read_bytes()))
+    damaged = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    for _ in range(2):
+        done = python(READ, tmp_path)
+        assert (done.returncode, done.stdout.strip()) == (0, CLASS), done.stderr[-500:]
+    left = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == damaged, "railgrip writes nothing into it"
+
+
+def test_only_rumoca_sees_another_cache_folder(tmp_path: Path) -> None:
+    """Programs that are started later find the caches of the user."""
+    code = f"{READ}; import os; os.system('echo $XDG_CACHE_HOME'); print(os.environ['XDG_CACHE_HOME'])"
+    done = python(code, tmp_path)
+    assert done.stdout.split() == [CLASS, str(tmp_path), str(tmp_path)] or sys.platform == "win32", done.stdout
