@@ -1,4 +1,4 @@
-"""Files that users name are read only if they are regular, small enough and text in UTF-8; each refusal is immediate."""
+"""Files that users name are read only if they are regular, bounded and UTF-8 text; each refusal is immediate."""
 
 import os
 import socket
