@@ -12,7 +12,8 @@ import numpy as np
 from pydantic import Field, FiniteFloat, NonNegativeFloat
 from scipy.special import stdtrit
 
-from railgrip.base.errors import ScenarioError
+from railgrip.base.errors import InputError, ScenarioError
+from railgrip.base.files import read_text
 from railgrip.scenario.load import validated
 from railgrip.scenario.table import Table
 
@@ -127,12 +128,12 @@ def read_conditioning(path: Path) -> Conditioning:
         ScenarioError: Missing, or not such a file.
     """
     try:
-        table = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as problem:
-        raise ScenarioError(
-            f"{path}: there is no such file; `railgrip maintain conditioning FILE.toml` writes it"
-        ) from problem
-    except (OSError, ValueError) as problem:
+        table = json.loads(read_text(path, 64 << 20))
+    except InputError as problem:
+        is_missing = isinstance(problem.__cause__, FileNotFoundError)
+        hint = "; `railgrip maintain conditioning FILE.toml` writes it" if is_missing else ""
+        raise ScenarioError(f"{problem}{hint}") from problem
+    except (ValueError, RecursionError) as problem:
         raise ScenarioError(f"{path}: is not JSON ({problem})") from problem
     if not isinstance(table, dict):
         raise ScenarioError(f"{path}: is not what `railgrip maintain conditioning` writes")
