@@ -31,7 +31,13 @@ class FmuLimits(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     output_mib: Count = Field(
         default=64, description="most that it may write to standard output and error, and to any one file [MiB]"
     )
-    patience: float = Field(default=10.0, gt=0.0, description="real time one call may last, starting included [s]")
+    patience: float = Field(
+        default=10.0,
+        gt=0.0,
+        
+        description="real time one call may last, starting included [s]; all calls of a stop together, 360 times as long",
+    ,
+    )
 
 
 FMU_LIMITS = FmuLimits()

@@ -13,7 +13,7 @@ from railgrip.fmi import describe
 from railgrip.fmus.native.fmi3 import as_fmi_3
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import TARGETS
-from railgrip.report.console import say
+from railgrip.report.console import progress, say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
 from railgrip.simulate.mapped import mapped
@@ -122,7 +122,8 @@ def map_(
 ) -> None:
     """Print a draft of [vehicle.map] for the FMU of another tool."""
     try:
-        draft = mapped(describe(file), wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
+        with progress(f"short runs of {file.name}, each of a minute at most"):
+            draft = mapped(describe(file), wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")
         raise typer.Exit(RUN_FAILED) from failed

@@ -12,6 +12,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -40,6 +41,8 @@ Vector = NDArray[np.float64]
 KEEPER: Final = Path(__file__).with_name("keeper.py")
 _FAILURE: Final = TypeAdapter(Failure)
 _READY: Final = 120.0  # s; a new interpreter on a busy machine, with its imports: nothing of the FMU runs yet
+_CALLS: Final = 360
+"""Longest time of all calls of an FMU together, in times of `patience`: an hour, unless the scenario sets another."""
 _GOODBYE: Final = 2.0  # s for processes to go once they are killed
 _TOKEN: Final = "RAILGRIP_ISOLATED"
 """Environment variable by which a process is known as started by an FMU, whatever it did to be nobody's child."""
@@ -76,6 +79,7 @@ class IsolatedCoSimulation(SteppedPlant):
         super().__init__(description, binding, period, parameters)
         self._limits = limits
         self._patience = limits.patience
+        self._remaining = _CALLS * limits.patience
         self._notify = notify
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
@@ -188,9 +192,16 @@ class IsolatedCoSimulation(SteppedPlant):
         line = self._line
         if line is None:
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
+        if self._remaining <= 0:
+            total = _CALLS * self._limits.patience
+            words = f"its calls took more than {total:g} s together, {_CALLS} times patience under [limits.fmu]"
+            raise self._fail("excess", words)
+        begin = time.monotonic()
         with suppress(OSError):  # nobody is there any more: what was last said may still be read
             send(line, request, payload)
-        return self._receive(self._patience)
+        answer = self._receive(self._patience)
+        self._remaining -= time.monotonic() - begin
+        return answer
 
     def _receive(self, timeout: float) -> bytes:
         line = self._line

@@ -6,6 +6,7 @@ poor rail shows whether friction bounds its deceleration.
 """
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -14,12 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.base.errors import PlantFailed
 from railgrip.base.units import GRAVITY, mistake
 from railgrip.simulate.loop.parts import Plant
 from railgrip.simulate.loop.plausible import Slowing
 from railgrip.vehicle.signals import Layout
 
-Matrix = NDArray[np.float64]
+Matrix = Vector = NDArray[np.float64]
+
+_LONGEST = 60.0
+"""Real time that one of the two short runs may take [s]; those of the plants of this project take less than one."""
 
 _COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 to 5 s (UIC 540)
 GOOD_RAIL = 0.4
@@ -97,8 +102,18 @@ def tried(
         friction: Of the rail.
 
     Raises:
-        PlantFailed: It refused a step.
+        PlantFailed: It refused a step, or the run took longer than `_LONGEST`.
     """
+    deadline = time.monotonic() + _LONGEST
+
+    def step() -> Vector:
+        if time.monotonic() > deadline:
+            raise PlantFailed(
+                f"the plant took more than {_LONGEST:g} s of real time for {len(rows) * period:.3g} s of its short "
+                "run; a stop would take hours: simplify it, or give it a longer communication period"
+            )
+        return plant.step(inputs)
+
     command = layout.input["command"]
     inputs = np.zeros(layout.inputs)
     inputs[command], inputs[layout.input["mu0"]] = release, friction
@@ -107,11 +122,12 @@ def tried(
             inputs[place] = _CURVE[name]
     rows = [plant.start(inputs)]
     coasting = max(round(_COAST / period), 2)
-    rows += [plant.step(inputs) for _ in range(coasting)]
+    for _ in range(coasting):
+        rows.append(step())
     inputs[command] = brake
     speed = layout.output["speed"].start
     for _ in range(max(round(_BRAKE / period), 2)):
-        rows.append(plant.step(inputs))
+        rows.append(step())
         if abs(rows[-1][speed]) < 0.5 * abs(rows[0][speed]):
             break
     return Trial(layout=layout, rows=np.array(rows), coasting=coasting + 1, period=period)

@@ -1,5 +1,6 @@
 """An FMU in a process of its own gives the same numbers, and whatever it does ends in a sentence."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -96,3 +97,22 @@ def test_a_stranger_is_isolated_and_its_owner_is_told(foundry: Path):
         assert len(messages) == count
     assert "well.fmu comes from outside" in messages[0]
     assert "set trust = true under [vehicle]" in messages[0]
+
+
+def test_a_plant_that_is_slow_in_each_call_is_stopped_by_the_sum(foundry: Path, scratch: Path):
+    with isolated(tiny(foundry)) as plant:
+        plant.start(np.zeros(1))
+        plant.step(np.zeros(1))
+        plant._remaining = 0.0  # an hour of calls is over
+        with pytest.raises(PlantFailed, match=r"the FMU was stopped \(its calls took more than 36000 s together"):
+            plant.step(np.zeros(1))
+    assert list(scratch.iterdir()) == []
+
+
+def test_each_call_is_charged_to_the_sum(foundry: Path):
+    with isolated(tiny(foundry)) as plant:
+        left = [plant._remaining]
+        for call in (plant.start, plant.step, plant.step):
+            call(np.zeros(1))
+            left.append(plant._remaining)
+    assert all(later < earlier for earlier, later in pairwise(left))

@@ -132,3 +132,9 @@ def test_frequencies_are_in_hertz_or_per_second():
         load(SCENARIOS / "library" / "sine_sweep.toml", [f"adhesion.end_frequency='0.4 {u}'"]) for u in ("Hz", "1/s")
     ]
     assert sweeps[0].adhesion.frequencies == sweeps[1].adhesion.frequencies == (0.05, 0.4)
+
+
+def test_a_system_by_ssp_is_answered_with_what_to_do(tmp_path):
+    sentence = refusal(load, TRAPEZOID, ["vehicle.plant=system.ssp"])
+    assert "railgrip exports and does not import" in sentence
+    assert "extract the .fmu" in sentence
