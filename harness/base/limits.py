@@ -34,9 +34,8 @@ class FmuLimits(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     patience: float = Field(
         default=10.0,
         gt=0.0,
-        
-        description="real time one call may last, starting included [s]; all calls of a stop together, 360 times as long",
-    ,
+        description="real time one call may last, starting included [s]; all calls of a stop together, 360 times as "
+        "long",
     )
 
 
