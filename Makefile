@@ -123,7 +123,7 @@ monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely t
 	$(PROGRAM) study pad_monitor
 
 fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides and recordings (minutes)
-	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmu/test_malformed_description.py
+	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py
 
 TYPED := build/typed/railgrip
 

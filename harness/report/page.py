@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import html
 import json
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
@@ -18,7 +19,7 @@ from markupsafe import Markup
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
-from railgrip.report.table import Table
+from railgrip.report.table import Table, plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -161,7 +162,8 @@ def _html_of(markdown: str) -> str:
 
     def plot(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:
         caption, name = tokens[index].content, tokens[index].attrGet("src")
-        return f'<span class="plot" data-plot="{name}"></span><span class="caption">{caption}</span>'
+        place = f'<span class="plot" data-plot="{html.escape(str(name))}"></span>'
+        return f'{place}<span class="caption">{html.escape(caption)}</span>'
 
     parser.add_render_rule("image", plot)
     return parser.render(markdown)
@@ -179,10 +181,12 @@ def _plotly() -> str:
 
 @cache
 def _environment(is_html: bool) -> Environment:
-    return Environment(
+    environment = Environment(
         loader=FileSystemLoader(_ROOT),
         autoescape=is_html,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["plain"] = plain
+    return environment

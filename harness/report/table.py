@@ -9,6 +9,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Self
 
+from markupsafe import Markup
+
 from railgrip.base.files import replacing
 
 TEXT_COLUMNS = frozenset(
@@ -27,6 +29,31 @@ _WIDE = 130
 
 _WRAPPED = 30
 """Characters of a text after which it goes on in the next line."""
+
+
+_MARKS = re.compile(r"[\\`*\[\]<|~]|&(?=#?\w+;)|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
+"""Characters that Markdown or HTML may take as markup anywhere in a line."""
+_START = re.compile(r"[-+=#>]|(?<=\d)[.)]")
+"""Those that it takes as markup at the start of a line, alone or after a number."""
+
+
+def plain(value: object) -> Markup:
+    """Return a text of a user in one line as Markdown and HTML show it literally.
+
+    Characters with a meaning in either language are written as numeric character references, which neither of them
+    takes as markup.
+    """
+    text = _marked(" ".join(str(value).split()))
+    start = re.match(r"[-+=#>]|\d{1,9}[.)]", text)
+    return Markup(text if start is None else _START.sub(_reference, text[: start.end()]) + text[start.end() :])
+
+
+def _marked(text: str) -> str:
+    return _MARKS.sub(_reference, text)
+
+
+def _reference(mark: re.Match[str]) -> str:
+    return {"<": "&lt;", "&": "&amp;"}.get(mark[0], f"&#{ord(mark[0])};")
 
 
 class Link(str):
@@ -119,8 +146,8 @@ class Table:
     def __str__(self) -> str:
         """Return the table as Markdown."""
         rules = ("---" if column in self.left else "--:" for column in self.columns)
-        lines = (f"| {' | '.join(row.values())} |" for row in self.texts)
-        return "\n".join((f"| {' | '.join(self.columns)} |", f"|{'|'.join(rules)}|", *lines))
+        lines = (f"| {' | '.join(map(_cell_text, row.values()))} |" for row in self.texts)
+        return "\n".join((f"| {' | '.join(map(_cell_text, self.columns))} |", f"|{'|'.join(rules)}|", *lines))
 
     def __html__(self) -> str:
         """Return the table as HTML; columns of texts are of the class `text`, numbers keep their values for sorting."""
@@ -141,7 +168,7 @@ class Table:
         is_long = len(cell) > _WRAPPED / 2
         kind = f' class="text{" long" * is_long}"' if column in self.left else ""
         number = f' data-value="{value:.9g}"' if isinstance(value, int | float) else ""
-        shown = re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(cell))
+        shown = re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(" ".join(cell.split())))
         if isinstance(value, Link):
             shown = f'<a href="{html.escape(value.address)}">{shown}</a>'
         return f"<{tag}{kind}{number}>{shown}</{tag}>"
@@ -152,6 +179,12 @@ class Table:
             writer = csv.DictWriter(file, self.columns)
             writer.writeheader()
             writer.writerows(self.rows)
+
+
+def _cell_text(cell: str) -> str:
+    """Return a cell of Markdown: commands between backticks stay code, everything else is `plain`."""
+    parts = re.split(r"(`[^`|\n]+`)", " ".join(cell.split()))
+    return "".join(part if number % 2 else _marked(part) for number, part in enumerate(parts))
 
 
 def text(value: Any, form: Form = "{}") -> str:

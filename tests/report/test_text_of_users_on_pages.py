@@ -1,0 +1,81 @@
+"""No text of a user becomes markup on a page or in a file of Markdown."""
+
+from html.parser import HTMLParser
+
+from hypothesis import given
+from hypothesis import strategies as st
+from markdown_it import MarkdownIt
+
+from railgrip.report.page import _html_of as html_of
+from railgrip.report.page import rendered
+from railgrip.report.table import Table, plain
+
+FRAGMENTS = [
+    "<script>alert(1)</script>",
+    "# forged",
+    "\n# forged\n",
+    "![x](y)",
+    "[a](javascript:b)",
+    "<img src=x>",
+    "\n\n<b>",
+    "`",
+    "|",
+    "***",
+    "\n---\n",
+    "\n- a",
+    "1. a",
+    "1) a",
+    "&lt;",
+    "<http://a.b>",
+    "_a_",
+    "\\",
+    '"',
+    "a",
+]
+texts = st.one_of(st.text(max_size=40), st.lists(st.sampled_from(FRAGMENTS), max_size=6).map("".join))
+
+
+class Elements(HTMLParser):
+    """The elements of a page, with their attributes."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.found = []
+        self.feed(page)
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, [name for name, _ in attrs]))
+
+
+def elements(page):
+    return Elements(page).found
+
+
+def markdown(text):
+    return MarkdownIt("commonmark", {"html": True}).enable("table").render(text)
+
+
+@given(texts)
+def test_a_text_makes_no_element(text):
+    assert elements(markdown(f"{plain(text)}\n")) in ([("p", [])], [])
+    assert elements(html_of(f"{plain(text)}\n")) in ([("p", [])], [])
+
+
+@given(texts, texts)
+def test_a_cell_of_a_table_makes_no_element_in_markdown_and_in_html(cell, column):
+    name, value = f"c{column}", cell.replace("`", "")  # commands in cells are code
+    table = Table([{name.replace("`", ""): value}], left=(name,))
+    other = Table([{"c": "a"}], left=("c",))
+    assert [tag for tag, _ in elements(markdown(str(table)))] == [tag for tag, _ in elements(markdown(str(other)))]
+    page = html_of(f"{table.__html__()}\n")
+    assert [tag for tag, _ in elements(page)] == ["table", "thead", "tr", "th", "tbody", "tr", "td"]
+
+
+@given(texts, texts)
+def test_name_and_description_make_no_element_in_the_file_of_a_campaign(name, description):
+    def page(name, description):
+        results = {"name": name, "description": description}
+        text = rendered("report/distances.md.jinja", results=results, sections={}, missing=name, notes=[])
+        return [tag for tag, _ in elements(markdown(text))]
+
+    assert page(f"a{name}", f"a{description}") == page("a", "a")
