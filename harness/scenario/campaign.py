@@ -161,7 +161,20 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
     """
     path = located(path, "campaigns")
-    table = read_toml(path)
+    return campaign_of(read_toml(path), path, overrides)
+
+
+def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] = ()) -> Campaign:
+    """Return the campaign that tables describe; see `load_campaign`.
+
+    Args:
+        table: As TOML gives it.
+        path: Of the campaign's file, which is not read.
+        overrides: As for `load_campaign`.
+
+    Raises:
+        ScenarioError: See `load_campaign`.
+    """
     require_kind(table, "campaign", path)
     campaign = validated(CampaignFile, table, directory=path.parent, origin=path.name)
     _require_countable(path, campaign)
