@@ -1,15 +1,19 @@
 """No text of a user becomes markup on a page or in a file of Markdown."""
 
+import shutil
+import subprocess
 from html.parser import HTMLParser
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
+from railgrip.report.page import Page, rendered
 from railgrip.report.page import _html_of as html_of
-from railgrip.report.page import rendered
 from railgrip.report.table import Table, plain
 
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 FRAGMENTS = [
     "<script>alert(1)</script>",
     "# forged",
@@ -79,3 +83,22 @@ def test_name_and_description_make_no_element_in_the_file_of_a_campaign(name, de
         return [tag for tag, _ in elements(markdown(text))]
 
     assert page(f"a{name}", f"a{description}") == page("a", "a")
+
+
+@pytest.mark.skipif(BROWSER is None, reason="needs Chromium")
+def test_a_browser_runs_nothing_of_a_hostile_text(tmp_path):
+    """The title would be another one if any of the texts were taken as a script or an image."""
+    hostile = "<script>document.title='run'</script>\n\n![x](y)<img src=x onerror=\"document.title='run'\">\n\n# forged"
+    values = {"references": "", "quantiles": [], "worst": [], "tables": [Table([{"stop": hostile}])], "notes": []}
+    page = Page(
+        title=hostile, question=hostile, answer=hostile, template="report/campaign.md.jinja",
+        values=values | {"missing": hostile, "captions": {}, "scenarios": Table([{"description": hostile}])},
+    ).write(tmp_path)  # fmt: skip
+    options = ("--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", f"--user-data-dir={tmp_path / 'p'}")
+    command = [BROWSER, *options, "--virtual-time-budget=3000", "--dump-dom", page.as_uri()]
+    shown = subprocess.run(command, check=True, capture_output=True, timeout=60, encoding="utf-8").stdout
+    found = elements(shown)
+    assert "<title>run</title>" not in shown
+    assert "img" not in [tag for tag, _ in found]
+    assert [tag for tag, _ in found].count("script") == 1, "only that of the page"
+    assert not [attributes for _, attributes in found if "onerror" in attributes]
