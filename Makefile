@@ -131,7 +131,7 @@ regress-omc: $(DEV)  ## compare braking distances with OpenModelica's FMUs with 
 monitor: $(READY)  ## simulate lives of brakes; print how early and how rarely the monitor alarms (10 min)
 	$(PROGRAM) study pad_monitor
 
-fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, files, overrides, recordings and results (half an hour)
+fuzz: $(DEV)  ## wrong questions by the thousand: mutated scenarios, campaigns, files, overrides, recordings, results (half an hour)
 	RAILGRIP_FUZZ=1000 $(RUN) -m pytest tests/fuzz tests/test_api_arguments.py tests/fmi/test_malformed_description.py
 
 TYPED := build/typed/railgrip

@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.base.errors import EstimatorError
+from railgrip.base.errors import EstimatorError, InputError
+from railgrip.base.files import read_text
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.ensemble import Ensemble
 from railgrip.estimators.learned.network import Network
@@ -127,10 +128,13 @@ def load(file: Path) -> Trained:
         EstimatorError: The file is missing, or is not a trained estimator.
     """
     try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except FileNotFoundError as problem:
-        raise EstimatorError(f"{file}: there is no such file; `make learn` writes trained estimators.") from problem
-    except (UnicodeDecodeError, json.JSONDecodeError) as problem:
+        content = json.loads(read_text(file, 256 << 20))
+    except InputError as problem:
+        is_missing = isinstance(problem.__cause__, FileNotFoundError)
+        raise EstimatorError(
+            f"{problem}{'; `make learn` writes trained estimators' if is_missing else ''}."
+        ) from problem
+    except (json.JSONDecodeError, RecursionError) as problem:
         raise EstimatorError(f"{file}: is not JSON: {problem}.") from problem
     if not isinstance(content, dict) or content.get("kind") not in _READ or content.get("format") != FORMAT:
         raise EstimatorError(

@@ -7,6 +7,7 @@ from pathlib import Path
 import rumoca
 
 from railgrip.base.errors import InputError
+from railgrip.base.files import read_bytes
 
 _MOST = 3
 """Places worth reading."""
@@ -33,7 +34,7 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 def _texts(path: Path) -> dict[str, str]:
     """Return the text of each file of a library by its short name; see `places`."""
-    return {short(file, path): file.read_text(encoding="utf-8", errors="replace") for file in _files(path)}
+    return {short(file, path): read_bytes(file).decode(errors="replace") for file in _files(path)}
 
 
 def _files(path: Path) -> list[Path]:
@@ -119,7 +120,7 @@ def require_readable(path: Path) -> None:
         InputError: A file is not in UTF-8, or has brackets nested too deeply.
     """
     for file in _files(path):
-        content = file.read_bytes()
+        content = read_bytes(file)
         try:
             text = content.decode()
         except UnicodeDecodeError as error:

@@ -15,6 +15,7 @@ from typing import Any
 import rumoca
 
 from railgrip.base.errors import InputError, TranslationError
+from railgrip.base.files import read_text
 from railgrip.fmus.native.complaint import nested_arrays, places, require_readable, short
 from railgrip.fmus.native.language import require_strict, require_values
 from railgrip.fmus.native.library import LIBRARY, sources_digest
@@ -141,9 +142,7 @@ def read(class_name: str, modelica_path: Path | None = None, *, complete: bool =
             if path.name == "package.mo":
                 model = _session(path.parent).load(str(path), model=class_name)
             else:
-                model = rumoca.Session(roots=[str(LIBRARY)]).loads(
-                    path.read_text(encoding="utf-8"), model=class_name, filename=alias
-                )
+                model = rumoca.Session(roots=[str(LIBRARY)]).loads(read_text(path), model=class_name, filename=alias)
             template = model.codegen(str(FRONT)).files[0].content
             flat = _part(model.to_json("flat", pretty=False), "variables")
             files = _part(model.to_json("dae", pretty=False), "source_map")["files"]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from railgrip.base import cache
 from railgrip.base.errors import InputError
+from railgrip.base.files import LARGEST_TABLE, read_bytes
 
 # Resolved: rumoca takes a library that it meets by two paths for two libraries.
 MODELICA = (Path(__file__).parents[2] / "modelica").resolve()
@@ -34,7 +35,7 @@ def is_trusted(library: Path) -> bool:
 def library_digest(library: Path) -> str:
     """Return a digest over the names and contents of a library's Modelica files, or of one file."""
     if not library.is_dir():
-        return hashlib.sha256(library.read_bytes()).hexdigest()
+        return hashlib.sha256(read_bytes(library, LARGEST_TABLE)).hexdigest()
     files = sorted(
         Path(folder, name)
         for folder, _, names in os.walk(library)
@@ -44,7 +45,7 @@ def library_digest(library: Path) -> str:
     out = hashlib.sha256()
     for file in files:
         out.update(file.relative_to(library.parent).as_posix().encode() + b"\0")
-        out.update(file.read_bytes() + b"\0")
+        out.update(read_bytes(file) + b"\0")
     return out.hexdigest()
 
 

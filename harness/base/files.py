@@ -14,9 +14,10 @@ from collections.abc import Generator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, BinaryIO, Final, Literal
 
-from railgrip.base.errors import Unwritten
+from railgrip.base.errors import InputError, Unwritten
+from railgrip.base.units import place
 
 PARTIAL = ".*.partial"
 """Pattern of what a process that was killed while writing leaves behind."""
@@ -57,6 +58,87 @@ def write_bytes(path: Path, content: bytes) -> None:
     """Write a whole file, or leave what was there; see `replacing`."""
     with replacing(path) as partial:
         partial.write_bytes(content)
+
+
+LARGEST_TEXT: Final = 4 << 20
+"""Bytes of a file that a person writes; the longest in this project has 20,000."""
+LARGEST_TABLE: Final = 1 << 30
+"""Bytes of a recording or a table of samples; an hour of 40 signals at 100 Hz has a tenth of it."""
+
+
+@contextmanager
+def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]:
+    """Open a file that a user names for reading, in bytes.
+
+    A pipe or a device is refused because reading it can take forever.
+
+    Args:
+        path: File; links are followed.
+        largest: Size that is accepted [bytes].
+
+    Raises:
+        InputError: The file is missing, unreadable, too large, or not a regular file.
+    """
+    name = place(path)
+    try:
+        # Without O_NONBLOCK, opening a pipe waits until another process writes to it.
+        number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
+    except FileNotFoundError as problem:
+        raise InputError(f"{name}: there is no such file; correct the path") from problem
+    except (OSError, ValueError) as problem:  # ValueError: a null character in the path
+        reason = problem.strerror if isinstance(problem, OSError) else problem
+        raise InputError(f"{name}: cannot be read: {reason}") from problem
+    try:
+        status = os.fstat(number)
+        if stat.S_ISDIR(status.st_mode):
+            raise InputError(f"{name}: is a folder, and a file is expected")
+        if not stat.S_ISREG(status.st_mode):
+            raise InputError(f"{name}: is a pipe or a device; copy its content into a file and name that")
+        if status.st_size > largest:
+            raise InputError(
+                f"{name}: has {status.st_size / 1e6:,.0f} MB, which is more than the {largest / 1e6:,.0f} MB that such "
+                "a file may have; name a smaller file"
+            )
+    except InputError:
+        os.close(number)
+        raise
+    with os.fdopen(number, "rb") as stream:
+        yield stream
+
+
+def read_bytes(path: Path, largest: int = LARGEST_TEXT) -> bytes:
+    """Return the content of a file that a user names; see `open_regular`.
+
+    Raises:
+        InputError: See `open_regular`.
+    """
+    with open_regular(path, largest) as stream:
+        try:
+            return stream.read(largest)
+        except OSError as problem:
+            raise InputError(f"{place(path)}: cannot be read: {problem.strerror}") from problem
+
+
+def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
+    """Return the text of a UTF-8 file that a user names, without a byte order mark, and with "\\n" as end of line.
+
+    Raises:
+        InputError: See `open_regular`; or the content is not UTF-8.
+    """
+    try:
+        return read_bytes(path, largest).decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as problem:
+        raise InputError(f"{place(path)}: is not text in UTF-8 ({problem}); save it in that encoding") from problem
+
+
+def require_regular(path: Path, largest: int) -> None:
+    """Check a file that a library is going to open by its path; see `open_regular`.
+
+    Raises:
+        InputError: See `open_regular`.
+    """
+    with open_regular(path, largest):
+        pass
 
 
 def remove(folder: Path, *names: str) -> None:

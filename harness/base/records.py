@@ -1,14 +1,13 @@
 """Reading of files in a folder that somebody may have sent: bounded in size and depth, and never outside the folder."""
 
 import json
-import os
-import stat
 from pathlib import Path
 from typing import Any, Final, NoReturn, cast
 
 from pydantic import ValidationError
 
-from railgrip.base.errors import RecordError
+from railgrip.base.errors import InputError, RecordError
+from railgrip.base.files import read_bytes
 
 LARGEST_JSON: Final = 64 << 20
 """Bytes; the description of a campaign of 100,000 stops has half of it."""
@@ -43,19 +42,11 @@ def read_bounded(folder: Path, name: str, largest: int) -> bytes:
     """
     path = inside(folder, name)
     try:
-        # Without O_NONBLOCK, a pipe would be waited for until somebody writes to it.
-        number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0))
-        with os.fdopen(number, "rb") as stream:
-            if not stat.S_ISREG(os.fstat(number).st_mode):
-                raise RecordError(f"{path}: is not a regular file")
-            content = stream.read(largest + 1)
-    except (FileNotFoundError, NotADirectoryError) as problem:
-        raise FileNotFoundError(str(path)) from problem
-    except OSError as problem:
-        raise RecordError(f"{path}: cannot be read: {problem.strerror}") from problem
-    if len(content) > largest:
-        raise RecordError(f"{path}: is larger than {largest >> 20} MiB, which such a file never is")
-    return content
+        return read_bytes(path, largest)
+    except InputError as problem:
+        if isinstance(problem.__cause__, FileNotFoundError | NotADirectoryError):
+            raise FileNotFoundError(str(path)) from problem
+        raise RecordError(str(problem)) from problem
 
 
 def read_json(folder: Path, name: str) -> dict[str, Any]:

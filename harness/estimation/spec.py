@@ -49,7 +49,7 @@ from railgrip.estimation.run import Kind, Settings, equations_of, estimate, mode
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.file import located
-from railgrip.scenario.load import Tables, read_toml, require_kind, validated
+from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validated
 from railgrip.scenario.merge import nested, read_overrides
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, Unit, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, broken
@@ -246,8 +246,7 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
     if "extends" not in table:
         return tables
     base = located(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
-    if base.resolve() in [file.resolve() for file in (*chain, path)]:
-        raise EstimationError(f"{path.name}: extends goes round in a circle; leave it out of one of the files.")
+    require_straight(base, (*chain, path), path.name)
     below = _tables_in(base, (*chain, path))
     # A map of columns belongs to one recording.
     inherited = {

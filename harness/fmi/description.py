@@ -12,10 +12,10 @@ import fmpy
 import numpy as np
 from fmpy.model_description import ModelDescription, ValidationError, read_model_description
 
-from railgrip.base.errors import FmuError, UnitError
-from railgrip.base.files import scratch
+from railgrip.base.errors import FmuError, InputError, UnitError
+from railgrip.base.files import require_regular, scratch
 from railgrip.base.interrupted import postponed
-from railgrip.base.limits import FMU_LIMITS, FmuLimits
+from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
@@ -175,12 +175,12 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
             platform, or its description can be understood in two ways or none.
     """
     path = Path(file)
-    if not path.is_file():
-        raise FmuError(f"{path}: there is no such file; build it (railgrip build) or correct the path.")
     try:
+        require_regular(path, limits.unpacked_mib * MIB)
         content = digest(path)
-    except OSError as error:
-        raise FmuError(f"{path}: the FMU cannot be read: {error.strerror}.") from error
+    except InputError as error:
+        is_missing = isinstance(error.__cause__, FileNotFoundError)
+        raise FmuError(f"{error}{', or build it (railgrip build)' if is_missing else ''}.") from error
     inside = members(path, limits)
     first = outline(path, limits)
     fmi = _version(path, first)

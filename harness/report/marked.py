@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from railgrip.base.errors import RecordError
-from railgrip.base.files import write_text
+from railgrip.base.errors import InputError, RecordError
+from railgrip.base.files import read_text, write_text
 from railgrip.report.table import Table
 
 END = "<!-- end -->"
@@ -61,6 +61,6 @@ def page_text(path: Path) -> str:
         RecordError: It cannot be read.
     """
     try:
-        return path.read_text(encoding="utf-8")
-    except OSError as problem:
-        raise RecordError(f"{path}: cannot be read: {problem.strerror}") from problem
+        return read_text(path)
+    except InputError as problem:
+        raise RecordError(str(problem)) from problem

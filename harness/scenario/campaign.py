@@ -2,12 +2,13 @@
 
 import itertools
 import json
+import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import Field, StrictBool, model_validator
 
@@ -15,7 +16,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut, place
 from railgrip.scenario.file import is_file, located
-from railgrip.scenario.load import read_scenario, read_toml, require_kind, validated
+from railgrip.scenario.load import Tables, read_scenario, read_toml, require_kind, validated
 from railgrip.scenario.merge import nested, read_overrides
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.quantity import Unit
@@ -24,6 +25,8 @@ from railgrip.scenario.table import Name, Seed, Table, broken
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
+LARGEST: Final = 100_000
+"""Combinations of a campaign, including those that are excluded; and stops, each of which is a folder on the disk."""
 DRAW = "draw"
 """The axis of `draws`: stops that differ in nothing else are one distribution."""
 
@@ -86,11 +89,17 @@ class CampaignFile(Table):
     sweep: dict[str, Annotated[tuple[Any, ...], Field(min_length=1)]] = Field(default={}, description="key → values")
     draws: Draws | None = Field(default=None, description="seeds with each of which stops are made")
     exclude: tuple[dict[str, str | tuple[str, ...]], ...] = Field(
-        default=(), description="axis → variant or variants; a stop that matches all of one entry is left out"
+        default=(),
+        max_length=1000,
+        description="axis → variant or variants; a stop that matches all of one entry is left out",
     )
-    reference: tuple[Reference, ...] = Field(default=(), description="published distances of some of the stops")
+    reference: tuple[Reference, ...] = Field(
+        default=(), max_length=1000, description="published distances of some of the stops"
+    )
     expected: tuple[Expected, ...] = Field(
-        default=(), description="outcomes of stops that do not end with a standstill; of several that match, the first"
+        default=(),
+        max_length=1000,
+        description="outcomes of stops that do not end with a standstill; of several that match, the first",
     )
     conditioning: str | None = Field(
         default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
@@ -153,9 +162,23 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
         ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
     """
     path = located(path, "campaigns")
-    table = read_toml(path)
+    return campaign_of(read_toml(path), path, overrides)
+
+
+def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] = ()) -> Campaign:
+    """Return the campaign that tables describe; see `load_campaign`.
+
+    Args:
+        table: As TOML gives it.
+        path: Of the campaign's file, which is not read.
+        overrides: As for `load_campaign`.
+
+    Raises:
+        ScenarioError: See `load_campaign`.
+    """
     require_kind(table, "campaign", path)
     campaign = validated(CampaignFile, table, directory=path.parent, origin=path.name)
+    _require_countable(path, campaign)
     axes = {
         axis: {
             variant: _variant_file(path, axis, variant, tables) if isinstance(tables, str) else tables
@@ -173,14 +196,11 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
             raise ScenarioError(f"{path.name}: [sweep] {key} has a value twice; each is a stop of its own")
     _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
-    stops = _with_expected(path, campaign.expected, tuple(_stops(path, campaign, axes, last)))
-    # Each is a folder, and some file systems do not tell capital letters from small ones.
-    counts = Counter(stop.name.casefold() for stop in stops)
-    twice = next((stop.name for stop in stops if counts[stop.name.casefold()] > 1), None)
-    if twice is not None:
-        raise ScenarioError(f"{path.name}: two stops are named '{twice}'; rename a scenario or a variant")
-    if not stops:
-        raise ScenarioError(f"{path.name}: exclude leaves no stop to run")
+    stops = _with_expected(
+        path, campaign.expected, tuple(_stops(path, campaign, _combined(path, campaign, axes), last))
+    )
+    # Each is a folder, and some file systems do not distinguish capital letters from small ones.
+    _require_unique(path, [stop.name for stop in stops])
     return Campaign(
         name=campaign.name,
         description=campaign.description,
@@ -202,9 +222,44 @@ def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, A
     return read_toml(file)
 
 
-def _stops(
-    path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]], last: Mapping[str, Any]
-) -> Iterator[PlannedStop]:
+def _require_countable(path: Path, campaign: CampaignFile) -> None:
+    """Check the number of combinations before any of them is made."""
+    counts = {
+        "scenarios": len(campaign.scenarios),
+        **{axis: len(variants) for axis, variants in campaign.axes.items()},
+        **{key: len(values) for key, values in campaign.sweep.items()},
+    }
+    number = math.prod(counts.values())
+    if number > LARGEST:
+        product = " × ".join(f"{count} of {cut(axis)}" for axis, count in list(counts.items())[:12])
+        raise _too_many(path, f"has {_count(number)} combinations ({product}{' × …' if len(counts) > 12 else ''})")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Combination:
+    """A scenario with one variant of each axis.
+
+    Attributes:
+        name: Of the stop.
+        base: Tables of the scenario.
+        variants: Axis → variant, `scenario` first.
+        changes: Tables of the variants.
+        seeds: Seeds that it is stopped with; None for its own.
+    """
+
+    name: str
+    base: Tables
+    variants: Mapping[str, str]
+    changes: Sequence[Mapping[str, Any]]
+    seeds: range | None
+
+
+def _combined(
+    path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]]
+) -> list[_Combination]:
+    """Return the combinations that are not excluded, counted and named before the first scenario is validated."""
+    combinations: list[_Combination] = []
+    draws = campaign.draws
     for file in campaign.scenarios:
         base = read_scenario(located(file, "scenarios", path.parent, f"{path.name}: scenarios: "))
         for combination in itertools.product(*(variants.items() for variants in axes.values())):
@@ -216,15 +271,47 @@ def _stops(
             # It becomes a folder: `--set name=…` may mend the scenario's own name, but not this one.
             if not re.fullmatch(r"[A-Za-z0-9].*", name) or len(name) > _LONGEST_NAME:
                 raise ScenarioError(
-                    f"{path.name}: a stop of {base.origin} would be named '{cut(name)}', but a folder of its own "
-                    f"wants a name that begins with a letter or digit and has {_LONGEST_NAME} characters at most"
+                    f"{path.name}: a stop of {base.origin} would be named '{cut(name)}'; the name of its folder must "
+                    f"begin with a letter or digit and have {_LONGEST_NAME} characters at most"
                 )
-            tables = base.named(f"{path.name}, stop {name} ({base.origin})")
-            for change in (*(variant for _, variant in combination), last):
-                tables = tables.laid(tables.origin, change)
-            stop = PlannedStop(name=name, variants=variants, scenario=tables.value(Scenario))
-            draws = campaign.draws
-            yield from _drawn(stop, draws) if draws and _matches(draws.match, variants) else (stop,)
+            seeds = draws.seeds() if draws and _matches(draws.match, variants) else None
+            changes = [change for _, change in combination]
+            combinations.append(_Combination(name=name, base=base, variants=variants, changes=changes, seeds=seeds))
+    if not combinations:
+        raise ScenarioError(f"{path.name}: [[exclude]] matches every combination, so that there is no stop; remove one")
+    number = sum(each.seeds.stop - each.seeds.start if each.seeds else 1 for each in combinations)
+    if number > LARGEST:
+        raise _too_many(path, f"has {_count(number)} stops")
+    _require_unique(path, [each.name for each in combinations])
+    return combinations
+
+
+def _too_many(path: Path, found: str) -> ScenarioError:
+    return ScenarioError(
+        f"{path.name}: {found}; a campaign may have {LARGEST:,}: remove axes, variants or draws, or divide the campaign"
+    )
+
+
+def _count(number: int) -> str:
+    return f"{number:,}" if number < 10**9 else f"more than 10^{(number.bit_length() - 1) * 3 // 10}"
+
+
+def _require_unique(path: Path, stops: Sequence[str]) -> None:
+    counts = Counter(name.casefold() for name in stops)
+    twice = next((name for name in stops if counts[name.casefold()] > 1), None)
+    if twice is not None:
+        raise ScenarioError(f"{path.name}: two stops are named '{twice}'; rename a scenario or a variant")
+
+
+def _stops(
+    path: Path, campaign: CampaignFile, combinations: Sequence[_Combination], last: Mapping[str, Any]
+) -> Iterator[PlannedStop]:
+    for each in combinations:
+        tables = each.base.named(f"{path.name}, stop {each.name} ({each.base.origin})")
+        for change in (*each.changes, last):
+            tables = tables.laid(tables.origin, change)
+        stop = PlannedStop(name=each.name, variants=each.variants, scenario=tables.value(Scenario))
+        yield from _drawn(stop, campaign.draws) if campaign.draws and each.seeds else (stop,)
 
 
 def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:

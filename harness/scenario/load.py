@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal, TypeVar
 
-from railgrip.base.errors import ScenarioError
+from railgrip.base.errors import InputError, ScenarioError
+from railgrip.base.files import read_text
 from railgrip.base.registry import shelf
 from railgrip.base.units import cut, place, short
 from railgrip.scenario.file import Elsewhere, is_file, located
@@ -30,7 +31,8 @@ _COMMANDS: Final[Mapping[str, str]] = {
 
 _Scenario = TypeVar("_Scenario", bound=Scenario)
 
-_LARGEST = 4_000_000  # bytes; the longest file of ours has 20 000
+_LONGEST_CHAIN = 30
+"""Files that extend each other; the longest chain of the library has three."""
 
 
 def load(path: Path, overrides: Sequence[str] = (), equipment: Sequence[str] = ()) -> Scenario:
@@ -122,14 +124,28 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
             f"{origin}: extends names '{cut(entry)}', but there is no file {place(path)}; the path starts at the "
             f"folder of {origin}"
         )
-    if path.resolve() in [file.resolve() for file in chain]:
-        circle = " → ".join(file.name for file in (*chain, path))
-        raise ScenarioError(f"{origin}: extends goes round in a circle: {circle}; leave it out of one of them")
+    require_straight(path, chain, origin)
     base = _tables_in(path, (*chain, path))
     below: dict[str, Any] = Elsewhere.within(base.table, base.directory)
     if isinstance(below.get("vehicle"), dict) and isinstance(keys.get("vehicle"), dict):
         below["vehicle"] = with_another_plant(below["vehicle"], keys["vehicle"])
     return Tables(origin=origin, directory=folder, table=merged(below, keys), layers=((origin, keys), *base.layers))
+
+
+def require_straight(path: Path, chain: Sequence[Path], origin: str) -> None:
+    """Check that the next file of a chain of `extends` is not one of the chain, and that the chain is not too long.
+
+    Raises:
+        ScenarioError: The chain is circular or has more than `_LONGEST_CHAIN` files.
+    """
+    if path.resolve() in [file.resolve() for file in chain]:
+        circle = " → ".join(file.name for file in (*chain, path))
+        raise ScenarioError(f"{origin}: extends goes round in a circle: {circle}; leave it out of one of them")
+    if len(chain) >= _LONGEST_CHAIN:
+        raise ScenarioError(
+            f"{chain[0].name}: extends a chain of more than {_LONGEST_CHAIN} files, one after the other; copy the keys "
+            "of some of them into one file"
+        )
 
 
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
@@ -158,25 +174,14 @@ def read_toml(path: Path) -> dict[str, Any]:
     Raises:
         ScenarioError: Missing, unreadable, or not TOML.
     """
-    name = place(path)
     try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-        if len(content) > _LARGEST:
-            raise ScenarioError(f"{name}: is larger than {_LARGEST / 1e6:g} MB, which no scenario or campaign is")
-        return parsed(content.decode("utf-8-sig").replace("\r\n", "\n"))
-    except FileNotFoundError as problem:
-        raise ScenarioError(
-            f"{name}: there is no such file; correct the path, or use a name that `railgrip list` shows"
-        ) from problem
-    except OSError as problem:
-        raise ScenarioError(f"{name}: cannot be read: {problem.strerror}") from problem
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as problem:
+        return parsed(read_text(path))
+    except tomllib.TOMLDecodeError as problem:
         raise ScenarioError(f"{cut(path.name)}: is not TOML: {cut(str(problem))}") from problem
-    except ValueError as problem:
-        if isinstance(problem, ScenarioError):
-            raise
-        raise ScenarioError(f"{name}: cannot be read: {problem}") from problem  # a path with a null in it
+    except InputError as problem:
+        is_missing = isinstance(problem.__cause__, FileNotFoundError)
+        hint = ", or use a name that `railgrip list` shows" if is_missing else ""
+        raise ScenarioError(f"{problem}{hint}") from problem
 
 
 def require_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:

@@ -7,6 +7,7 @@ from pydantic import Field, StrictBool, StrictInt, ValidationInfo, field_seriali
 from pydantic_core import PydanticCustomError
 
 from railgrip.base.registry import not_one_of, shelf
+from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.table import (
@@ -149,6 +150,11 @@ class Vehicle(Table):
             return None
         if isinstance(entry, NamedFile) or (isinstance(entry, str) and entry.endswith(".fmu")):
             return NamedFile.find(entry, info)
+        if isinstance(entry, str) and entry.endswith(".ssp"):
+            raise broken(
+                f"is {short(entry)}, a system by SSP, which railgrip exports and does not import; extract the .fmu "
+                "of the train from the folder resources of that archive and name that"
+            )
         if not isinstance(entry, str) or not (entry.isidentifier() or _is_class(entry)):
             raise broken(
                 f"is {entry!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"

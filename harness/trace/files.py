@@ -23,10 +23,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.io import loadmat
 
-from railgrip.base.errors import EstimationError, UnitError
+from railgrip.base.errors import EstimationError, InputError, UnitError
+from railgrip.base.files import LARGEST_TABLE, require_regular
 from railgrip.base.names import did_you_mean
-from railgrip.base.units import conversion, cut, place, short, unit
-from railgrip.scenario.file import is_file
+from railgrip.base.units import conversion, cut, short, unit
 from railgrip.trace.delimited import SPELLINGS, read_delimited
 from railgrip.trace.table import DataTable
 
@@ -119,8 +119,12 @@ def read_table(
 
 
 def _require_file(path: Path) -> None:
-    if not is_file(path):
-        raise EstimationError(f"{place(path)}: there is no such file; name a recording ({', '.join(FORMATS)}).")
+    try:
+        require_regular(path, LARGEST_TABLE)
+    except InputError as problem:
+        is_missing = isinstance(problem.__cause__, FileNotFoundError)
+        hint = f"; name a recording ({', '.join(FORMATS)})" if is_missing else ""
+        raise EstimationError(f"{problem}{hint}.") from problem
 
 
 @contextmanager

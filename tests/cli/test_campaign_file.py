@@ -1,6 +1,7 @@
 """A campaign file is every combination it names, and refuses what would silently match nothing."""
 
 import json
+import time
 
 import pytest
 
@@ -91,7 +92,10 @@ def expected(match, outcome="horizon"):
         ("[axes.scenario.a]\n", "campaign.toml: [axes] cannot be named 'scenario'"),
         ('[axes.e.a]\n[[exclude]]\nf = "a"\n', "campaign.toml: [exclude] names the axis 'f'; there is e"),
         ('[axes.e.a]\n[[exclude]]\ne = "b"\n', "campaign.toml: [exclude] names 'b' of axis 'e'; it has a"),
-        ('[axes.e.a]\n[[exclude]]\ne = "a"\n', "campaign.toml: exclude leaves no stop to run"),
+        (
+            '[axes.e.a]\n[[exclude]]\ne = "a"\n',
+            "campaign.toml: [[exclude]] matches every combination",
+        ),
         ('[axes.e."a b"]\n[axes.e."a+b"]\n', "campaign.toml: two stops are named 'wet-a_b'"),
         ("[axes.e.a]\n[axes.e.A]\n", "campaign.toml: two stops are named 'wet-a'"),
         ('[sweep]\nseed = [1, "1"]\n', "campaign.toml: [sweep] seed has a value twice"),
@@ -135,3 +139,40 @@ def test_some_stops_are_repeated_again_and_the_others_stay(railgrip, project):
     assert (wrong.code, "pair.toml has no such stop" in wrong.err) == (2, True)
     wrong = railgrip("maintain", "conditioning", "pair.toml", "--stops", min(before), "--relative", "1e-6")
     assert (wrong.code, "was moved by 1e-07" in wrong.err) == (2, True)
+
+
+MANY = {
+    "1e9 combinations": ["[axes]"] + [f"a{n}.v{m} = {{}}" for n in range(9) for m in range(10)],
+    "1e10 combinations, all excluded": [
+        *("[axes]", *(f"a{n}.v{m} = {{}}" for n in range(10) for m in range(10))),
+        "[[exclude]]",
+    ],
+    "10^300 combinations": ["[axes]"] + [f"a{n}.v{m} = {{}}" for n in range(300) for m in range(10)],
+    "a sweep of 2e5 values": [f'[sweep]\n"start.speed" = {list(range(200_000))}'],
+    "1e6 draws": ["[draws]\nfirst = 1\nlast = 1_000_000"],
+    "1e12 draws": ["[draws]\nfirst = 1\nlast = 1_000_000_000_000"],
+    "draws up to the largest seed": [f"[draws]\nfirst = 0\nlast = {2**63 - 1}"],
+    "1e3 combinations of 1e3 draws": [
+        *("[draws]\nfirst = 1\nlast = 1000", "[axes]"),
+        *(f"a{n}.v{m} = {{}}" for n in range(3) for m in range(10)),
+    ],
+}
+
+
+@pytest.mark.parametrize("lines", MANY.values(), ids=MANY)
+def test_a_campaign_of_too_many_stops_is_refused_before_they_are_made(project, lines):
+    begin = time.monotonic()
+    with pytest.raises(ScenarioError, match=r"campaign.toml: has .* a campaign may have 100,000"):
+        campaign(project, "\n".join(lines))
+    assert time.monotonic() - begin < 5.0  # a million draws take longer when each is made
+
+
+@pytest.mark.parametrize("last", [2**63, 2**70, 10**400], ids=["2^63", "2^70", "10^400"])
+def test_draws_beyond_the_largest_seed_are_refused_with_their_key(project, last):
+    with pytest.raises(ScenarioError, match=r"\[draws\] last is"):
+        campaign(project, f"[draws]\nfirst = {last}\nlast = {last}")
+
+
+def test_entries_by_the_thousand_are_refused(project):
+    with pytest.raises(ScenarioError, match="exclude"):
+        campaign(project, "[axes.e.a]\n" + '[[exclude]]\ne = "a"\n' * 2000)

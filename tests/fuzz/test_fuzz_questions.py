@@ -19,6 +19,7 @@ from synthetic import LAYOUT, TWO_PART_TRAIN
 import railgrip.scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.campaign import campaign_of
 from railgrip.scenario.load import load, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.track.table import track_force_of
@@ -239,3 +240,60 @@ def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
         assert np.isfinite(reading_of(record.recording, "pad_force")).all()
 
     answered(question)
+
+
+tables = st.dictionaries(
+    st.sampled_from(["start", "seed", "vehicle", "name", "a.b", ""]),
+    st.one_of(values, st.fixed_dictionaries({"speed": values})),
+    max_size=2,
+)
+generated = st.fixed_dictionaries(
+    {"name": st.one_of(st.just("c"), values), "scenarios": st.one_of(st.just(["plain"]), values)},
+    optional={
+        "axes": st.one_of(
+            values,
+            st.integers(1, 12).map(lambda n: {f"a{k}": {f"v{m}": {} for m in range(10)} for k in range(n) if n > 5}),
+            st.dictionaries(st.text(max_size=4), st.dictionaries(st.text(max_size=4), tables, max_size=2), max_size=2),
+        ),
+        "sweep": st.one_of(values, st.dictionaries(st.text(max_size=12), st.lists(values, max_size=3), max_size=2)),
+        "draws": st.fixed_dictionaries(
+            {"first": values, "last": st.one_of(values, st.sampled_from([3, 10**6, 10**12, 2**63, 2**70]))}
+        ),
+        "exclude": st.one_of(values, st.lists(st.dictionaries(st.text(max_size=4), values, max_size=2), max_size=2)),
+        "expected": st.lists(st.fixed_dictionaries({"match": values, "outcome": values}), max_size=2),
+    },
+)
+
+
+SMALL = """
+name = "c"
+scenarios = ["plain"]
+[axes.rail.a]
+seed = 2
+[axes.rail.b]
+start.speed = "80 km/h"
+[sweep]
+"start.speed" = [10, "50 km/h"]
+[draws]
+first = 1
+last = 3
+match = { rail = "a" }
+[[exclude]]
+rail = "b"
+"start.speed" = "10"
+[[expected]]
+match = { rail = "b" }
+outcome = "horizon"
+"""
+
+
+@many
+@given(data=st.data())
+def test_a_campaign_is_planned_or_refused(data):
+    if data.draw(st.booleans()):
+        table = data.draw(generated)
+    else:
+        table = tomllib.loads(SMALL)
+        for _ in range(data.draw(st.integers(0, 3))):
+            changed(table, data.draw)
+    answered(lambda: campaign_of(table, ROOM / "campaigns" / "mutant.toml"))

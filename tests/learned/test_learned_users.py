@@ -185,7 +185,7 @@ def test_a_map_that_does_not_match_is_refused(tmp_path):
         read_folder(tmp_path, labels, table(names=few))
     with pytest.raises(EstimationError, match=r"a\.csv: there is no such file"):
         read_folder(tmp_path, labels)
-    with pytest.raises(EstimationError, match=r"there is no file .*gone\.csv"):
+    with pytest.raises(EstimationError, match=r"gone\.csv: there is no such file"):
         read_folder(tmp_path, tmp_path / "gone.csv")
     write(tmp_path / "a.csv", {name: values[:100] for name, values in signals(0).items()})
     with pytest.raises(EstimationError, match=r"left\[1\].*kg"):

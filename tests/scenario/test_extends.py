@@ -7,6 +7,7 @@ import pytest
 import railgrip as rg
 from railgrip.base.errors import ScenarioError
 from railgrip.base.registry import shelf
+from railgrip.estimation.spec import load_specification
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import load, read_toml
 
@@ -205,3 +206,13 @@ def test_another_plant_takes_the_place_of_a_train():
     assert scenario.with_plant("Wagon").resolved()["vehicle"] == {"plant": "Wagon"} | {
         key: value for key, value in scenario.resolved()["vehicle"].items() if key != "train"
     }
+
+
+@pytest.mark.parametrize(
+    ("read", "table"), [(load, "[start]"), (load_specification, "[gate]")], ids=["scenario", "estimation"]
+)
+def test_a_chain_of_1500_files_is_refused_in_a_sentence(tmp_path, read, table):
+    for number in range(1500):
+        written(tmp_path, **{f"f{number}": f'extends = "f{number - 1}.toml"\n{table}\n'})
+    with pytest.raises(ScenarioError, match=r"f1499\.toml: extends a chain of more than 30 files"):
+        read(tmp_path / "f1499.toml")

@@ -64,7 +64,7 @@ def test_no_name_leaves_the_folder_of_a_campaign(tmp_path, name):
     campaign = tmp_path / "campaign.toml"
     campaign.write_text('name = "c"\nscenarios = ["mine.toml"]\n', encoding="utf-8")
     sentence = refusal(load_campaign, campaign, ["name=ok"])
-    assert "wants a name that begins with a letter or digit" in sentence
+    assert "must begin with a letter or digit" in sentence
     refusal(load, tmp_path / "mine.toml")
 
 
@@ -85,7 +85,7 @@ def test_names_of_variants_stay_inside_the_folder(tmp_path):
         ("a = " + "[" * 5000 + "]" * 5000, "nested deeper than"),
         ("a." * 500 + "b = 1", "nested deeper than"),
         ("seed = " + "9" * 5000, "a number of thousands of digits"),
-        ("# " + "x" * 5_000_000, "is larger than 4 MB"),
+        ("# " + "x" * 5_000_000, "more than the 4 MB"),
     ],
 )
 def test_a_hostile_file_is_refused(tmp_path, content, sentence):
@@ -132,3 +132,9 @@ def test_frequencies_are_in_hertz_or_per_second():
         load(SCENARIOS / "library" / "sine_sweep.toml", [f"adhesion.end_frequency='0.4 {u}'"]) for u in ("Hz", "1/s")
     ]
     assert sweeps[0].adhesion.frequencies == sweeps[1].adhesion.frequencies == (0.05, 0.4)
+
+
+def test_a_system_by_ssp_is_answered_with_what_to_do(tmp_path):
+    sentence = refusal(load, TRAPEZOID, ["vehicle.plant=system.ssp"])
+    assert "railgrip exports and does not import" in sentence
+    assert "extract the .fmu" in sentence

@@ -11,13 +11,15 @@ leads and -1 when wheelset 4 does.
 import csv
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 from pydantic import Field, StrictInt
 
-from railgrip.base.errors import EstimationError
+from railgrip.base.errors import EstimationError, InputError
+from railgrip.base.files import LARGEST_TABLE, read_text
 from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
@@ -256,7 +258,7 @@ def _why(box: str, record: FileRecording) -> str:
 
 def _rows(file: Path, columns: tuple[str, ...]) -> list[Mapping[str, str]]:
     try:
-        with file.open(newline="", encoding="utf-8-sig") as stream:
+        with StringIO(read_text(file, LARGEST_TABLE)) as stream:
             rows = csv.DictReader(stream, skipinitialspace=True)
             header = [name.strip() for name in rows.fieldnames or ()]
             rows.fieldnames = header
@@ -266,9 +268,11 @@ def _rows(file: Path, columns: tuple[str, ...]) -> list[Mapping[str, str]]:
                     f"{file}: it has no column {', '.join(missing)}; it has {', '.join(header) or 'no header'}."
                 )
             return list(rows)
-    except FileNotFoundError as problem:
-        raise EstimationError(f"there is no file {file}.") from problem
-    except (OSError, UnicodeDecodeError) as problem:
+    except EstimationError:
+        raise
+    except InputError as problem:
+        raise EstimationError(f"{problem}.") from problem
+    except csv.Error as problem:
         raise EstimationError(f"{file}: is not a table of labels: {problem}.") from problem
 
 

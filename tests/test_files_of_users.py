@@ -1,0 +1,193 @@
+"""Files that users name are read only if they are regular, bounded and UTF-8 text; each refusal is immediate."""
+
+import os
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from synthetic import TWO_PART_TRAIN
+
+from railgrip import run
+from railgrip.base.errors import InputError
+from railgrip.base.files import read_text
+from railgrip.estimation.inspection import inspect_recording
+from railgrip.estimation.spec import load_specification
+from railgrip.estimators.learned.trained import load as load_trained
+from railgrip.fmi import describe
+from railgrip.fmus.native.library import library_digest
+from railgrip.report.marked import page_text
+from railgrip.rolling_stock.files import load_train
+from railgrip.scenario.adhesion import profile_of
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.conditioning import read_conditioning
+from railgrip.scenario.load import load
+from railgrip.simulate.files import plant_description
+from railgrip.trace.files import read_mf4, read_table
+
+SECONDS = 5.0
+"""Time that a refusal may take, with imports on a busy machine; a file that is waited for is never refused."""
+
+
+def make_obstacle(kind: str, path: Path) -> Path:
+    """Make what a user may name by mistake in place of a file, and return its path."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    match kind:
+        case "pipe":
+            os.mkfifo(path)
+        case "device":
+            path.symlink_to("/dev/zero")
+        case "folder":
+            path.mkdir()
+        case "unreadable":
+            path.write_text("", encoding="utf-8")
+            path.chmod(0)
+        case "large":
+            with path.open("wb") as stream:
+                stream.truncate(3_000_000_000)  # sparse, as it takes no space on the disk
+        case "not text":
+            path.write_bytes(b"\x80\xff\xfe\x00" * 20)
+        case "loop":
+            path.symlink_to(path)
+        case _:
+            assert kind == "missing"
+    return path
+
+
+OBSTACLES = {
+    "pipe": "is a pipe or a device",
+    "device": "is a pipe or a device",
+    "folder": "is a folder",
+    "large": "has 3,000 MB",
+    "not text": "is not text in UTF-8",
+    "loop": "cannot be read",
+    "missing": "there is no such file",
+}
+needs_posix = pytest.mark.skipif(os.name != "posix", reason="pipes and devices in the file system are POSIX")
+
+
+@needs_posix
+@pytest.mark.parametrize("kind", OBSTACLES)
+def test_what_is_not_a_readable_text_is_refused_at_once(kind, tmp_path):
+    path = make_obstacle(kind, tmp_path / "file.toml")
+    begin = time.monotonic()
+    with pytest.raises(InputError, match=OBSTACLES[kind]) as refusal:
+        read_text(path)
+    assert time.monotonic() - begin < SECONDS
+    assert str(path) in str(refusal.value)
+
+
+@needs_posix
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root reads every file")
+def test_a_file_without_permission_is_refused(tmp_path):
+    with pytest.raises(InputError, match="Permission denied"):
+        read_text(make_obstacle("unreadable", tmp_path / "file.toml"))
+
+
+@needs_posix
+def test_a_socket_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # the path of a socket has 108 characters at most
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind("socket")
+        with pytest.raises(InputError, match=r"socket: cannot be read"):
+            read_text(Path("socket"))
+
+
+def test_byte_order_mark_and_ends_of_lines_of_windows_are_removed(tmp_path):
+    path = tmp_path / "text.toml"
+    path.write_bytes("\ufeffa = 1\r\nb = '½'\r\n".encode())
+    assert read_text(path) == "a = 1\nb = '½'\n"
+
+
+def test_a_null_character_in_a_path_is_refused():
+    with pytest.raises(InputError, match="null"):
+        read_text(Path("a\0b"))
+
+
+def write(folder: Path, name: str, text: str) -> None:
+    """Write a file next to an obstacle."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_text(text, encoding="utf-8")
+
+
+def run_scenario(path: Path) -> object:
+    """Read the scenario that extends plain.toml of the library, with a line that names a file."""
+    return load(path.with_name("scenario.toml"))
+
+
+SCENARIO = 'extends = "plain"\n'
+CAMPAIGN = 'name = "c"\nscenarios = ["plain"]\n'
+FMU_SCENARIO = f'{SCENARIO}[vehicle]\nplant = "x.fmu"\n'
+LIBRARY_SCENARIO = f'{SCENARIO}[vehicle]\nmodel = "x.X"\nlibrary = "x.mo"\n'
+INPUTS: dict[str, tuple[str, dict[str, str], Callable[[Path], object]]] = {
+    "scenario": ("x.toml", {}, load),
+    "campaign": ("x.toml", {}, load_campaign),
+    "estimation": ("x.toml", {}, load_specification),
+    "train": ("x.toml", {}, load_train),
+    "equipment": ("x.toml", {}, lambda path: load(Path("plain"), [], [str(path)])),
+    "extends": ("x.toml", {"scenario.toml": 'extends = "x.toml"\n'}, run_scenario),
+    "scenario of a campaign": (
+        *("x.toml", {"c.toml": 'name = "c"\nscenarios = ["x.toml"]\n'}),
+        lambda path: load_campaign(path.with_name("c.toml")),
+    ),
+    "variant of a campaign": (
+        *("x.toml", {"c.toml": f'{CAMPAIGN}[axes.a]\nv = "x.toml"\n'}),
+        lambda path: load_campaign(path.with_name("c.toml")),
+    ),
+    "noise of an estimation": (
+        *("x.toml", {"e.toml": 'extends = "wagon"\nnoise = { file = "x.toml" }\n'}),
+        lambda path: load_specification(path.with_name("e.toml")),
+    ),
+    "train of a scenario": (
+        "x.toml",
+        {"scenario.toml": f'{SCENARIO}[vehicle]\ntrain = "x.toml"\n'},
+        lambda path: plant_description(load(path.with_name("scenario.toml"))),
+    ),
+    "friction": (
+        "x.csv",
+        {"scenario.toml": f'{SCENARIO}[adhesion]\nkind = "table"\npolach = "dry"\nfile = "x.csv"\n'},
+        lambda path: profile_of(load(path.with_name("scenario.toml")), TWO_PART_TRAIN),
+    ),
+    "demand": (
+        "x.csv",
+        {"scenario.toml": f'{SCENARIO}[demand]\nfile = "x.csv"\n'},
+        lambda path: run(path.with_name("scenario.toml")),
+    ),
+    "plant": ("x.fmu", {"scenario.toml": FMU_SCENARIO}, lambda path: run(path.with_name("scenario.toml"))),
+    "FMU": ("x.fmu", {}, describe),
+    "Modelica library": (
+        *("x.mo", {"scenario.toml": LIBRARY_SCENARIO}),
+        lambda path: plant_description(load(path.with_name("scenario.toml"))),
+    ),
+    "file of a Modelica library": (
+        "x.mo",
+        {"package.mo": "package P end P;"},
+        lambda path: library_digest(path.parent),
+    ),
+    "conditioning": ("x.json", {}, read_conditioning),
+    "page": ("x.md", {}, page_text),
+    "trained estimator": ("x.json", {}, load_trained),
+    **{f"recording {suffix}": (f"x{suffix}", {}, read_table) for suffix in (".csv", ".parquet", ".mat")},
+    "inspection": ("x.csv", {}, lambda path: inspect_recording(path, Path("wagon"))),
+    "recording .mf4": ("x.mf4", {}, read_mf4),
+}
+
+
+@needs_posix
+@pytest.mark.parametrize("kind", OBSTACLES)
+@pytest.mark.parametrize("place", INPUTS)
+def test_every_input_refuses_what_is_not_a_readable_file(place, kind, tmp_path):
+    """Only tables of other encodings are read: loggers write them."""
+    if place == "file of a Modelica library" and kind in ("folder", "missing", "not text"):
+        pytest.skip("not a file of the library, or read as bytes")
+    name, others, read = INPUTS[place]
+    for other, text in others.items():
+        write(tmp_path, other, text)
+    make_obstacle(kind, tmp_path / name)
+    begin = time.monotonic()
+    with pytest.raises(InputError) as refusal:
+        read(tmp_path / name)
+    assert time.monotonic() - begin < SECONDS
+    assert name.partition(".")[0] in str(refusal.value)
+    assert len(str(refusal.value)) < 1000
