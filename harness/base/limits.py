@@ -29,9 +29,15 @@ class FmuLimits(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
     open_files: Count = Field(default=256, description="most files open at once")
     messages: Count = Field(default=1_000_000, description="most messages it may log in all")
     output_mib: Count = Field(
-        default=64, description="most that it may write to standard output and error, and to any one file [MiB]"
+        default=64,
+        description="maximum output to standard output and error of a run and its trial runs, and size of files [MiB]",
     )
     patience: float = Field(default=10.0, gt=0.0, description="real time one call may last, starting included [s]")
+    budget: float = Field(
+        default=3600.0,
+        gt=0.0,
+        description="real time of all calls of a run together, trial runs included [s]",
+    )
 
 
 FMU_LIMITS = FmuLimits()

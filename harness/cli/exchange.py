@@ -14,7 +14,7 @@ from railgrip.fmi import describe
 from railgrip.fmus.native.fmi3 import as_fmi_3
 from railgrip.fmus.native.package import pack
 from railgrip.fmus.native.toolchain import TARGETS
-from railgrip.report.console import say
+from railgrip.report.console import remark, say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
 from railgrip.simulate.mapped import controller_lines, mapped
@@ -135,7 +135,9 @@ def map_(
         return
     require_role(description, "plant", "railgrip map")
     try:
-        draft = mapped(description, wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period)
+        draft = mapped(
+            description, wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period, notify=remark
+        )
     except PlantFailed as failed:
         say(f"# the short run failed: {failed}")
         raise typer.Exit(RUN_FAILED) from failed

@@ -8,7 +8,7 @@
 from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import Description, Variable, describe
 from railgrip.fmi.exchange import FmuPrediction
-from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant
+from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant, shared_budget
 from railgrip.fmi.mapping import Binding, Side, Signal, bind
 
 __all__ = [
@@ -23,4 +23,5 @@ __all__ = [
     "bind",
     "describe",
     "open_plant",
+    "shared_budget",
 ]

@@ -15,6 +15,7 @@ from railgrip.base.errors import FmuError
 from railgrip.base.limits import MIB, FmuLimits
 
 DESCRIPTION = "modelDescription.xml"
+_SYSTEM = "SystemStructure.ssd"  # SSP 1.0
 _HARMLESS = 16 * MIB
 """Bytes up to which nobody minds how well they were packed."""
 _DEPTH = 64
@@ -68,6 +69,11 @@ def members(path: Path, limits: FmuLimits) -> frozenset[str]:
     if corrupt is not None:
         raise FmuError(f"{path}: the archive is damaged, '{corrupt}' does not match its checksum.")
     names = frozenset(entry.filename for entry in entries if not entry.is_dir())
+    if _SYSTEM in names:
+        raise FmuError(
+            f"{path}: is a system by SSP; railgrip exports such systems but does not import them. Unpack it and name "
+            "the FMU of the train in its folder resources."
+        )
     if DESCRIPTION not in names:
         raise FmuError(f"{path}: not an FMU: the archive has no {DESCRIPTION}.")
     return names

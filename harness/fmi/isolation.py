@@ -12,10 +12,13 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Callable
-from contextlib import ExitStack, suppress
+from collections.abc import Callable, Generator
+from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
 from pathlib import Path
 from secrets import token_hex
+from time import perf_counter
 from types import TracebackType
 from typing import Final, Self
 
@@ -40,9 +43,36 @@ Vector = NDArray[np.float64]
 KEEPER: Final = Path(__file__).with_name("keeper.py")
 _FAILURE: Final = TypeAdapter(Failure)
 _READY: Final = 120.0  # s; a new interpreter on a busy machine, with its imports: nothing of the FMU runs yet
+_SHORTEST: Final = 1e-3  # s; a timeout of 0 would not wait at all
 _GOODBYE: Final = 2.0  # s for processes to go once they are killed
 _TOKEN: Final = "RAILGRIP_ISOLATED"
 """Environment variable by which a process is known as started by an FMU, whatever it did to be nobody's child."""
+
+
+@dataclass(slots=True)
+class _Account:
+    """Use of the budget by the FMUs of one run.
+
+    Attributes:
+        seconds: Real time of their calls [s].
+        printed: Their output [bytes].
+    """
+
+    seconds: float = 0.0
+    printed: int = 0
+
+
+_SHARED: Final = ContextVar[_Account | None]("account of the run", default=None)
+
+
+@contextmanager
+def shared_budget() -> Generator[None]:
+    """Let the FMUs that are opened within share one budget of time and output, as a stop and its trial runs do."""
+    token = _SHARED.set(_SHARED.get() or _Account())
+    try:
+        yield
+    finally:
+        _SHARED.reset(token)
 
 
 class IsolatedCoSimulation(SteppedPlant):
@@ -76,6 +106,7 @@ class IsolatedCoSimulation(SteppedPlant):
         super().__init__(description, binding, period, parameters)
         self._limits = limits
         self._patience = limits.patience
+        self._account = _SHARED.get() or _Account()
         self._notify = notify
         self._process: subprocess.Popen[bytes] | None = None
         self._line: socket.socket | None = None
@@ -112,7 +143,9 @@ class IsolatedCoSimulation(SteppedPlant):
     def _how(self) -> str:
         """Return limits, and where to import from: after Python's own folders this program's, never the current one."""
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
-        return json.dumps({"path": [*path, str(Path(__file__).parents[2])], "limits": self._limits.model_dump()})
+        output = max(self._limits.output_mib * MIB - self._account.printed, 0)
+        how = {"path": [*path, str(Path(__file__).parents[2])], "limits": self._limits.model_dump(), "output": output}
+        return json.dumps(how)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
@@ -144,7 +177,7 @@ class IsolatedCoSimulation(SteppedPlant):
         """Tell the user when the FMU could not be terminated and freed; results are not touched by that."""
         words = f"it did not return within {self._patience:g} s"
         if process.poll() is not None:
-            report = _report_on(life)
+            report = self._report_on(life)
             if report is None or report[0] == 0:
                 return
             _, words = self._how_it_ended(*report)
@@ -195,16 +228,22 @@ class IsolatedCoSimulation(SteppedPlant):
     def _receive(self, timeout: float) -> bytes:
         line = self._line
         assert line is not None
+        left = self._limits.budget - self._account.seconds
+        timeout, since = min(timeout, max(left, _SHORTEST)), perf_counter()
         if line.gettimeout() != timeout:  # changing it is a call to the system, twice for each step
             line.settimeout(timeout)
         try:
             kind, answer = receive(line)
         except TimeoutError:
+            if timeout >= left:
+                words = f"its calls took longer than {_limit('budget', self._limits.budget, 's')}"
+                raise self._fail("excess", words) from None
             raise self._fail("timeout", f"within {timeout:g} s of real time, it was stopped") from None
         except OSError:  # ConnectionError and the end of the line
             raise self._fail(*self._last_words()) from None
         except ValueError:
             raise self._nonsense() from None
+        self._account.seconds += perf_counter() - since
         if kind == ANSWER:
             return answer
         if kind == REFUSED:
@@ -227,13 +266,22 @@ class IsolatedCoSimulation(SteppedPlant):
     def _last_words(self) -> tuple[Reason, str]:
         """Return how the FMU's process ended."""
         assert self._life is not None
-        report = _report_on(self._life)
+        report = self._report_on(self._life)
         return self._how_it_ended(*report) if report else ("crash", "its process is gone, and the one that watched it")
 
-    def _how_it_ended(self, status: int, most: int, printed: int) -> tuple[Reason, str]:
-        """Return what the keeper's report means."""
+    def _report_on(self, life: socket.socket) -> tuple[int, int] | None:
+        """Return wait status and maximum memory [KiB] of the ended process of the FMU; None without a report."""
+        report = _report_on(life)
+        if report is None:
+            return None
+        status, most, printed = report
+        self._account.printed += printed
+        return status, most
+
+    def _how_it_ended(self, status: int, most: int) -> tuple[Reason, str]:
+        """Return the reason and the sentence for the end of the FMU's process."""
         limits, code = self._limits, os.waitstatus_to_exitcode(status)
-        if printed > limits.output_mib * MIB:
+        if self._account.printed > limits.output_mib * MIB:
             return "excess", f"it printed more than {_limit('output_mib', limits.output_mib)}"
         if code == TALKATIVE:
             return "excess", f"it logged more than {_limit('messages', limits.messages)}"
@@ -258,8 +306,8 @@ def _report_on(life: socket.socket) -> tuple[int, int, int] | None:
     return REPORT.unpack(report) if len(report) == REPORT.size else None
 
 
-def _limit(key: str, value: int) -> str:
-    return f"allowed; {key} under [limits.fmu] is {value}"
+def _limit(key: str, value: float, unit: str = "") -> str:
+    return f"allowed; {key} under [limits.fmu] is {value:.12g}{unit and f' {unit}'}"
 
 
 def _sweep(token: str) -> None:

@@ -45,7 +45,7 @@ def main() -> None:
         _serve(line, how)
     os.close(line)
     os.close(printer)
-    output = _Output(printed, how["limits"]["output_mib"] << 20)
+    output = _Output(printed, how["output"])
     ended = _supervise(server, life, wakeup, output)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(server, signal.SIGKILL)  # its session, at one stroke

@@ -156,7 +156,9 @@ def _index(number: int) -> str:
 
 
 def _plain(text: str) -> str:
-    return re.sub(r"\$([^$]*)\$", _formula, text).replace("\n", "<br>")
+    # plotly.js takes some HTML in texts, links among it.
+    safe = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return re.sub(r"\$([^$]*)\$", _formula, safe).replace("\n", "<br>")
 
 
 def _formula(match: re.Match[str]) -> str:

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata, resources
 from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markdown_it import MarkdownIt
@@ -20,12 +20,15 @@ from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
 from railgrip.base.outputs import claim, discard, written
 from railgrip.base.programs import environment_of_programs, find_program
+from railgrip.report.escape import as_html, as_markdown
 from railgrip.report.table import Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _ROOT = Path(__file__).parents[1]
+
+Kind = Literal["html", "markdown", "plain"]
 
 FORMATS = ("png", "svg", "pdf")
 """Formats of figures beside a page."""
@@ -145,14 +148,16 @@ def write_page(path: Path, template: str, **values: Any) -> Path:
 
 
 def rendered(template: str, *, is_html: bool = False, **values: Any) -> str:
-    """Return the text of a template.
+    """Return the text of a template; see `railgrip.report.escape` for texts in pages.
 
     Args:
-        template: Its path in this package, as "report/distances.md.jinja".
-        is_html: Whether texts are escaped and tables are those of HTML, which Markdown may hold.
-        values: What the template names.
+        template: Its path in this package, as "report/distances.md.jinja". Values of other templates than Markdown and
+            HTML are not escaped.
+        is_html: Whether the text becomes HTML: tables are then HTML, which Markdown may contain.
+        values: Variables of the template.
     """
-    return _environment(is_html).get_template(template).render(values).rstrip("\n") + "\n"
+    kind: Kind = "html" if is_html else "markdown" if template.endswith(".md.jinja") else "plain"
+    return _environment(kind).get_template(template).render(values).rstrip("\n") + "\n"
 
 
 @cache
@@ -179,7 +184,7 @@ def _html_of(markdown: str) -> str:
     parser = MarkdownIt("commonmark", {"html": True}).enable("table")
 
     def plot(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:
-        caption, name = tokens[index].content, tokens[index].attrGet("src")
+        caption, name = as_html(tokens[index].content), as_html(tokens[index].attrGet("src"))
         return f'<span class="plot" data-plot="{name}"></span><span class="caption">{caption}</span>'
 
     parser.add_render_rule("image", plot)
@@ -196,11 +201,23 @@ def _plotly() -> str:
     return _packed((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes(), 9)
 
 
+def _html_value(value: Any) -> Any:
+    return as_html(value) if type(value) is str else value
+
+
+def _markdown_value(value: Any) -> Any:
+    if isinstance(value, Table):
+        return value.with_texts(as_markdown)
+    return as_markdown(value) if type(value) is str else value
+
+
 @cache
-def _environment(is_html: bool) -> Environment:
+def _environment(kind: Kind) -> Environment:
+    finalize = {"html": _html_value, "markdown": _markdown_value, "plain": None}[kind]
     return Environment(
         loader=FileSystemLoader(_ROOT),
-        autoescape=is_html,
+        autoescape=kind == "html",
+        finalize=finalize,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

@@ -1,7 +1,6 @@
 """A table as one value, shown on a screen or written as Markdown, HTML or CSV; numbers as people read them."""
 
 import csv
-import html
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from railgrip.base.files import replacing
+from railgrip.report.escape import as_html
 
 TEXT_COLUMNS = frozenset(
     {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "draws", "stop", "figure", "state",
@@ -116,8 +116,16 @@ class Table:
         sentence = f"Same in all rows: {'; '.join(map(' '.join, same.items()))}."
         return [sentence, table] if same else [table]
 
+    def with_texts(self, convert: Callable[[str], str]) -> Self:
+        """Return the table with its texts converted; numbers stay."""
+        rows = [
+            {column: convert(value) if isinstance(value, str) else value for column, value in row.items()}
+            for row in self.rows
+        ]
+        return replace(self, rows=rows)
+
     def __str__(self) -> str:
-        """Return the table as Markdown."""
+        """Return the table as Markdown; see `with_texts` for cells with texts of users."""
         rules = ("---" if column in self.left else "--:" for column in self.columns)
         lines = (f"| {' | '.join(row.values())} |" for row in self.texts)
         return "\n".join((f"| {' | '.join(self.columns)} |", f"|{'|'.join(rules)}|", *lines))
@@ -141,9 +149,9 @@ class Table:
         is_long = len(cell) > _WRAPPED / 2
         kind = f' class="text{" long" * is_long}"' if column in self.left else ""
         number = f' data-value="{value:.9g}"' if isinstance(value, int | float) else ""
-        shown = re.sub("`([^`]+)`", r"<code>\1</code>", html.escape(cell))
+        shown = re.sub("&#96;(.+?)&#96;", r"<code>\1</code>", str(as_html(cell)))
         if isinstance(value, Link):
-            shown = f'<a href="{html.escape(value.address)}">{shown}</a>'
+            shown = f'<a href="{as_html(value.address)}">{shown}</a>'
         return f"<{tag}{kind}{number}>{shown}</{tag}>"
 
     def write_csv(self, path: Path) -> None:

@@ -1,5 +1,6 @@
 """Tables of a scenario for an FMU from outside: drafted by names and, for a plant, corrected by a short run."""
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -10,7 +11,7 @@ import numpy as np
 
 from railgrip.base.units import GRAVITY, mistake, mistaken_factor
 from railgrip.controllers.law import FULL_PRESSURE
-from railgrip.fmi import Description, Signal, bind, open_plant
+from railgrip.fmi import Description, Signal, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
 from railgrip.fmi.draft import drafted, sizes_of
 from railgrip.simulate.files import parameters_of
@@ -176,7 +177,14 @@ def controller_lines(description: Description) -> Iterator[str]:
         yield f"# not used: {_some(unused)}"
 
 
-def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], speed: float, period: float) -> Draft:
+def mapped(
+    description: Description,
+    *,
+    wheelsets_per_group: tuple[int, ...],
+    speed: float,
+    period: float,
+    notify: Callable[[str], None] = lambda sentence: None,
+) -> Draft:
     """Return a mapping that a short run of the FMU agrees with, as far as there is one.
 
     Args:
@@ -184,6 +192,7 @@ def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], sp
         wheelsets_per_group: Empty for what the FMU says, or its arrays let guess.
         speed: Of the run at its start [m/s].
         period: Communication period of it [s].
+        notify: Gets a sentence before each trial run.
 
     Raises:
         FmuError: It does not fit.
@@ -194,8 +203,14 @@ def mapped(description: Description, *, wheelsets_per_group: tuple[int, ...], sp
     if draft.missing:
         draft = replace(draft, unused=_unused(description, draft))
     else:
-        run = partial(_run, description, draft.formation, speed=speed, period=period)
-        draft = _corrected(draft, run, speed)
+        first_draft, numbers = draft, itertools.count(1)
+
+        def run(table: Mapping[str, Entry]) -> Trials:
+            notify(f"{description.file.name}: trial run {next(numbers)}")
+            return _run(description, first_draft.formation, table, speed=speed, period=period)
+
+        with shared_budget():
+            draft = _corrected(draft, run, speed)
     return replace(draft, nominal={**draft.nominal, **_nominal_parameters(description, draft.formation)})
 
 

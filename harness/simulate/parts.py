@@ -12,7 +12,7 @@ from railgrip.base.errors import PlantFailed, ScenarioError
 from railgrip.base.registry import Role
 from railgrip.base.versions import versions
 from railgrip.controllers.sampled import Sampled
-from railgrip.fmi import Description
+from railgrip.fmi import Description, shared_budget
 from railgrip.report.stop import Stop
 from railgrip.scenario.kinds import Custom
 from railgrip.scenario.outcome import Outcome
@@ -153,7 +153,7 @@ def assembled(
     clock, players = _clock(scenario), _Players(objects)
     for doubt in doubts(scenario):
         notify(doubt)
-    with ExitStack() as stack:
+    with shared_budget(), ExitStack() as stack:
         plant = _plant(vehicle, players, stack, notify)
         filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
         if (law := players.part("controllers", scenario.controller, objects.controller)) is not None:

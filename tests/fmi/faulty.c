@@ -35,6 +35,7 @@
 #define CRASHES_IN_TERMINATE 18
 #define CRASHES_IN_FREE 19
 #define TALKS_AT_ONCE 20
+#define SLEEPS 21          /* a fifth of a second a step */
 
 #ifndef RADIUS
 #define RADIUS 0.38
@@ -149,6 +150,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no) {
             for (int k = 0; k < 20000; k++) printf("%99d\n", k);
             fflush(stdout);
             break;
+        case SLEEPS: usleep(200000); break;
         case CLOSES:
             for (int k = 0; k < 1024; k++) close(k);
             break;

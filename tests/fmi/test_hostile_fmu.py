@@ -16,7 +16,7 @@ from faulty_fmu import faulty_fmu
 
 from railgrip.base.errors import PlantFailed
 from railgrip.base.limits import FMU_LIMITS, FmuLimits
-from railgrip.fmi import IsolatedCoSimulation, Signal, bind, describe
+from railgrip.fmi import IsolatedCoSimulation, Signal, bind, describe, shared_budget
 from railgrip.fmi.child import ANSWER, FAILED
 from railgrip.fmi.isolation import KEEPER
 from railgrip.vehicle.signals import PLANT
@@ -108,6 +108,31 @@ def test_what_it_says_is_limited_in_all(
     file = faulty_fmu(foundry, misbehaviour)
     assert stopped(file, limits) == f"{file.name}: at 0.12 s the FMU was stopped ({sentence})."
     assert len(capfd.readouterr().err) <= 5.1 * 2**20, "the limit, and a piece of 64 KiB"
+
+
+def test_the_calls_of_a_run_have_a_budget_of_time(foundry: Path, scratch: Path):
+    """Each step takes a fifth of a second, less than the patience; the process starts in more than half of one."""
+    sentence = stopped(faulty_fmu(foundry, "SLEEPS"), FmuLimits(patience=5.0, budget=2.0))
+    assert sentence.endswith("(its calls took longer than allowed; budget under [limits.fmu] is 2 s).")
+    assert list(scratch.iterdir()) == []
+
+
+def test_trial_runs_and_the_stop_share_one_budget(foundry: Path):
+    """A run of seven quick steps and five that print two megabytes each; a second such run is too much."""
+
+    def steps(plant: IsolatedCoSimulation) -> None:
+        with plant as running:
+            running.start(np.zeros(4))
+            for _ in range(15):
+                running.step(np.zeros(4))
+
+    file, limits = faulty_fmu(foundry, "PRINTS"), FmuLimits(output_mib=15)
+    steps(isolated(file, limits))
+    steps(isolated(file, limits))
+    with shared_budget():
+        steps(isolated(file, limits))
+        with pytest.raises(PlantFailed, match="it printed more than allowed"):
+            steps(isolated(file, limits))
 
 
 @pytest.mark.parametrize("misbehaviour", ["CRASHES_IN_TERMINATE", "CRASHES_IN_FREE"])

@@ -82,16 +82,16 @@ def test_a_table_is_csv_with_its_values(tmp_path):
     assert first == {"stop": "<dry>", "distance": "12.34", "change": "0.1", "kept": "True", "beside": ""}
 
 
-def test_a_page_of_markdown_escapes_nothing(tmp_path):
+def test_a_page_of_markdown_escapes_what_markdown_would_interpret(tmp_path):
     results = {"name": "a & b", "description": "It's < 1."}
     page = write_page(
         tmp_path / "page.md", "report/distances.md.jinja", results=results, missing="x", notes=["Note."],
         sections={("ideal", "service", "dry"): [TABLE.without(("beside", "kept"))]},
     )  # fmt: skip
     assert page.read_text(encoding="utf-8") == (
-        "# a & b\n\nIt's < 1.\n\n## Actuation ideal, sensors service, creep curve dry\n\n"
+        "# a \\& b\n\nIt's \\< 1.\n\n## Actuation ideal, sensors service, creep curve dry\n\n"
         "| stop | distance | change |\n|---|--:|--:|\n"
-        "| <dry> | 12.3 m | −10.0 % |\n| wet | none: horizon | +5.0 % |\n\n"
+        "| \\<dry> | 12.3 m | −10.0 % |\n| wet | none: horizon | +5.0 % |\n\n"
         "Not run: x.\n\nNote.\n"
     )
 

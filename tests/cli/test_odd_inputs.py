@@ -1,0 +1,103 @@
+"""Each file that a command takes may be a pipe, a device, a folder, huge, or not text: a sentence says so, at once."""
+
+import os
+import signal
+import zipfile
+
+import pytest
+
+COMMANDS = {
+    "scenario": ("run", "{}"),
+    "campaign": ("campaign", "{}"),
+    "extends": ("run", "extends.toml"),
+    "equipment": ("campaign", "equipment.toml"),
+    "adhesion table": ("run", "wet.toml", "--set", "adhesion.kind=table", "--set", "adhesion.file={}"),
+    "plant": ("run", "wet.toml", "--set", "vehicle.plant={}"),
+    "library": ("run", "wet.toml", "--set", "vehicle.library={}"),
+    "controller": ("run", "wet.toml", "--set", "controller.kind=fmu", "--set", "controller.file={}"),
+    "map": ("map", "{}"),
+    "class": ("build", "My.Train", "--library", "{}"),
+    "train": ("train", "check", "{}"),
+    "drawing": ("train", "draw", "{}"),
+    "estimation": ("estimate", "{}"),
+    "observability": ("observability", "{}"),
+    "recording": ("inspect", "{}"),
+    "ride": ("ride", "{}"),
+    "results": ("report", "{}"),
+    "comparison": ("compare", "{}", "{}"),
+    "evidence": ("monitor", "{}"),
+    "baseline": ("maintain", "conditioning", "{}"),
+}
+SUFFIX = {
+    "plant": ".fmu",
+    "controller": ".fmu",
+    "map": ".fmu",
+    "recording": ".csv",
+    "adhesion table": ".csv",
+} | dict.fromkeys(("library", "class"), ".mo")
+LIMIT = 20
+"""Seconds after which a command counts as waiting for ever; the slowest takes two on a quiet machine."""
+
+
+def pipe(path):
+    os.mkfifo(path)
+
+
+def device(path):
+    path.symlink_to("/dev/zero")
+
+
+def folder(path):
+    path.mkdir()
+
+
+def huge(path):
+    with path.open("wb") as file:
+        file.truncate(3 << 30)  # sparse: it takes no space
+
+
+def no_text(path):
+    path.write_bytes(bytes(range(128, 256)) * 10)
+
+
+@pytest.fixture
+def alarm():
+    """End a test that waits."""
+
+    def give_up(number, frame):
+        raise TimeoutError(f"waits after {LIMIT} s")
+
+    before = signal.signal(signal.SIGALRM, give_up)
+    signal.alarm(LIMIT)
+    yield
+    signal.alarm(0)
+    signal.signal(signal.SIGALRM, before)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="named pipes and devices are files on POSIX systems only")
+@pytest.mark.parametrize("make", [pipe, device, folder, huge, no_text])
+@pytest.mark.parametrize("given", COMMANDS)
+def test_an_odd_file_is_refused_in_a_sentence(command, project, monkeypatch, alarm, given, make):
+    monkeypatch.chdir(project)
+    path = project / f"odd{SUFFIX.get(given, '.toml')}"
+    make(path)
+    (project / "extends.toml").write_text(f'extends = "{path.name}"\n', encoding="utf-8")
+    (project / "equipment.toml").write_text(
+        f'name = "e"\nscenarios = ["wet.toml"]\n[axes.a]\nb = "{path.name}"\n', encoding="utf-8"
+    )
+    result = command(*(part.format(path.name) for part in COMMANDS[given]))
+    assert result.code == 2, result.err
+    assert len(result.err.strip()) > 20
+    assert "Traceback" not in result.err
+
+
+@pytest.mark.parametrize("given", [("map", "system.ssp"), ("run", "wet.toml", "--set", "vehicle.plant=system.ssp")])
+def test_a_system_by_ssp_is_not_a_plant(command, project, monkeypatch, given):
+    monkeypatch.chdir(project)
+    with zipfile.ZipFile("system.ssp", "w") as archive:
+        archive.writestr("SystemStructure.ssd", "<ssd/>")
+        archive.writestr("resources/train.fmu", b"")
+    result = command(*given)
+    assert result.code == 2
+    assert "a system by SSP" in result.err
+    assert "railgrip exports" in result.err

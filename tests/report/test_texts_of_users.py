@@ -1,0 +1,113 @@
+"""Names and descriptions of users are text in every page: no element, attribute, link, image or heading of theirs."""
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from markdown_it import MarkdownIt
+
+from railgrip.report.escape import as_html, as_markdown
+from railgrip.report.page import Page, write_page
+from railgrip.report.table import Link, Table
+
+TEXTS = st.text(
+    st.sampled_from("<>&\"'`*_[]()!#|~\\-+=.:/ \n\t\r0123456789abcxyz\x00\x85\u2028") | st.characters(codec="utf-8"),
+    max_size=60,
+)
+HOSTILE = [
+    "<script>alert(1)</script>",
+    '"><img src=x onerror=alert(1)>',
+    "![x](http://a.b/c.png)",
+    "[x](javascript:alert(1))",
+    "a\n\n# Forged\n\n<b>b</b>",
+    "- item",
+    "1. item",
+    "1986) item",
+    "    code",
+    "```\ncode",
+    "===",
+    "---",
+    "<http://a.b>",
+    "&lt;b&gt;",
+    "a | b \\| c",
+    "_x_ **x** ~~x~~",
+    "> quote",
+]
+
+
+class Elements(HTMLParser):
+    """Elements of a page with their attributes, and its text."""
+
+    def __init__(self, page):
+        super().__init__()
+        self.elements, self.text = [], ""
+        self.feed(page)
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, tuple(sorted(name for name, _ in attributes))))
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def words(text):
+    """Return a text as a page shows it: white space and control characters are one blank."""
+    return " ".join(re.sub(r"[\x00-\x1f\x7f-\x9f\u2028\u2029]", " ", text).split())
+
+
+def page_of(text, folder):
+    table = Table([{"stop": text, "controller": Link(text, text), "distance": 1.0}], title=text)
+    page = Page(
+        title=text, question=text, answer=text, template="report/campaign.md.jinja",
+        values={
+            "references": text, "tables": [table, text], "quantiles": [table], "worst": [text], "notes": [text],
+            "missing": text, "captions": {}, "scenarios": text, "results": text, "task": text, "note": text,
+        },
+        provenance={"scenario": text},
+    )  # fmt: skip
+    return page.write(folder).read_text(encoding="utf-8")
+
+
+def with_hostile(test):
+    for text in HOSTILE:
+        test = example(text)(test)
+    return test
+
+
+@with_hostile
+@given(TEXTS)
+def test_a_page_has_the_same_elements_whatever_its_texts_are(tmp_path_factory, text):
+    plain, page = (Elements(page_of(words_, tmp_path_factory.mktemp("page"))) for words_ in ("x", text))
+    if words(text):
+        assert page.elements == plain.elements
+        assert words(text) in words(page.text)
+
+
+@with_hostile
+@given(TEXTS)
+def test_a_text_in_markdown_is_a_paragraph_of_text(text):
+    html = MarkdownIt("gfm-like", {"linkify": False}).render(as_markdown(text))
+    found = Elements(html)
+    assert [tag for tag, _ in found.elements] == (["p"] if words(text) else [])
+    assert words(found.text) == words(text)
+
+
+@with_hostile
+@given(TEXTS)
+def test_a_table_of_a_markdown_file_keeps_its_columns(tmp_path_factory, text):
+    table = Table([{"stop": text, "distance": 1.0}, {"stop": "b", "distance": 2.0}])
+    path = write_page(
+        tmp_path_factory.mktemp("page") / "a.md", "report/distances.md.jinja", missing="", notes=[text],
+        results={"name": "a", "description": text}, sections={("ideal", "ideal", "dry"): [table]},
+    )  # fmt: skip
+    found = Elements(MarkdownIt("gfm-like", {"linkify": False}).render(path.read_text(encoding="utf-8")))
+    tags = [tag for tag, _ in found.elements if tag not in ("p", "em", "strong")]
+    assert tags == ["h1", "h2", "table", "thead", "tr", "th", "th", "tbody", "tr", "td", "td", "tr", "td", "td"]
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_an_escaped_text_is_one_line(text):
+    assert "\n" not in as_html(text)
+    assert "\n" not in as_markdown(text)
