@@ -78,7 +78,7 @@ def test_the_stops_of_a_campaign_are_repeated_and_shown_beside_their_distances(t
 
 
 def test_a_missing_file_of_conditioning_says_how_it_is_made(tmp_path):
-    with pytest.raises(ScenarioError, match=r"there is no such file; `railgrip maintain conditioning FILE\.toml`"):
+    with pytest.raises(ScenarioError, match=r"there is no such file; correct the path; `railgrip maintain conditioning FILE\.toml`"):
         read_conditioning(tmp_path / "gone.json")
 
 
