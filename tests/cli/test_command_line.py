@@ -248,7 +248,7 @@ def test_a_report_is_not_made_of_a_result_that_was_changed(railgrip, project):
 
 
 def test_another_stop_in_a_folder_takes_the_page_of_the_first_with_it(railgrip, project):
-    """One that is refused leaves nothing either: what is there answers the last question that was asked."""
+    """One that is refused leaves the earlier result as it was: nothing is removed before there is a new one."""
     assert railgrip("run", "wet.toml", "--out", "out").code == 0
     assert railgrip("report", "out").code == 0
     assert sorted(path.name for path in (project / "out").iterdir()) == [
