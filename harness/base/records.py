@@ -69,8 +69,15 @@ def read_json_value(folder: Path, name: str) -> Any:
         FileNotFoundError: There is no such file.
         RecordError: See `read_bounded`; or the content is not JSON (RFC 8259), or nested too deeply.
     """
-    path = folder / name
-    content = read_bounded(folder, name, LARGEST_JSON)
+    return parse_json(folder / name, read_bounded(folder, name, LARGEST_JSON))
+
+
+def parse_json(path: Path, content: bytes) -> dict[str, Any]:
+    """Return the table in the content of a JSON file.
+
+    Raises:
+        RecordError: The content is not a table in JSON (RFC 8259), or nested too deeply.
+    """
     try:
         table = json.loads(content.decode(), parse_constant=_refuse_constant)
         _require_plain(table, _DEEPEST)

@@ -28,7 +28,7 @@ def as_markdown(text: str) -> str:
 
 def _escaped(text: str, special: re.Pattern[str], spell: Callable[[str], str]) -> str:
     line, head = _one_line(text), ""
-    if number := re.match(r"(\d{1,9})([.)])", line, re.ASCII):  # an item of a list
+    if number := re.match(r"(\d{1,9})([.)])(?=\s|$)", line, re.ASCII):  # an item of a list
         head, line = number[1] + spell(number[2]), line[number.end() :]
     return head + special.sub(lambda match: spell(match[0]), line)
 

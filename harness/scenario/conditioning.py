@@ -14,8 +14,9 @@ import numpy as np
 from pydantic import Field
 from scipy.special import stdtrit
 
-from railgrip.base.errors import RecordError, ScenarioError
-from railgrip.base.records import read_json
+from railgrip.base.errors import InputError, ScenarioError
+from railgrip.base.files import read_bytes
+from railgrip.base.records import LARGEST_JSON, parse_json
 from railgrip.scenario.load import validated
 from railgrip.scenario.quantity import NotNegative, Number
 from railgrip.scenario.table import Table
@@ -148,15 +149,12 @@ def read_conditioning(path: Path) -> Conditioning:
     Raises:
         ScenarioError: Missing, or not such a file.
     """
-    real = path.resolve()
     try:
-        table = read_json(real.parent, real.name)
-    except FileNotFoundError as problem:
-        raise ScenarioError(
-            f"{path}: there is no such file; `railgrip maintain conditioning FILE.toml` writes it"
-        ) from problem
-    except RecordError as problem:
-        raise ScenarioError(str(problem)) from problem
+        table = parse_json(path, read_bytes(path, LARGEST_JSON))
+    except InputError as problem:
+        is_missing = isinstance(problem.__cause__, FileNotFoundError)
+        hint = "; `railgrip maintain conditioning FILE.toml` writes it" if is_missing else ""
+        raise ScenarioError(f"{problem}{hint}") from problem
     return validated(Conditioning, table, directory=path.parent, origin=path.name)
 
 

@@ -101,14 +101,19 @@ def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:
     return nis_ratio(nis, readings), None if divergence is None else float(trace["time"].values[divergence])
 
 
-def reading_errors(trace: xarray.Dataset) -> tuple[float, ...]:
-    """Return the RMS error of each reading over the RMS of the true value, in the order of `READINGS`.
+READING_ERRORS = tuple(f"{signal.name.removeprefix('reading_')}_error" for signal in READINGS)
+"""Fields of `Metrics` that `reading_errors` gives."""
+
+
+def reading_errors(trace: xarray.Dataset) -> dict[str, float]:
+    """Return the RMS error of each reading over the RMS of the true value, by the names in `Metrics`.
 
     Errors are means over the channels of a reading; missing readings are left out. NaN if the trace lacks the reading
-    or the true value, or the true value is always 0 and
-    the reading is not.
+    or the true value, or the true value is always 0 and the reading is not.
     """
-    return tuple(_relative_error(trace, signal.name, signal.name.removeprefix("reading_")) for signal in READINGS)
+    names = (signal.name for signal in READINGS)
+    errors = (_relative_error(trace, name, name.removeprefix("reading_")) for name in names)
+    return dict(zip(READING_ERRORS, errors, strict=True))
 
 
 def _relative_error(trace: xarray.Dataset, reading: str, true: str) -> float:

@@ -1,5 +1,6 @@
 """All figures of a stop as one value, each with its unit and definition."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -12,7 +13,6 @@ from pydantic import BaseModel, ConfigDict, create_model
 from railgrip.estimators.consistency import FAR
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace import estimation, measures
-from railgrip.vehicle.signals import READINGS
 
 Each = tuple[float, ...]
 
@@ -79,12 +79,21 @@ class Metrics:
     ]
     estimator_lost: Annotated[float | None, "s", "when innovations said that the estimator's belief means nothing"]
     speed_rmse: Annotated[Each | None, "m/s", "RMS error of the estimated speed above 10 km/h"]
-    reading_errors: Annotated[
-        Each,
-        "1",
-        "RMS error over RMS of the true value, of the readings of speed, wheelset speed, deflection, acceleration and "
-        "cylinder pressure",
-    ]
+    speed_error: Annotated[float, "1", "RMS error of the reading of the speed over the RMS of its true value"] = (
+        math.nan
+    )
+    wheelset_speed_error: Annotated[
+        float, "1", "RMS error of the reading of the rotational speed over the RMS of its true value"
+    ] = math.nan
+    deflection_error: Annotated[
+        float, "1", "RMS error of the reading of the deflection over the RMS of its true value"
+    ] = math.nan
+    acceleration_error: Annotated[
+        float, "1", "RMS error of the reading of the acceleration over the RMS of its true value"
+    ] = math.nan
+    cylinder_pressure_error: Annotated[
+        float, "1", "RMS error of the reading of the cylinder pressure over the RMS of its true value"
+    ] = math.nan
 
     def doubts(self) -> tuple[str, ...]:
         """Return why the estimator's own claims should not be believed, a sentence each; none if they fit.
@@ -131,7 +140,7 @@ class Metrics:
             "adhesion_sd": _mean(self.adhesion_sd),
             "adhesion_nees": _mean(self.adhesion_nees),
             "nis_ratio": self.nis_ratio,
-            **{f"error_of_{signal.name}": error for signal, error in zip(READINGS, self.reading_errors, strict=True)},
+            **{name: getattr(self, name) for name in estimation.READING_ERRORS},
         }
         return {name: value for name, value in values.items() if value is not None and np.isfinite(value)}
 
@@ -212,7 +221,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         nis_ratio=nis_ratio,
         estimator_lost=divergence,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
-        reading_errors=estimation.reading_errors(trace),
+        **estimation.reading_errors(trace),
         **estimation.adhesion_errors(trace),
     )
 

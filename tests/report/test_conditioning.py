@@ -93,7 +93,9 @@ def test_a_stop_with_erroneous_sensors_is_repeated_with_other_lots_on_the_same_r
 
 
 def test_a_missing_file_of_conditioning_says_how_it_is_made(tmp_path):
-    with pytest.raises(ScenarioError, match=r"there is no such file; correct the path; `railgrip maintain conditioning FILE\.toml`"):
+    with pytest.raises(
+        ScenarioError, match=r"there is no such file; correct the path; `railgrip maintain conditioning FILE\.toml`"
+    ):
         read_conditioning(tmp_path / "gone.json")
 
 

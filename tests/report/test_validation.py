@@ -198,5 +198,5 @@ def test_only_what_stands_between_the_marks_is_written(tmp_path, campaign, basel
     path.write_text("no marks\n", encoding="utf-8")
     with pytest.raises(RecordError, match=r"validation\.md: lacks a line that encloses the table"):
         write_tables(path, {"distances": ""})
-    with pytest.raises(RecordError, match="cannot be read: No such file"):
+    with pytest.raises(RecordError, match="there is no such file"):
         write_tables(tmp_path / "gone.md", {"distances": ""})
