@@ -23,7 +23,7 @@ class Stop(stop.Stop):
         from railgrip.report.figures import signals_figure  # matplotlib takes half a second to load
 
         result = Result(name=self.scenario.name, variants={}, record=self.record(), paper_distance=None)
-        return signals_figure(result, thinned(self.trace, self.scenario.periods.every("trace")))
+        return signals_figure(result, thinned(self.trace, int(self.scenario.periods.every("trace"))))
 
     def _repr_html_(self) -> str:
         """Return headline and figures, for notebooks."""

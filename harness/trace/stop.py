@@ -248,7 +248,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), path, stop.attributes())
+            write_trace(thinned(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
     except Unwritten:
         _write_content(content, directory)
