@@ -97,7 +97,7 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
                 "let it run over distance"
             )
         step = scenario.periods.communication
-        return step, step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)[:, None]
+        return step, step * np.arange(round(scenario.horizon / step) + 2, dtype=np.float64)[:, None]
     step, position = _PLACE_STEP, position_of(scenario, formation)
     if isinstance(adhesion, Constant):  # behind its patches nothing changes
         reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
@@ -174,7 +174,7 @@ def reach_of(scenario: Scenario) -> float:
         ScenarioError: That is too far to be tabulated.
     """
     has_traction = scenario.demand is not None and scenario.demand.has_traction
-    reach = (FASTEST if has_traction else scenario.start.speed) * scenario.limits.horizon
+    reach = (FASTEST if has_traction else scenario.start.speed) * scenario.horizon
     fastest = "any train" if has_traction else "[start] speed"
     _require_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
     return reach

@@ -50,6 +50,10 @@ class Repeated(Table):
         default={}, description="figure of `Metrics.beside_distance` → its value in each of the first repeats"
     )
 
+    steps: dict[int, tuple[NonNegativeFloat | None, ...]] = Field(
+        default={}, description="divisor of the communication step → distances [m] with it, parameters moved as well"
+    )
+
     @property
     def lowest(self) -> float:
         """The shortest distance [m]."""
@@ -92,6 +96,20 @@ class Repeated(Table):
         tolerance = max(abs(float(np.mean(repeats)) - value) + reach, ROUNDING * abs(value), NOTHING)
         return tolerance if tolerance <= max(loosest * abs(value), NOTHING) else None
 
+    def moved_by_step(self, divisor: int) -> float:
+        """Return the relative change of the median with a divided communication step; infinite without standstill."""
+        return float(np.median(_lengths(self.steps[divisor]))) / self.median - 1.0
+
+    def noise_of_step(self, divisor: int) -> float:
+        """Return the half width of the 95 % interval of `moved_by_step` where the step has no effect at all.
+
+        Both medians are of normal draws with the deviation of the undivided repeats, of which the median's standard
+        error is √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
+        """
+        first, second = len(self.distances), len(self.steps[divisor])
+        deviation = float(np.std(self._all(), ddof=1)) if first > 1 else 0.0
+        return 1.96 * math.sqrt(0.5 * math.pi * (1.0 / first + 1.0 / second)) * deviation / self.median
+
     @property
     def margin(self) -> float:
         """How far beyond the range another run may lie [m]: a quarter of it, with which 20 normal draws span ±2.8 σ.
@@ -110,7 +128,11 @@ class Repeated(Table):
         return digest == self.digest and self.lowest - self.margin <= length <= self.highest + self.margin
 
     def _all(self) -> list[float]:
-        return [math.inf if distance is None else distance for distance in self.distances]
+        return _lengths(self.distances)
+
+
+def _lengths(distances: tuple[float | None, ...]) -> list[float]:
+    return [math.inf if distance is None else distance for distance in distances]
 
 
 class Conditioning(Table):

@@ -53,7 +53,7 @@ class Fault(Table):
         Samples are a period [s] apart, by default a communication step.
         """
         period = period or float(scenario.periods.communication)
-        end = scenario.limits.horizon + 1.0 if self.end is None else self.end
+        end = scenario.horizon + 1.0 if self.end is None else self.end
         # A time is meant to the nearest sample; a fault lasts one at least.
         begin = round(self.begin / period)
         return {"begin": begin, "end": max(round(end / period), begin + 1)}

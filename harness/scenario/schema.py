@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, Self
 
 from pydantic import Field, model_validator
 
+from railgrip.base.units import GRAVITY
 from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
 from railgrip.scenario.file import NamedFile
@@ -32,7 +33,7 @@ from railgrip.scenario.profile import Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken, optional
-from railgrip.scenario.track.table import Track
+from railgrip.scenario.track.table import Track, steepest_fall
 from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
@@ -60,6 +61,9 @@ def begin_off_the_samples(step: float) -> float:
 
 _MOST_ROWS = 1_000_000
 """Samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB where it lasts so long."""
+
+_SHORTEST, _LONGEST = 120.0, 600.0
+"""Horizon that is not given [s]."""
 
 _FEWEST_PERIODS = 10
 """In a horizon, which ends with a whole one: so at most a twentieth of its time is lost."""
@@ -110,10 +114,10 @@ class Scenario(Table):
                 f"[sensors] period must be a whole multiple of [periods] communication, got {sampling:g} s over "
                 f"{self.periods.communication:g} s"
             )
-        rows = self.limits.horizon / self.periods.communication
+        rows = self.horizon / self.periods.communication
         if rows > _MOST_ROWS:
             raise broken(
-                f"[limits] horizon {self.limits.horizon:g} s over [periods] communication "
+                f"[limits] horizon {self.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
             )
         has_traction = self.demand is not None and self.demand.has_traction
@@ -126,12 +130,30 @@ class Scenario(Table):
             ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)
         )
         period = getattr(self.periods, slowest)
-        if self.limits.horizon < _FEWEST_PERIODS * period:
+        if self.horizon < _FEWEST_PERIODS * period:
             raise broken(
-                f"[limits] horizon {self.limits.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
+                f"[limits] horizon {self.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
                 f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
         return self
+
+    @property
+    def horizon(self) -> float:
+        """Time at which the stop ends in any case [s]: as given, or from speed, friction and gradient.
+
+        A locked wheel has at least the share A of the friction, the falling friction at infinite slip velocity (Polach,
+        Wear 258, 2005, 992). The deceleration that follows from the lowest friction of the rail, less the steepest
+        gradient, is halved for cylinders that fill and controllers that vent; brakes and a driver who demand less than
+        friction allows have `_SHORTEST`. Where the gradient wins, no time is enough: it is `_LONGEST`.
+        """
+        if self.limits.horizon is not None:
+            return self.limits.horizon
+        lowest = self.adhesion.lowest * min(curve.A for curve in self.adhesion.curves)
+        slowing = GRAVITY * (0.5 * lowest + steepest_fall(self.track) + min(self.truth.gradient, 0.0))
+        needed = self.start.speed / slowing if slowing > 0.0 else _LONGEST
+        most = min(_LONGEST, _MOST_ROWS * self.periods.communication)
+        # Whole seconds, so that a small change of the friction hardly ever moves it.
+        return min(float(math.ceil(max(needed, _SHORTEST))), most)
 
     @property
     def plant_begin(self) -> float:

@@ -57,7 +57,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     formation, load, mass = vehicle.formation, vehicle.true.load, sum(vehicle.true.masses.tolist())
     speeds, friction, resistance = _full_braking(scenario, mass, progress)
     period = scenario.periods.communication
-    count = round(scenario.limits.horizon / period) + 1
+    count = round(scenario.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario, formation), vehicle.track_force
     recorder = Recorder((*PLANT, *vehicle.layout.sent_signals), formation, count)

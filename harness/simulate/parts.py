@@ -223,7 +223,7 @@ def _clock(scenario: Scenario) -> Clock:
         period=period,
         estimator=scenario.periods.every("estimator"),
         controller=scenario.periods.every("controller"),
-        samples=round(scenario.limits.horizon / period),
+        samples=round(scenario.horizon / period),
         sensors=scenario.sensors.sampled_every(period),
     )
 

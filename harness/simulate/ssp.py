@@ -150,7 +150,7 @@ def _structure(
             _element(line, "ssc:LinearTransformation", factor=repr(connection.gain), offset=repr(connection.shift))
     _units(root, "ssd:Units", components)
     begin = scenario.plant_begin
-    stop = repr(begin + scenario.limits.horizon)
+    stop = repr(begin + scenario.horizon)
     _element(root, "ssd:DefaultExperiment", startTime=f"{begin:g}", stopTime=stop)
     return root
 

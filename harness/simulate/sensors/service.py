@@ -179,7 +179,7 @@ def _speed_factor(scenario: Scenario, table: SpeedSensor, scale: float, period: 
     if not table.drift and not table.dropouts:
         return np.array([fixed])
     every = max(table.period, period)
-    count = int(scenario.limits.horizon / every) + 2
+    count = int(scenario.horizon / every) + 2
     factor, random = np.full(count, fixed), generator(scenario.seed, "sensors.speed")
     if table.drift_time is not None:
         factor += table.drift * markov(random.standard_normal(count), math.exp(-every / table.drift_time))
@@ -239,7 +239,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     position = np.array(layout.formation.wheelset_position)
     lead_in = scenario.start.speed * _LEAD_IN
     begin = -float(position.max()) - lead_in
-    length = min(scenario.start.speed * scenario.limits.horizon, _LONGEST_RAIL) - begin
+    length = min(scenario.start.speed * scenario.horizon, _LONGEST_RAIL) - begin
     rail = realise(table.track, length, generator(scenario.seed, f"track.{table.track}"), kinds=("vertical",))
     height = Course(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
     omega = 2.0 * math.pi * table.frequency
