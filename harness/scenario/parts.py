@@ -172,8 +172,8 @@ class Limits(Table):
     """Where a stop ends and what adhesion may be used."""
 
     horizon: Duration | None = optional(
-        "a stop that takes longer ends here, with that outcome; without it twice the time that locked wheels would take "
-        "on the lowest friction, at least 2 and at most 10 min"
+        "a stop that takes longer ends here, with that outcome; without it twice the time that locked wheels would "
+        "take on the lowest friction, at least 2 and at most 10 min"
     )
     stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(
         default=0.1, description="speed that counts as standstill"

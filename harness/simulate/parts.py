@@ -310,7 +310,9 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
     # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
     # that does not show its brakes has none; the figures that need it are empty.
     with suppress(ScenarioError):
-        trace = with_bound(trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max)
+        trace = with_bound(
+            trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max, vehicle.resistance_lever
+        )
     share = over_the_rail(trace)
     if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
         ending = Ending(

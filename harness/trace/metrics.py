@@ -35,13 +35,24 @@ class Metrics:
     jerk_mean: Annotated[float, "m/s3", "mean magnitude of the change of acceleration over 0.1 s"]
     jerk_rms: Annotated[float, "m/s3", "root mean square of the change of acceleration over 0.1 s"]
     energy_residual: Annotated[float, "1", "energy the plant left unexplained over kinetic energy at the start"]
-    utilisation: Annotated[float, "1", "contact impulse of the train over that of the ideal bound"]
+    utilisation: Annotated[
+        float,
+        "1",
+        "contact impulse of the train over that of the ideal bound, weighted by time: the mean deceleration over time "
+        "as a share of the bound's, whose differences are not those of distances",
+    ]
+    adhesion_allowed: Annotated[
+        float,
+        "1",
+        "highest adhesion that the creep curve allows, a mean over the speeds of the stop: v^2/(2 g adhesion_allowed) "
+        "is the distance with this adhesion alone, without limits of brakes and without running resistance",
+    ] = float("nan")  # results of the first release do not have it
     utilisation_wheelset: Annotated[
         Each,
         "1",
-        "contact impulse of each wheelset over its share in the ideal bound; may exceed 1 where the brakes set the "
-        "bound, which leaves out bearing and rolling resistance and the inertia of a wheelset that regains speed, "
-        "where more than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
+        "contact impulse of each wheelset over its share in the ideal bound; NaN for isolated brakes; may exceed 1 "
+        "where the brakes set the bound, which leaves out the inertia of a wheelset that regains speed, where more "
+        "than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
     ]
     time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
@@ -103,6 +114,13 @@ class Metrics:
                     f"{', '.join(groups)}; 5 % is expected.{cause}"
                 )
         return tuple(sentences)
+
+    def use_of_adhesion(self) -> str:
+        """Return the utilisation, and the adhesion that the creep curve allows; empty without a bound."""
+        if not np.isfinite(self.utilisation):
+            return ""
+        allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
+        return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
 
     def beside_distance(self) -> dict[str, float]:
         """Return the figures that a regression compares beside the distance; without an estimator, none of one.
@@ -169,6 +187,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         energy_residual=measures.energy_residual(trace),
         utilisation=share,
         utilisation_wheelset=share_each,
+        adhesion_allowed=measures.adhesion_allowed(trace),
         time_over_alpha_max=measures.time_over_limit(trace, alpha_max),
         slip_histogram=measures.slip_histogram(trace),
         time_in_deep_slide=measures.time_in_deep_slide(trace),

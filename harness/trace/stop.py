@@ -8,7 +8,6 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -68,11 +67,7 @@ class Stop:
         scenario, metrics, start = self.scenario, self.metrics, 3.6 * self.scenario.start.speed
         parts = {"controller": scenario.controller, "estimator": scenario.estimator, "sensors": scenario.sensors}
         kinds = [f"{name} {self.classes.get(name, {}).get('class', part.kind)}" for name, part in parts.items()]
-        used = (
-            f"{100 * metrics.utilisation:.1f} % of the possible adhesion used, "
-            if isfinite(metrics.utilisation)
-            else ""
-        )
+        used = f"{used}, " if (used := metrics.use_of_adhesion()) else ""
         lines = (
             f"Stop of {scenario.name}, seed {scenario.seed}: {self.outcome.value}, {self.reason}",
             f"  {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s from {start:.1f} km/h, "
