@@ -3,7 +3,7 @@
 A scenario names one as the kind of its controller; sensors, estimator and controller have no part in it.
 
 In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant. No controller
-that keeps to α_max stops in a shorter distance on a rail that slip does not change, but for about a thousandth; none
+that keeps to α_max stops in a distance shorter by more than 0.25 %, on a rail that slip does not change; none
 reaches the bound, because pressure takes time to build up and the peak must be found first. What is integrated is the
 train as a point mass; the physics comes from the plant:
 
