@@ -8,7 +8,17 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import Curve
-from railgrip.scenario.profile import Conditioning, Constant, FromTable, Patch, Points, Random, SineSweep, Trapezoid
+from railgrip.scenario.profile import (
+    LONGEST_RAIL,
+    Conditioning,
+    Constant,
+    FromTable,
+    Patch,
+    Points,
+    Random,
+    SineSweep,
+    Trapezoid,
+)
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.table import FASTEST
@@ -16,7 +26,6 @@ from railgrip.vehicle.formation import Formation
 
 Array = NDArray[np.float64]
 
-_FARTHEST = 20e3  # m; full braking from 500 km/h takes half of it, and the table 200 MB
 _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
 
 
@@ -181,10 +190,10 @@ def reach_of(scenario: Scenario) -> float:
 
 
 def _require_tabulated(scenario: Scenario, reach: float, what: str) -> None:
-    if reach > _FARTHEST:
+    if reach > LONGEST_RAIL:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] over distance is tabulated as far as {what}, {reach / 1e3:.3g} km; "
-            f"{_FARTHEST / 1e3:g} km is the most, shorten it"
+            f"{LONGEST_RAIL / 1e3:g} km is the most, shorten it"
         )
 
 

@@ -39,6 +39,9 @@ Over = Literal["time", "distance"]
 
 _FARTHEST = 1e5  # s or m
 
+LONGEST_RAIL = 20e3
+"""Reach of tabulated friction over distance [m]: full braking from 500 km/h takes half of it, the table 200 MB."""
+
 
 class Extent(Magnitude):
     """A length or a duration: which one is wanted depends on `over`."""

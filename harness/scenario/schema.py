@@ -29,7 +29,7 @@ from railgrip.scenario.parts import (
     Periods,
     steps_between,
 )
-from railgrip.scenario.profile import Adhesion, FromTable
+from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken, optional
@@ -144,7 +144,8 @@ class Scenario(Table):
         A locked wheel has at least the share A of the friction, the falling friction at infinite slip velocity (Polach,
         Wear 258, 2005, 992). The deceleration that follows from the lowest friction of the rail, less the steepest
         gradient, is halved for cylinders that fill and controllers that vent; brakes and a driver who demand less than
-        friction allows have `_SHORTEST`. Where the gradient wins, no time is enough: it is `_LONGEST`.
+        friction allows have `_SHORTEST`. Where the gradient wins, no time is enough: it is `_LONGEST`. A train does not
+        get farther than friction over distance is tabulated.
         """
         if self.limits.horizon is not None:
             return self.limits.horizon
@@ -152,6 +153,9 @@ class Scenario(Table):
         slowing = GRAVITY * (0.5 * lowest + steepest_fall(self.track) + min(self.truth.gradient, 0.0))
         needed = self.start.speed / slowing if slowing > 0.0 else _LONGEST
         most = min(_LONGEST, _MOST_ROWS * self.periods.communication)
+        if self.runs_over_distance:
+            has_traction = self.demand is not None and self.demand.has_traction
+            most = min(most, _SHORTEST if has_traction else max(_SHORTEST, LONGEST_RAIL // max(self.start.speed, 1.0)))
         # Whole seconds, so that a small change of the friction hardly ever moves it.
         return min(float(math.ceil(max(needed, _SHORTEST))), most)
 

@@ -35,6 +35,9 @@ def test_locked_wheels_come_to_stand_within_it(speed, curve, mu0):
         (["truth.gradient=-0.02"], 600.0),
         (["adhesion.patch=[{begin=50, length=10, mu0=0.06}]"], np.ceil(22.2222 / (9.81 * 0.4 * 0.06 / 2))),
         (["periods.communication=0.1 ms"], 100.0),
+        # Friction over distance is tabulated for 20 km.
+        (["start.speed=40 m/s", "adhesion.patch=[{begin=50, length=10, mu0=0.02}]"], 500.0),
+        (["start.speed=40 m/s", "adhesion.mu0=0.02"], 600.0),
     ],
 )
 def test_it_follows_from_speed_friction_and_gradient_unless_it_is_given(changes, horizon):
