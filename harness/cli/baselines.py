@@ -165,9 +165,9 @@ def discretisation(
     workers: Workers = 2,
     fresh: Fresh = False,
 ) -> None:
-    """Repeat stops with half and a quarter of the communication step.
+    """Repeat stops with half and a quarter of the step.
 
-    The distances are added to the file of conditioning, whose repeats have the whole step. `railgrip maintain
+    That is the communication step. The distances are added to the file of conditioning, whose repeats have the whole step. `railgrip maintain
     validation` writes the table of the documentation from it.
     """
     loaded = load_campaign(file)
