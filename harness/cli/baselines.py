@@ -167,8 +167,8 @@ def discretisation(
 ) -> None:
     """Repeat stops with half and a quarter of the step.
 
-    That is the communication step. The distances are added to the file of conditioning, whose repeats have the whole step. `railgrip maintain
-    validation` writes the table of the documentation from it.
+    That is the communication step. The distances are added to the file of conditioning, whose repeats have the whole
+    step. `railgrip maintain validation` writes the table of the documentation from it.
     """
     loaded = load_campaign(file)
     if loaded.conditioning is None:
