@@ -13,7 +13,7 @@ PROGRAM := $(BIN)/railgrip
 READY  := $(VENV)/.ready
 DEV    := $(VENV)/.ready-dev
 
-.PHONY: help install fmus simulate unseen adverse report conditioning headlines validation regress regress-long accept calibrate \
+.PHONY: help install fmus simulate unseen adverse report conditioning discretisation headlines validation regress regress-long accept calibrate \
         tune-control type-test bench mutants test suite kept portable test-omc regress-omc fuzz check estimate tune lateral learn monitor k-factors trains docs clean
 .DEFAULT_GOAL := help
 
@@ -64,7 +64,10 @@ report: simulate  ## the same with the panels of every stop
 conditioning: fmus  ## repeat the stops of the table with the plant's parameters moved by 1e-7, shown beside distances (minutes)
 	$(PROGRAM) maintain conditioning harness/scenario/campaigns/table1.toml
 
-headlines: conditioning  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
+discretisation: fmus  ## repeat the stops of the table with half and a quarter of the communication step (half an hour)
+	$(PROGRAM) maintain discretisation harness/scenario/campaigns/table1.toml
+
+headlines: conditioning discretisation  ## all numbers of the table anew, into baselines and docs: make headlines REASON='…'
 	-$(PROGRAM) maintain regress
 	$(PROGRAM) maintain accept --reason '$(REASON)'
 	$(PROGRAM) maintain validation

@@ -24,10 +24,7 @@ CHANGES = {
 
 
 def distance(rail: str, law: str, lot: int, *changes: str) -> float:
-    """Return the distance of a stop from 80 km/h with service sensors [m], NaN where there is none within a minute.
-
-    The cylinders follow the demand: half a step would end on the samples of the valves' dead times.
-    """
+    """Return the distance of a stop from 80 km/h with service sensors and ideal actuation [m], NaN if none."""
     service = read_toml(SCENARIOS / "equipment/service.toml")
     tables = {name: table for name, table in service.items() if name not in ("vehicle", "actuation")}
     train = merged(read_toml(SCENARIOS / f"library/{rail}.toml"), tables)

@@ -76,7 +76,7 @@ SECTIONS: Final[Mapping[str, Section]] = MappingProxyType(
 
 ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
     {
-        "ideal_bound": "Shortest stop that adhesion and brakes allow: an analysis with the true state, not a law.",
+        "ideal_bound": "Highest adhesion that rail, brakes and alpha_max allow at any time: an analysis, not a law.",
         "ideal_tracking": "The same through the valves of the train: an analysis with the true state, not a law.",
     }
 )

@@ -8,12 +8,16 @@ is on the PATH and so compiles the plants, those of the built-in compiler stop o
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from railgrip.base import registry
+from railgrip.campaign.work import Work
 from railgrip.fmus.build import choose, fmu
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import Conditioning, Repeated
 from railgrip.scenario.file import NamedFile
+from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.vehicle import Nudge, Recipe
+from railgrip.simulate.run import braking_distance
 from railgrip.trace.stop import StopRecord, read_stop
 
 _OTHER = "native"
@@ -97,6 +101,52 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
             },
         )
     return Conditioning(relative=relative, stops=stops)
+
+
+DIVISORS = (2, 4)
+"""Of the communication step: what half and a quarter of it move is the error of time discretisation."""
+
+
+def with_divided_steps(
+    campaign: Campaign, before: Conditioning, work: Work, *, count: int
+) -> tuple[dict[str, Repeated], dict[str, str]]:
+    """Return the repeats of stops with their distances at divided communication steps, and the stops that have none.
+
+    Each stop is repeated up to `count` times at each step, with the first of the moved parameters; once where these
+    hardly move it. The periods of sensors, estimator and controller stay.
+
+    Returns:
+        Repeats by stop; and for each other stop the reason.
+    """
+    cases: list[tuple[str, int, Scenario]] = []
+    without: dict[str, str] = {}
+    for stop in campaign.stops:
+        repeated = before.stops.get(stop.name)
+        if stop.scenario.controller.kind in registry.ANALYSES:
+            without[stop.name] = "an analysis, not a stop of the loop"
+        elif repeated is None or repeated.digest != stop.scenario.digest():
+            without[stop.name] = "has no repeats of its present scenario; run `railgrip maintain conditioning` before"
+        else:
+            seeds = range(1, 1 + (1 if repeated.is_smooth else count))
+            cases += [
+                (stop.name, divisor, _divided(stop.scenario, divisor, Nudge(relative=before.relative, seed=seed)))
+                for divisor in DIVISORS
+                for seed in seeds
+            ]
+    distances = work.map(braking_distance, [scenario for *_, scenario in cases])
+    steps: dict[str, dict[int, list[float | None]]] = {}
+    for (name, divisor, _), distance in zip(cases, distances, strict=True):
+        steps.setdefault(name, {}).setdefault(divisor, []).append(None if distance is None else round(distance, 3))
+    return {
+        name: before.stops[name].model_copy(update={"steps": {divisor: tuple(each) for divisor, each in of.items()}})
+        for name, of in steps.items()
+    }, without
+
+
+def _divided(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
+    periods = scenario.periods.model_copy(update={"communication": scenario.periods.communication / divisor})
+    vehicle = scenario.vehicle.model_copy(update={"nudge": nudge})
+    return scenario.model_copy(update={"periods": periods, "vehicle": vehicle})
 
 
 def _other_compiler(stop: PlannedStop) -> dict[str, PlannedStop]:

@@ -9,8 +9,9 @@ import typer
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_text
-from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of
+from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of, with_divided_steps
 from railgrip.campaign.run import CampaignRun
+from railgrip.campaign.work import work
 from railgrip.campaign.workers import shared_pool
 from railgrip.cli.app import RUN_FAILED, Fresh, ImportFrom, Workers
 from railgrip.cli.campaigns import run_campaigns
@@ -156,6 +157,32 @@ def conditioning(
     say(str(loaded.conditioning))
     if problem:
         raise typer.Exit(problem)
+
+
+def discretisation(
+    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="Campaign that names its file of conditioning.")],
+    repeats: Annotated[int, typer.Option(min=1, max=1000, help="Of each stop whose distance rounding decides.")] = 5,
+    stops: Annotated[
+        str, typer.Option(metavar="PATTERN", help="Only stops of such a name, as '*-slope_seeking'; others stay.")
+    ] = "*",
+    workers: Workers = 2,
+    fresh: Fresh = False,
+) -> None:
+    """Repeat stops with half and a quarter of the step.
+
+    That is the communication step. The distances are added to the file of conditioning, whose repeats have the whole
+    step. `railgrip maintain validation` writes the table of the documentation from it.
+    """
+    loaded = load_campaign(file)
+    if loaded.conditioning is None:
+        raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file of the repeats")
+    selection, before = loaded.only(lambda stop: fnmatch(stop.name, stops)), read_conditioning(loaded.conditioning)
+    with work("discretisation", workers=workers, fresh=fresh) as tasks:
+        divided, without = with_divided_steps(selection, before, tasks, count=repeats)
+    write_text(loaded.conditioning, text_of(before.model_copy(update={"stops": before.stops | divided})))
+    for name, reason in without.items():
+        say(f"{name}: {reason}")
+    say(str(loaded.conditioning))
 
 
 def _repeated_before(path: Path, relative: float) -> dict[str, Repeated]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import isfinite
 from pathlib import Path
 from typing import Annotated
 
@@ -61,9 +60,7 @@ def run(
             raise typer.Exit(RUN_FAILED)
         return
     # A plant from outside may not show its adhesion; then there is no share of it to tell.
-    share = (
-        f", {100 * metrics.utilisation:.1f} % of the possible adhesion used" if isfinite(metrics.utilisation) else ""
-    )
+    share = f", {used}" if (used := metrics.use_of_adhesion()) else ""
     if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
         share += (
             f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"

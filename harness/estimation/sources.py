@@ -114,7 +114,7 @@ def stop_read(scenario: Scenario, name: str = "", import_from: Sequence[Path] = 
     Raises:
         ScenarioError: The stop fails.
     """
-    return evenly(thinned(trace_of(scenario, import_from), scenario.periods.every("trace")), name or scenario.name)
+    return evenly(thinned(trace_of(scenario, import_from), int(scenario.periods.every("trace"))), name or scenario.name)
 
 
 def recording_of_stop(

@@ -123,11 +123,11 @@ class IntegratedModel(_ByFmpy):
     def _begin(self, instance: Instance) -> None:
         super()._begin(instance)
         self._sent: Vector | None = None
-        self._next_event = instance.settle(0.0)
-        self._solver = _solver(instance, self._period)
+        self._next_event = instance.settle(self._begins)
+        self._solver = _solver(instance, self._period, self._begins)
 
     def _advance(self, instance: Instance, inputs: Vector) -> None:
-        time, end = self.time, (self.sample + 1) * self._period
+        time, end = self.time, self._begins + (self.sample + 1) * self._period
         interface = self._description.model_exchange
         if self._sent is None or not np.array_equal(self._sent, inputs):
             self._sent = inputs.copy()
@@ -181,7 +181,7 @@ class _HeldInputs:
         """Do nothing."""
 
 
-def _solver(instance: Instance, period: float) -> Any:
+def _solver(instance: Instance, period: float, begin: float) -> Any:
     """Return FMPy's interface to CVODE for an FMU in continuous-time mode.
 
     Raises:
@@ -237,7 +237,7 @@ def _solver(instance: Instance, period: float) -> Any:
     fmu, description = instance.fmpy, instance.description
 
     is_fmi_2 = description.fmi == 2
-    with instance.calling(0.0, "starting the solver"):
+    with instance.calling(begin, "starting the solver"):
         return Solver(
             nx=len(description.states) if is_fmi_2 else fmu.getNumberOfContinuousStates(),
             nz=description.event_indicators if is_fmi_2 else fmu.getNumberOfEventIndicators(),
@@ -248,7 +248,7 @@ def _solver(instance: Instance, period: float) -> Any:
             get_nominals=partial(_read_nominals, fmu),
             set_time=fmu.setTime,
             input=_HeldInputs(),
-            startTime=0.0,
+            startTime=begin,
             # State events are looked for at least once in each period.
             maxStep=period,
             relativeTolerance=TOLERANCE,

@@ -80,7 +80,7 @@ class CoSimulation(LoadedPlant):
         self._struct = library.struct(
             "SetStepGet", fmu=instance.component, step=instance.address("fmi2DoStep"), senders=to, receivers=of,
             n_senders=len(to), n_receivers=len(of), n_outputs=self._outputs.size, inputs=self._inputs,
-            outputs=self._outputs, period=self._period,
+            outputs=self._outputs, period=self._period, begin=self._begins,
         )  # fmt: skip
         self._cross, self._address = _cross(), ctypes.c_void_p(self._struct.address)
 

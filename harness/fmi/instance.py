@@ -289,12 +289,14 @@ class Instance:
             for a in assignments:
                 getattr(fmu, f"set{a.carrier}")(a.references, a.values)
 
-    def enter_initialization(self) -> None:
-        """Set the experiment up and enter initialisation mode."""
-        with _without_solver_lines(self.description), self.calling(0.0) as fmu:
+    def enter_initialization(self, begin: float = 0.0) -> None:
+        """Set the experiment up and enter initialisation mode; it begins at a time [s]."""
+        with _without_solver_lines(self.description), self.calling(begin) as fmu:
             if self.description.fmi == 2:
-                fmu.setupExperiment(startTime=0.0)
-            fmu.enterInitializationMode()
+                fmu.setupExperiment(startTime=begin)
+                fmu.enterInitializationMode()
+            else:
+                fmu.enterInitializationMode(startTime=begin)
 
     def exit_initialization(self) -> None:
         """Leave initialisation mode; the simulation runs."""

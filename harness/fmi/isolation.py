@@ -85,6 +85,7 @@ class IsolatedCoSimulation(SteppedPlant):
         *,
         period: float,
         parameters: Values,
+        begin: float = 0.0,
         limits: FmuLimits = FMU_LIMITS,
         table: str = "[vehicle]",
         notify: Callable[[str], None] = lambda sentence: None,
@@ -92,6 +93,7 @@ class IsolatedCoSimulation(SteppedPlant):
         """Check the question; no process is started before `with`.
 
         Args:
+            begin: Time of the FMU at the start [s].
             notify: Gets a sentence for the user when the FMU crashes as it is terminated or freed.
             table: Of the scenario, where it can be trusted; for sentences.
 
@@ -103,7 +105,7 @@ class IsolatedCoSimulation(SteppedPlant):
                 f"{description.file.name}: an FMU cannot have a process of its own on this system; "
                 f"set trust = true under {table} to load it into this one."
             )
-        super().__init__(description, binding, period, parameters)
+        super().__init__(description, binding, period, parameters, begin)
         self._limits = limits
         self._patience = limits.patience
         self._account = _SHARED.get() or _Account()
@@ -135,7 +137,7 @@ class IsolatedCoSimulation(SteppedPlant):
             self._line, self._life = ours, life
             stack.callback(self._end)
             self._receive(_READY)
-            options = {"period": self._period, "parameters": self._parameters, "folder": folder}
+            options = {"period": self._period, "parameters": self._parameters, "begin": self._begins, "folder": folder}
             self._ask("open", pickle.dumps((self._description, self._binding, options)))
             self._stack = stack.pop_all()
         return self
@@ -327,12 +329,14 @@ def open_plant(
     parameters: Values,
     trusted: bool,
     notify: Callable[[str], None],
+    begin: float = 0.0,
     limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
 ) -> LoadedPlant | IsolatedCoSimulation:
     """Return a plant to use in `with`: in this process when it is trusted, else in one of its own.
 
     Args:
+        begin: Time of the FMU at the start [s].
         trusted: This project built it, or the scenario vouches for it.
         notify: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
         table: Of the scenario, where it can be trusted; for sentences.
@@ -343,10 +347,17 @@ def open_plant(
     if description.blemishes:
         notify(f"{description.file.name}: {description.blemishes}; it runs all the same.")
     if trusted:
-        return loaded_plant(description)(description, binding, period=period, parameters=parameters)
+        return loaded_plant(description)(description, binding, period=period, parameters=parameters, begin=begin)
     notify(notice(description, table))
     return IsolatedCoSimulation(
-        description, binding, period=period, parameters=parameters, limits=limits, table=table, notify=notify
+        description,
+        binding,
+        period=period,
+        parameters=parameters,
+        begin=begin,
+        limits=limits,
+        table=table,
+        notify=notify,
     )
 
 

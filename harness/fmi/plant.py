@@ -27,7 +27,9 @@ class SteppedPlant:
         sample: Number of steps since the start; −1 before `start`.
     """
 
-    def __init__(self, description: Description, binding: Binding, period: float, parameters: Values) -> None:
+    def __init__(
+        self, description: Description, binding: Binding, period: float, parameters: Values, begin: float
+    ) -> None:
         """Check period [s] and parameters; see `LoadedPlant`.
 
         The period is constant, as an FMU without canHandleVariableCommunicationStepSize requires.
@@ -43,7 +45,7 @@ class SteppedPlant:
             )
         self._description = description
         self._binding = binding
-        self._period = period
+        self._period, self._begins = period, begin
         self._parameters = dict(parameters)
         self._assignments = assignments(description, parameters)
         self._stack = ExitStack()
@@ -52,8 +54,8 @@ class SteppedPlant:
 
     @property
     def time(self) -> float:
-        """Simulated time [s]."""
-        return max(self.sample, 0) * self._period
+        """Time of the FMU [s]."""
+        return self._begins + max(self.sample, 0) * self._period
 
 
 class LoadedPlant(SteppedPlant, ABC):
@@ -76,6 +78,7 @@ class LoadedPlant(SteppedPlant, ABC):
         *,
         period: float,
         parameters: Values,
+        begin: float = 0.0,
         folder: Path | None = None,
     ) -> None:
         """Check the arguments; nothing is loaded before `with`.
@@ -83,12 +86,13 @@ class LoadedPlant(SteppedPlant, ABC):
         Args:
             period: Communication step [s].
             parameters: Values by FMU variable, in the FMU's units.
+            begin: Time of the FMU at the start [s].
             folder: Folder of the unpacked FMU; None unpacks it for the duration of the `with`.
 
         Raises:
             FmuError: A parameter is wrong or the period is not positive.
         """
-        super().__init__(description, binding, period, parameters)
+        super().__init__(description, binding, period, parameters, begin)
         self._folder = folder
         self._instance: Instance | None = None
         self._ready = False  # started, not failed, not closed
@@ -103,7 +107,7 @@ class LoadedPlant(SteppedPlant, ABC):
             folder = self._folder or stack.enter_context(unpack(self._description))
             instance = Instance(self._description, self._way, folder, name="plant")
             stack.callback(instance.close)
-            instance.assign(self._assignments, 0.0)
+            instance.assign(self._assignments, self._begins)
             self._instance = instance
             self._prepare(instance)
             self._stack = stack.pop_all()
@@ -129,7 +133,7 @@ class LoadedPlant(SteppedPlant, ABC):
         if np.shape(inputs) != (self._binding.inputs.size,):
             raise ValueError(f"the inputs are a vector of {self._binding.inputs.size}, got shape {np.shape(inputs)}")
         with self._remembering():
-            instance.enter_initialization()
+            instance.enter_initialization(self._begins)
             self._send(inputs)
             self._begin(instance)
             self.sample = 0

@@ -27,7 +27,7 @@ class Stop(stop.Stop):
         from railgrip.report.figures import signals_figure  # matplotlib takes half a second to load
 
         result = Result(name=self.scenario.name, variants={}, record=self.record(), paper_distance=None)
-        return signals_figure(result, thinned(self.trace, self.scenario.periods.every("trace")))
+        return signals_figure(result, thinned(self.trace, int(self.scenario.periods.every("trace"))))
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return the samples over time [s]; `slip[2]` is the slip of the second group.

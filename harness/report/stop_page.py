@@ -69,6 +69,8 @@ def answer(record: StopRecord) -> str:
     second = (
         f"{share if isfinite(metrics.utilisation) else 'Its'} longest lock lasts {max(metrics.longest_lock):.2f} s."
     )
+    if isfinite(metrics.adhesion_allowed):
+        second += f" The creep curve allows an adhesion α of {metrics.adhesion_allowed:.4f}, a mean for v²/(2 g α)."
     return f"{first} {second}"
 
 

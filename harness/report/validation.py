@@ -71,7 +71,8 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     `distances` has a row for each equipment and controller, and a column for each scenario. Brackets contain the change
     against the published SBC, followed by the change against the best tuned SBC if there is one. A distance that
     depends on rounding, or on the lot of sensors, is given as median and range. Lock and strokes are the maximum of the
-    row. `orders` compares controllers in pairs, lot by lot.
+    row. `orders` compares controllers in pairs, lot by lot. `discretisation` has the changes with a shorter
+    communication step.
 
     Raises:
         ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.
@@ -95,7 +96,11 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
             | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
         )
     distances = Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,))
-    return {"distances": distances, "orders": _orders(lines, columns)}
+    return {
+        "distances": distances,
+        "orders": _orders(lines, columns),
+        "discretisation": _discretisation(campaign, baseline),
+    }
 
 
 def _cells(campaign: Campaign, baseline: Baseline) -> list[_Cell]:
@@ -159,6 +164,43 @@ def _difference(differences: Sequence[float]) -> str:
     low, high = interval
     order = "shorter" if high < 0 else "longer" if low > 0 else "not separated"
     return text(float(np.median(differences)), "{:+.1f} m") + text(low, " [{:+.1f}, ") + text(high, "{:+.1f}] ") + order
+
+
+def _discretisation(campaign: Campaign, baseline: Baseline) -> Table:
+    """Return by how much half and a quarter of the communication step move the median of each distance.
+
+    The half width of the 95 % interval of a change without any cause follows; larger changes are bold. Rows without
+    repeats at divided steps are left out.
+    """
+    repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
+    texts: dict[tuple[str, str], dict[str, str]] = {}
+    lines: dict[tuple[str, str], dict[str, _Cell]] = {}
+    for stop in campaign.stops:
+        cell = _Cell(stop, stop.scenario.resolved(), baseline.accepted.get(stop.name))
+        lines.setdefault(cell.line, {})[cell.column] = cell
+        repeated = repeats.get(stop.name)
+        if repeated is not None and repeated.steps:
+            texts.setdefault(cell.line, {})[cell.column] = _moved_by_steps(repeated)
+    columns = list(dict.fromkeys(cell.column for stops in lines.values() for cell in stops.values()))
+    rows = [
+        {"half, quarter step": f"{line[0]}: {_name(line, lines)}"} | {column: by.get(column, "") for column in columns}
+        for line, by in texts.items()
+    ]
+    return Table(rows, left=("half, quarter step",))
+
+
+def _moved_by_steps(repeated: Repeated) -> str:
+    texts: list[str] = []
+    for divisor in sorted(repeated.steps):
+        change, noise = repeated.moved_by_step(divisor), repeated.noise_of_step(divisor)
+        shown = text(100 * change, "{:+.2f} %")
+        texts.append(f"**{shown}**" if abs(change) > max(noise, _VISIBLE) else shown)
+    noise = max(repeated.noise_of_step(divisor) for divisor in repeated.steps)
+    return f"{', '.join(texts)} (± {100 * noise:.2f} %)"
+
+
+_VISIBLE = 5e-5
+"""Relative change that two decimals of a per cent show."""
 
 
 def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.curve import Curve
 from railgrip.scenario.profile import (
+    LONGEST_RAIL,
     Conditioning,
     Constant,
     FromTable,
@@ -27,7 +28,6 @@ from railgrip.vehicle.formation import Formation
 
 Array = NDArray[np.float64]
 
-_FARTHEST = 20e3  # m; full braking from 500 km/h takes half of it, and the table 200 MB
 _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of mu0 on the steepest ramps in use
 
 
@@ -112,7 +112,7 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
                 "let it run over distance"
             )
         step = scenario.periods.communication
-        return step, step * np.arange(round(scenario.limits.horizon / step) + 2, dtype=np.float64)[:, None]
+        return step, step * np.arange(round(scenario.horizon / step) + 2, dtype=np.float64)[:, None]
     step, position = _PLACE_STEP, position_of(scenario, formation)
     if isinstance(adhesion, Constant):  # behind its patches nothing changes
         reach = max(p.begin + p.length for p in adhesion.patch) + position.max() + step
@@ -193,17 +193,17 @@ def reach_of(scenario: Scenario) -> float:
         ScenarioError: That is too far to be tabulated.
     """
     has_traction = scenario.demand is not None and scenario.demand.has_traction
-    reach = (FASTEST if has_traction else scenario.start.speed) * scenario.limits.horizon
+    reach = (FASTEST if has_traction else scenario.start.speed) * scenario.horizon
     fastest = "any train" if has_traction else "[start] speed"
     _require_tabulated(scenario, reach, f"{fastest} goes until [limits] horizon")
     return reach
 
 
 def _require_tabulated(scenario: Scenario, reach: float, what: str) -> None:
-    if reach > _FARTHEST:
+    if reach > LONGEST_RAIL:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] over distance is tabulated as far as {what}, {reach / 1e3:.3g} km; "
-            f"{_FARTHEST / 1e3:g} km is the most, shorten it"
+            f"{LONGEST_RAIL / 1e3:g} km is the most, shorten it"
         )
 
 

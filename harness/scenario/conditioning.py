@@ -58,6 +58,10 @@ class Repeated(Table):
         default=(), description="[m], with lots 1, 2, … of the sensors; empty if sensors have no errors"
     )
 
+    steps: dict[int, tuple[NotNegative | None, ...]] = Field(
+        default={}, description="divisor of the communication step → distances [m] with it, parameters moved as well"
+    )
+
     @property
     def lowest(self) -> float:
         """The shortest distance [m]."""
@@ -99,6 +103,20 @@ class Repeated(Table):
         reach = quantile * float(np.std(repeats, ddof=1)) * math.sqrt(1.0 + 1.0 / count)
         tolerance = max(abs(float(np.mean(repeats)) - value) + reach, ROUNDING * abs(value), NOTHING)
         return tolerance if tolerance <= max(loosest * abs(value), NOTHING) else None
+
+    def moved_by_step(self, divisor: int) -> float:
+        """Return the relative change of the median with a divided communication step; infinite without standstill."""
+        return float(np.median(_endless(self.steps[divisor]))) / self.median - 1.0
+
+    def noise_of_step(self, divisor: int) -> float:
+        """Return the half width of the 95 % interval of `moved_by_step` where the step has no effect at all.
+
+        Both medians are of normal draws with the deviation of the undivided repeats, of which the median's standard
+        error is √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
+        """
+        first, second = len(self.distances), len(self.steps[divisor])
+        deviation = float(np.std(self._all(), ddof=1)) if first > 1 else 0.0
+        return 1.96 * math.sqrt(0.5 * math.pi * (1.0 / first + 1.0 / second)) * deviation / self.median
 
     @property
     def margin(self) -> float:

@@ -47,10 +47,13 @@ class Fault(Table):
         """Whether it holds for the whole stop."""
         return not self.begin and self.end is None
 
-    def samples(self, scenario: Any) -> dict[str, int]:
-        """Return `begin`, the first sample of a stop with it, and `end`, the first one without it again."""
-        period = scenario.periods.communication
-        end = scenario.limits.horizon + 1.0 if self.end is None else self.end
+    def samples(self, scenario: Any, period: float | None = None) -> dict[str, int]:
+        """Return `begin`, the first sample of a stop with it, and `end`, the first one without it again.
+
+        Samples are a period [s] apart, by default a communication step.
+        """
+        period = period or float(scenario.periods.communication)
+        end = scenario.horizon + 1.0 if self.end is None else self.end
         # A time is meant to the nearest sample; a fault lasts one at least.
         begin = round(self.begin / period)
         return {"begin": begin, "end": max(round(end / period), begin + 1)}

@@ -1,6 +1,7 @@
 """The tables of who acts and when: actuation, estimator, controller, limits, periods."""
 
 import math
+from fractions import Fraction
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, StrictBool, ValidationInfo, field_validator, model_validator
@@ -177,7 +178,10 @@ class ForeignFmus(FmuLimits, frozen=True):
 class Limits(Table):
     """Where a stop ends and what adhesion may be used."""
 
-    horizon: Duration = Field(default=120.0, description="a stop that takes longer ends here, with that outcome")
+    horizon: Duration | None = optional(
+        "a stop that takes longer ends here, with that outcome; without it twice the time that locked wheels would "
+        "take on the lowest friction, at least 2 and at most 10 min"
+    )
     stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(
         default=0.1, description="speed that counts as standstill"
     )
@@ -206,7 +210,11 @@ def _communication(before: dict[str, Any]) -> float:
 
 
 class Periods(Table):
-    """Sampling periods; each is a whole multiple of `communication`."""
+    """Periods of the parts of the loop.
+
+    A part is due at the first communication step at or after each multiple of its period: at whole multiples exactly,
+    otherwise up to one step late but never less often. A period shorter than `communication` becomes that.
+    """
 
     communication: Period = Field(default=1e-3, description="of the plant")
     estimator: Period = Field(
@@ -217,25 +225,29 @@ class Periods(Table):
     )
     trace: Period = Field(
         default_factory=lambda before: _communication(before) * max(round(10e-3 / _communication(before)), 1),
-        description="of the rows that are kept; 10 ms or what is nearest to it without it",
+        description="of the rows that are kept, rounded to a whole multiple of communication; 10 ms without it",
     )
 
-    @model_validator(mode="after")
-    def _whole_multiples(self) -> Self:
-        for name in ("estimator", "controller", "trace"):
-            if not self.holds_whole(getattr(self, name)):
-                raise broken(
-                    f"{name} must be a whole multiple of communication, got {getattr(self, name):g} s over "
-                    f"{self.communication:g} s"
-                )
-        return self
+    @field_validator("estimator", "controller", "trace", mode="after")
+    @classmethod
+    def _not_shorter_than_a_step(cls, period: float, info: ValidationInfo) -> float:
+        return max(period, _communication(info.data))
 
-    def holds_whole(self, period: float) -> bool:
-        """Say whether a period [s] is a whole multiple of `communication`."""
-        ratio = period / self.communication
-        # 1e-9 is rounding of decimal fractions of a second, five orders below any real mismatch.
-        return round(ratio) >= 1 and math.isclose(ratio, round(ratio), rel_tol=1e-9)
+    @field_validator("trace", mode="after")
+    @classmethod
+    def _whole_multiple(cls, period: float, info: ValidationInfo) -> float:
+        every = steps_between(period, _communication(info.data))
+        return period if every.denominator == 1 else round(every) * _communication(info.data)
 
-    def every(self, name: Literal["estimator", "controller", "trace"]) -> int:
-        """Return after how many communication steps this part is due."""
-        return round(getattr(self, name) / self.communication)
+    def every(self, name: Literal["estimator", "controller", "trace"]) -> Fraction:
+        """Return the number of communication steps in a period of this part; 1 or more, not always whole."""
+        return steps_between(getattr(self, name), self.communication)
+
+
+def steps_between(period: float, step: float) -> Fraction:
+    """Return the number of steps [s] in a period [s] as the fraction that both mean as decimals; 1 at least."""
+    ratio = period / step
+    # 1e-9 is far above the rounding of decimal fractions of a second, and five orders below any real mismatch.
+    if math.isclose(ratio, round(ratio), rel_tol=1e-9):
+        return Fraction(max(round(ratio), 1))
+    return max(Fraction(period).limit_denominator(10**9) / Fraction(step).limit_denominator(10**9), Fraction(1))

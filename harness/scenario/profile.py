@@ -40,6 +40,9 @@ Over = Literal["time", "distance"]
 
 _FARTHEST = 1e5  # s or m
 
+LONGEST_RAIL = 20e3
+"""Reach of tabulated friction over distance [m]: full braking from 500 km/h takes half of it, the table 200 MB."""
+
 
 class Extent(Magnitude):
     """A length or a duration: which one is wanted depends on `over`."""
@@ -103,6 +106,16 @@ class _Profile(Table):
         return tuple(dict.fromkeys((self.polach, *self.polach_of_wheelset, *of_places)))
 
     @property
+    def lowest(self) -> float:
+        """Lower bound of the maximum friction anywhere on the rail, patches included."""
+        return min([self.factor * self._lowest_around, *(mu0 for patch in self.patch for mu0 in patch.mu0)])
+
+    @property
+    def _lowest_around(self) -> float:
+        """Lower bound outside of patches before `factor`."""
+        raise NotImplementedError
+
+    @property
     def factor(self) -> float:
         """Factor on the first wheelset's friction: the level, times what the calibration found for this shape."""
         return self.level * self.calibrated.get(self.polach.name, 1.0)
@@ -118,6 +131,10 @@ class Constant(_Profile):
     def over(self) -> Over:
         """What friction changes with: the place if there are patches."""
         return "distance" if self.patch else "time"
+
+    @property
+    def _lowest_around(self) -> float:
+        return min(self.mu0)
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -206,6 +223,10 @@ class Trapezoid(_Varying):
     low: Extent = Field(description="length of the low stretch between the ramps")
     ramp: Extent = Field(description="length of each ramp")
 
+    @property
+    def _lowest_around(self) -> float:
+        return self.minimum
+
     @model_validator(mode="after")
     def _fits(self) -> Self:
         self._check_extents("first_fall", "period", "low", "ramp", zero=("first_fall", "low"))
@@ -229,6 +250,10 @@ class SineSweep(_Varying):
     start_frequency: Extent = Field(description="at the begin [1/s or 1/m]")
     end_frequency: Extent = Field(description="from the end of the sweep on [1/s or 1/m]")
     sweep: Extent = Field(description="over which the frequency goes from start to end")
+
+    @property
+    def _lowest_around(self) -> float:
+        return self.mean - self.amplitude
 
     @property
     def frequencies(self) -> tuple[float, float]:
@@ -260,6 +285,10 @@ class Random(_Varying):
     minimum: Friction = Field(description="lower friction is cut off here")
     maximum: Friction = Field(description="higher friction is cut off here")
 
+    @property
+    def _lowest_around(self) -> float:
+        return self.minimum
+
     @model_validator(mode="after")
     def _fits(self) -> Self:
         self._check_extents("correlation")
@@ -279,6 +308,10 @@ class Points(_Varying):
     points: tuple[tuple[Extent, Friction], ...] = Field(min_length=1, description="time or distance, and mu0 there")
     scatter: Annotated[float, Unit("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
     correlation: Extent | None = Field(default=None, description="of the scatter; wanted with it")
+
+    @property
+    def _lowest_around(self) -> float:
+        return min(mu0 for _, mu0 in self.points) * (1.0 - 3.0 * self.scatter)
 
     @property
     def places(self) -> tuple[float, ...]:
@@ -314,6 +347,10 @@ class FromTable(_Profile):
         if curve.mu0.shape[1] > 1 and self.conditioning is not None:
             raise broken(f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's")
         return self
+
+    @property
+    def _lowest_around(self) -> float:
+        return float(self.curve.mu0.min())
 
     @property
     def curve(self) -> Curve:

@@ -12,8 +12,8 @@ from fractions import Fraction
 from typing import Annotated, Any, Final, Self
 
 from pydantic import Field, model_validator
-from pydantic_core import PydanticCustomError
 
+from railgrip.base.units import GRAVITY
 from railgrip.scenario.demand import Demand
 from railgrip.scenario.faults import Fault, Truth, kinds_of_faults
 from railgrip.scenario.file import NamedFile
@@ -27,12 +27,13 @@ from railgrip.scenario.parts import (
     Limits,
     NoEstimator,
     Periods,
+    steps_between,
 )
-from railgrip.scenario.profile import Adhesion, FromTable
+from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken, optional
-from railgrip.scenario.track.table import Track
+from railgrip.scenario.track.table import Track, steepest_fall
 from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
@@ -40,14 +41,13 @@ SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 of RailBraking.Pneumatics.ValveDelay."""
 
 
-def off_the_samples(step: float) -> float:
-    """Return a communication step [s] of which no multiple is a sample of the valves.
+def begin_off_the_samples(step: float) -> float:
+    """Return the time at which a plant with valves starts [s], so that no communication step [s] ends on their samples.
 
     Where they coincide, rounding decides whether a command acts before or after the sample, and a solver may have
-    to integrate over the rounding error, at which that of OpenModelica's FMUs gives up.
-
-    Raises:
-        PydanticCustomError: A multiple is.
+    to integrate over the rounding error, at which that of OpenModelica's FMUs gives up. The start is 0 where no
+    multiple of the step is a sample, as for whole milliseconds; otherwise it is half of the greatest common divisor of
+    the step and the samples' period, by which commands then act earlier: 0.25 ms for a step of 0.5 ms.
     """
     first, interval = SAMPLES
     exact = Fraction(step).limit_denominator(10**9)
@@ -56,16 +56,14 @@ def off_the_samples(step: float) -> float:
         math.gcd(exact.numerator * interval.denominator, interval.numerator * exact.denominator),
         exact.denominator * interval.denominator,
     )
-    if (first / common).denominator == 1:
-        raise broken(
-            f"of {step:g} s makes steps end on samples of the valves' dead times, every {float(interval):g} s from "
-            f"{float(first):g} s on, where rounding decides which command they see; take whole milliseconds"
-        )
-    return step
+    return float(common / 2) if (first / common).denominator == 1 else 0.0
 
 
 _MOST_ROWS = 1_000_000
 """Samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB where it lasts so long."""
+
+_SHORTEST, _LONGEST = 120.0, 600.0
+"""Horizon that is not given [s]."""
 
 _FEWEST_PERIODS = 10
 """In a horizon, which ends with a whole one: so at most a twentieth of its time is lost."""
@@ -108,23 +106,18 @@ class Scenario(Table):
             )
         if self.demand is not None and self.controller.kind == "ideal_bound":
             raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
-        if self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, OfOurParts):
-            try:
-                off_the_samples(self.periods.communication)
-            except PydanticCustomError as refusal:
-                raise broken(f"[periods] communication {refusal}") from refusal
         if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
             raise broken("[sensors.gnss] reads positions on a [track.plan], and there is none")
         sampling = getattr(self.sensors, "period", None)
-        if sampling is not None and not self.periods.holds_whole(sampling):
+        if sampling is not None and steps_between(sampling, self.periods.communication).denominator != 1:
             raise broken(
                 f"[sensors] period must be a whole multiple of [periods] communication, got {sampling:g} s over "
                 f"{self.periods.communication:g} s"
             )
-        rows = self.limits.horizon / self.periods.communication
+        rows = self.horizon / self.periods.communication
         if rows > _MOST_ROWS:
             raise broken(
-                f"[limits] horizon {self.limits.horizon:g} s over [periods] communication "
+                f"[limits] horizon {self.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
             )
         has_traction = self.demand is not None and self.demand.has_traction
@@ -137,12 +130,40 @@ class Scenario(Table):
             ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)
         )
         period = getattr(self.periods, slowest)
-        if self.limits.horizon < _FEWEST_PERIODS * period:
+        if self.horizon < _FEWEST_PERIODS * period:
             raise broken(
-                f"[limits] horizon {self.limits.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
+                f"[limits] horizon {self.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
                 f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
         return self
+
+    @property
+    def horizon(self) -> float:
+        """Time at which the stop ends in any case [s]: as given, or from speed, friction and gradient.
+
+        A locked wheel has at least the share A of the friction, the falling friction at infinite slip velocity (Polach,
+        Wear 258, 2005, 992). The deceleration that follows from the lowest friction of the rail, less the steepest
+        gradient, is halved for cylinders that fill and controllers that vent; brakes and a driver who demand less than
+        friction allows have `_SHORTEST`. Where the gradient wins, no time is enough: it is `_LONGEST`. A train does not
+        get farther than friction over distance is tabulated.
+        """
+        if self.limits.horizon is not None:
+            return self.limits.horizon
+        lowest = self.adhesion.lowest * min(curve.A for curve in self.adhesion.curves)
+        slowing = GRAVITY * (0.5 * lowest + steepest_fall(self.track) + min(self.truth.gradient, 0.0))
+        needed = self.start.speed / slowing if slowing > 0.0 else _LONGEST
+        most = min(_LONGEST, _MOST_ROWS * self.periods.communication)
+        if self.runs_over_distance:
+            has_traction = self.demand is not None and self.demand.has_traction
+            most = min(most, _SHORTEST if has_traction else max(_SHORTEST, LONGEST_RAIL // max(self.start.speed, 1.0)))
+        # Whole seconds, so that a small change of the friction hardly ever moves it.
+        return min(float(math.ceil(max(needed, _SHORTEST))), most)
+
+    @property
+    def plant_begin(self) -> float:
+        """Time of the plant at the start of the stop [s]."""
+        has_valves = self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, OfOurParts)
+        return begin_off_the_samples(self.periods.communication) if has_valves else 0.0
 
     @property
     def runs_over_distance(self) -> bool:

@@ -50,8 +50,8 @@ class SampledSensors(SensorModel):
     """Sensors with errors and a sampling period."""
 
     period: Period | None = optional(
-        "at which all are sampled and their noise is drawn, a whole multiple of the communication step; without it "
-        "that itself, or of service sensors 1 ms or what is nearest to it"
+        "at which all are sampled and their noise is drawn, a whole multiple of the communication step, or shorter: "
+        "then the loop reads one of several samples; without it that step itself, or of service sensors 1 ms"
     )
     seed: Seed | None = optional(
         "seed of the lot and the noise of the sensors, to repeat a stop on the same rail with other sensors of the "
@@ -65,6 +65,10 @@ class SampledSensors(SensorModel):
     def sampled_every(self, communication: float) -> int:
         """Return the communication steps [s] between two readings."""
         return max(round((self.period or 0.0) / communication), 1)
+
+    def samples_in(self, communication: float) -> int:
+        """Return the number of their own samples in a communication step [s], of which the loop reads one."""
+        return max(round(communication / (self.period or communication)), 1)
 
 
 def _sensors() -> dict[str, type[Table]]:

@@ -221,7 +221,7 @@ def _clock(scenario: Scenario) -> Clock:
         period=period,
         estimator=scenario.periods.every("estimator"),
         controller=scenario.periods.every("controller"),
-        samples=round(scenario.limits.horizon / period),
+        samples=round(scenario.horizon / period),
         sensors=scenario.sensors.sampled_every(period),
     )
 
@@ -308,7 +308,9 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
     # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
     # that does not show its brakes has none; the figures that need it are empty.
     with suppress(ScenarioError):
-        trace = with_bound(trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max)
+        trace = with_bound(
+            trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max, vehicle.resistance_lever
+        )
     share = over_the_rail(trace)
     if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
         ending = Ending(

@@ -109,6 +109,7 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         description,
         binding,
         period=scenario.periods.communication,
+        begin=scenario.plant_begin,
         parameters=values if table.nudge is None else values | nudged(values, description, table.nudge),
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu,

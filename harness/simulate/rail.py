@@ -73,10 +73,10 @@ def doubts(scenario: Scenario) -> list[str]:
         if adhesion.over == "distance":
             doubt = columns.doubt(speed**2 / (2.0 * strongest), reach_of(scenario))
         else:
-            doubt = columns.doubt(speed / strongest, scenario.limits.horizon)
+            doubt = columns.doubt(speed / strongest, scenario.horizon)
         sentences += [f"[adhesion] file {adhesion.file.entry} {doubt}"] if doubt else []
     if demand is not None and demand.file is not None:
-        doubt = demand.profile().doubt(0.0 if has_traction else speed / GRAVITY, scenario.limits.horizon)
+        doubt = demand.profile().doubt(0.0 if has_traction else speed / GRAVITY, scenario.horizon)
         sentences += [f"[demand] file {demand.file.entry} {doubt}"] if doubt else []
     return [f"{scenario.name}: {sentence}." for sentence in sentences]
 

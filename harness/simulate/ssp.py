@@ -149,7 +149,9 @@ def _structure(
         if (connection.gain, connection.shift) != (1.0, 0.0):
             _element(line, "ssc:LinearTransformation", factor=repr(connection.gain), offset=repr(connection.shift))
     _units(root, "ssd:Units", components)
-    _element(root, "ssd:DefaultExperiment", startTime="0", stopTime=repr(scenario.limits.horizon))
+    begin = scenario.plant_begin
+    stop = repr(begin + scenario.horizon)
+    _element(root, "ssd:DefaultExperiment", startTime=f"{begin:g}", stopTime=stop)
     return root
 
 

@@ -46,7 +46,7 @@ from railgrip.vehicle.parameters import (
     units_of_nominal_data,
     with_each,
 )
-from railgrip.vehicle.resistance import air_resistance
+from railgrip.vehicle.resistance import air_resistance, resistance_lever
 from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, READINGS, SENT, Layout, layout_of
 
 CATALOGUE = "TwoPartTrain"
@@ -295,6 +295,11 @@ class VehicleData:
             believed = carried_mass(sum(self.nominal.formation.wheelset_load))
             return slowing_of(believed, is_known=False, track_brakes=brakes)
         return slowing_of(known, is_known=True, drag=air_resistance(self.true.parameters), track_brakes=brakes)
+
+    @property
+    def resistance_lever(self) -> float:
+        """Torque of bearings and rolling on a wheelset over its load [m], 0 where the plant does not have it."""
+        return resistance_lever(self.true.parameters)
 
     @cached_property
     def mass(self) -> float:

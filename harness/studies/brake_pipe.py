@@ -132,7 +132,7 @@ def stop_row(equipment: str) -> dict[str, object]:
         "`loco_coaches` from 160 km/h": equipment,
         "simulated": float(trace["distance"].values[-1]),
         "by hand": by_hand(train, speed).distance,
-        "last car begins": float(filling.begin.max()),
+        "last car begins": float(filling.begin[-1]),
         "filling to 95 %": float(filling.filling.max()),
         "largest coupler force": 1e-3 * float(np.abs(trace["coupler_force"].values).max()),
     }

@@ -1,7 +1,9 @@
-"""The ideal bound: the adhesion that the best possible control could have used at every sample of a stop.
+"""The ideal bound: the highest adhesion that control can use at a sample of a stop.
 
-For each group it is min(peak adhesion, brake limit, α_max): what the rail gives at the best slip, what full
-brake pressure could have drawn, or that which the driver demanded, what the operator may use.
+For each group it is the minimum of three limits: peak adhesion, which the rail gives at the best slip; brake limit,
+which full brake pressure draws, or the pressure that the driver demands; and α_max, which the operator allows. The
+brake limit includes bearing and rolling resistance, which act through the contact as a brake does. It holds for a
+constant slip: a wheelset that regains speed draws more for a moment.
 """
 
 from collections.abc import Sequence
@@ -22,25 +24,35 @@ _STRIDE = 0.01  # s between creep curves; rail and loads (pitch near 7 Hz) are s
 
 
 def brake_limit(
-    brake: Brake, pad_friction: Array, load: Array, deceleration: Array, pressure: Array | None = None
+    brake: Brake,
+    pad_friction: Array,
+    load: Array,
+    deceleration: Array,
+    pressure: Array | None = None,
+    resistance_lever: float = 0.0,
 ) -> Array:
-    """Return the adhesion at which full pressure, or another, would just hold the slip of a group, shape (n,).
+    """Return the adhesion at which full pressure, or another, holds the slip of a group, shape (n,).
 
     Args:
         brake: Of the group.
         pad_friction: Of the group, shape (n,).
         load: Of the group, shape (n,) [N].
         deceleration: Of the train, shape (n,) [m/s2]; some torque goes into slowing the wheelsets.
-        pressure: Most that there is of the group, shape (n,) [Pa]; None for full.
+        pressure: Highest pressure of the group, shape (n,) [Pa]; None for full.
+        resistance_lever: Torque of bearings and rolling over the load [m].
     """
     most = brake.pressure_max if pressure is None else np.minimum(pressure, brake.pressure_max)
     torque = brake.units * pad_friction * brake.pad_force(most) * brake.friction_radius
     rotation = brake.inertia * deceleration / brake.wheel_radius
-    return np.maximum(torque - rotation, 0) / (brake.wheel_radius * load)
+    return np.maximum(torque + resistance_lever * load - rotation, 0) / (brake.wheel_radius * load)
 
 
 def with_bound(
-    trace: xarray.Dataset, contact: Contact, brakes: Sequence[Brake | None], alpha_max: float
+    trace: xarray.Dataset,
+    contact: Contact,
+    brakes: Sequence[Brake | None],
+    alpha_max: float,
+    resistance_lever: float = 0.0,
 ) -> xarray.Dataset:
     """Return the trace with the variables that a comparison with the ideal needs; the brake of a group may be isolated.
 
@@ -77,7 +89,9 @@ def with_bound(
     for group, brake in enumerate(brakes):
         if brake is not None:
             pressure = None if demanded is None else demanded[:, group]
-            limit[:, group] = brake_limit(brake, pad_friction[:, group], group_load[:, group], deceleration, pressure)
+            limit[:, group] = brake_limit(
+                brake, pad_friction[:, group], group_load[:, group], deceleration, pressure, resistance_lever
+            )
     ideal = np.minimum(np.minimum(peak_adhesion, limit), alpha_max)
     share = peak_each * (ideal / peak_adhesion)[:, groups]
 

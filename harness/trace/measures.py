@@ -82,10 +82,10 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     """Return ∫ F dt / ∫ F_ideal dt of the train and of each wheelset, F the braking force in the contact.
 
     The trace is one of `with_bound`; 1 is a stop at the ideal bound. Both may exceed 1 where the bound is what
-    the brakes draw: the contact then also carries bearing and rolling resistance, and the inertia of a wheelset that
-    regains speed; or where it is alpha_max and more was used. A wheelset may exceed 1, too, where the slip is not the
-    best of its group, at which the shares are taken. NaN where the trace has no bound, as of a plant that does not
-    show its brakes.
+    the brakes draw: the contact then also carries the inertia of a wheelset that regains speed; or where it is
+    alpha_max and more was used. A wheelset may exceed 1, too, where the slip is not the best of its group, at which the
+    shares are taken. A wheelset with isolated brakes has no share and is NaN. All are NaN where the trace has no bound,
+    as of a plant that does not show its brakes.
     """
     unknown = float("nan"), (float("nan"),) * formation_in(trace).wheelsets
     if "ideal_share" not in trace:
@@ -93,9 +93,25 @@ def utilisation(trace: xarray.Dataset) -> tuple[float, tuple[float, ...]]:
     time, load = trace["time"].values, trace["wheelset_load"].values
     impulse = np.trapezoid(trace["adhesion"].values * load, time, axis=0)
     possible = np.trapezoid(trace["ideal_share"].values * load, time, axis=0)
-    if not np.all(possible > 0):
+    if not np.any(possible > 0):
         return unknown
-    return float(impulse.sum() / possible.sum()), tuple(map(float, impulse / possible))
+    each = np.divide(impulse, possible, out=np.full(len(possible), np.nan), where=possible > 0)
+    return float(impulse.sum() / possible.sum()), tuple(map(float, each))
+
+
+def adhesion_allowed(trace: xarray.Dataset) -> float:
+    """Return the mean of the train's adhesion at the peak of the creep curve with which v²/(2 g α) holds [1].
+
+    From s = ∫ v dv/(g α) follows the harmonic mean over v²; of a rail on which the peak depends on speed alone it is
+    the same for every stop. NaN without a bound, or for a train that does not slow down.
+    """
+    if "peak_adhesion" not in trace:
+        return float("nan")
+    load = formation_in(trace).summed(trace["wheelset_load"].values)
+    peak = (trace["peak_adhesion"].values * load).sum(axis=1) / load.sum(axis=1)
+    square = trace["speed"].values ** 2
+    inverse = -np.trapezoid(1.0 / peak, square)
+    return float((square[0] - square[-1]) / inverse) if inverse > 0 else float("nan")
 
 
 def over_the_rail(trace: xarray.Dataset) -> float:

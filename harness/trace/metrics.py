@@ -38,13 +38,24 @@ class Metrics:
     jerk_mean: Annotated[float, "m/s3", "mean magnitude of the change of acceleration over 0.1 s"]
     jerk_rms: Annotated[float, "m/s3", "root mean square of the change of acceleration over 0.1 s"]
     energy_residual: Annotated[float, "1", "energy the plant left unexplained over kinetic energy at the start"]
-    utilisation: Annotated[float, "1", "contact impulse of the train over that of the ideal bound"]
+    utilisation: Annotated[
+        float,
+        "1",
+        "contact impulse of the train over that of the ideal bound, weighted by time: the mean deceleration over time "
+        "as a share of the bound's, whose differences are not those of distances",
+    ]
+    adhesion_allowed: Annotated[
+        float,
+        "1",
+        "highest adhesion that the creep curve allows, a mean over the speeds of the stop: v^2/(2 g adhesion_allowed) "
+        "is the distance with this adhesion alone, without limits of brakes and without running resistance",
+    ] = float("nan")  # results of the first release do not have it
     utilisation_wheelset: Annotated[
         Each,
         "1",
-        "contact impulse of each wheelset over its share in the ideal bound; may exceed 1 where the brakes set the "
-        "bound, which leaves out bearing and rolling resistance and the inertia of a wheelset that regains speed, "
-        "where more than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
+        "contact impulse of each wheelset over its share in the ideal bound; NaN for isolated brakes; may exceed 1 "
+        "where the brakes set the bound, which leaves out the inertia of a wheelset that regains speed, where more "
+        "than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
     ]
     time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
@@ -125,6 +136,13 @@ class Metrics:
                 )
         return tuple(sentences)
 
+    def use_of_adhesion(self) -> str:
+        """Return the utilisation, and the adhesion that the creep curve allows; empty without a bound."""
+        if not np.isfinite(self.utilisation):
+            return ""
+        allowed = f" (creep curve: at most {self.adhesion_allowed:.4f})" if np.isfinite(self.adhesion_allowed) else ""
+        return f"{100 * self.utilisation:.1f} % of the possible adhesion used{allowed}"
+
     def beside_distance(self) -> dict[str, float]:
         """Return the figures that a regression compares in addition to the distance.
 
@@ -195,6 +213,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
     jerk_mean, jerk_rms = measures.jerk(trace)
     share, share_each = measures.utilisation(trace)
     nis_ratio, divergence = estimation.innovations(trace)
+    errors = estimation.reading_errors(trace)
     return Metrics(
         distance=travelled if outcome is Outcome.STANDSTILL else float("nan"),
         distance_travelled=travelled,
@@ -205,6 +224,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         energy_residual=measures.energy_residual(trace),
         utilisation=share,
         utilisation_wheelset=share_each,
+        adhesion_allowed=measures.adhesion_allowed(trace),
         time_over_alpha_max=measures.time_over_limit(trace, alpha_max),
         slip_histogram=measures.slip_histogram(trace),
         time_in_deep_slide=measures.time_in_deep_slide(trace),
@@ -221,7 +241,11 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         nis_ratio=nis_ratio,
         estimator_lost=divergence,
         speed_rmse=estimation.rmse(trace, "estimate_speed", "speed"),
-        **estimation.reading_errors(trace),
+        speed_error=errors["speed_error"],
+        wheelset_speed_error=errors["wheelset_speed_error"],
+        deflection_error=errors["deflection_error"],
+        acceleration_error=errors["acceleration_error"],
+        cylinder_pressure_error=errors["cylinder_pressure_error"],
         **estimation.adhesion_errors(trace),
     )
 

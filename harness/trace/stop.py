@@ -8,7 +8,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from math import isfinite, nan
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -72,11 +72,7 @@ class Stop:
         scenario, metrics, start = self.scenario, self.metrics, 3.6 * self.scenario.start.speed
         parts = {"controller": scenario.controller, "estimator": scenario.estimator, "sensors": scenario.sensors}
         kinds = [f"{name} {self.classes.get(name, {}).get('class', part.kind)}" for name, part in parts.items()]
-        used = (
-            f"{100 * metrics.utilisation:.1f} % of the possible adhesion used, "
-            if isfinite(metrics.utilisation)
-            else ""
-        )
+        used = f"{used}, " if (used := metrics.use_of_adhesion()) else ""
         lines = (
             f"Stop of {scenario.name}, seed {scenario.seed}: {self.outcome.value}, {self.reason}",
             f"  {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s from {start:.1f} km/h, "
@@ -269,7 +265,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thinned(stop.trace, stop.scenario.periods.every("trace")), path, stop.attributes())
+            write_trace(thinned(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
     except Unwritten:
         _write_content(content, directory)

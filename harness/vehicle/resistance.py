@@ -23,6 +23,12 @@ def rolling_resistance(parameters: Mapping[str, float], mass: Values, wheel_radi
     return mass * GRAVITY * (bearing + parameters["e_rolling"] / wheel_radius)
 
 
+def resistance_lever(parameters: Mapping[str, float]) -> float:
+    """Return the torque of bearings and rolling on a wheelset over its load [m], 0 where no parameter gives it."""
+    bearing = parameters.get("mu_bearing", 0.0) * parameters.get("r_bearing", 0.0)
+    return bearing + parameters.get("e_rolling", 0.0)
+
+
 def air_resistance(parameters: Mapping[str, float]) -> float:
     """Return the force of air on a train over the square of its speed [N s2/m2], 0 where no parameter gives it."""
     return 0.5 * parameters.get("rho_air", 0.0) * parameters.get("c_drag", 0.0) * parameters.get("A_drag", 0.0)

@@ -18,6 +18,11 @@ from railgrip.vehicle.signals import BELIEVED, INNOVATION, SPREAD
 AT, READ = LAYOUT.output, LAYOUT.reading
 
 
+def is_due(k, every):
+    """Whether sample k is the first at or after a multiple of `every` samples, not necessarily a whole number."""
+    return k // every > (k - 1) // every
+
+
 def brake(parts):
     """Run a stop; return its outcome and the number of its rows, which are in the recorder."""
     clock, recorder, belief = parts.clock, parts.recorder, parts.estimator
@@ -52,7 +57,7 @@ def brake(parts):
         elif belief:
             fresh = reading if fresh is None else np.where(new, reading, fresh)
         latest = reading if latest is None else np.where(new, reading, latest)
-        if belief and k and k % clock.estimator == 0:
+        if belief and k and is_due(k, clock.estimator):
             belief.filter.readings[:] = fresh[belief.reading_places]
             try:
                 belief.filter.advance()
@@ -68,7 +73,7 @@ def brake(parts):
             recorder.rows[k, recorder.block(BELIEVED)] = mean[np.concatenate([[belief.speed], *of_groups])]
             recorder.rows[k, recorder.block(SPREAD)] = np.sqrt(variance[np.concatenate(of_groups[1:])])
             recorder.rows[k, recorder.block(INNOVATION)] = innovation
-        if k % clock.controller == 0:
+        if is_due(k, clock.controller):
             seen = observation(parts, k, latest, pressure)
             demand = parts.controller.decide(seen)
             if parts.limits:

@@ -3,7 +3,9 @@
 Also where parts fail, and where blocks of samples end.
 """
 
+import math
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -263,6 +265,23 @@ def same(plant=Plant, controller=SLIP, filter_=None, keep=None, **changed):
     assert (ends[0][0], ends[0][2]) == ends[2]
     assert bits[0] == bits[1] == bits[2]
     return ends[0]
+
+
+@pytest.mark.parametrize("every", [(1, Fraction(5, 2)), (Fraction(5, 2), Fraction(7, 3)), (Fraction(40, 3), 13)])
+@pytest.mark.parametrize("controller", [SLIP, lambda: law_that_ends(10**6)])
+def test_periods_that_are_not_whole_numbers_of_samples(every, controller):
+    samples = 300
+    calls = []
+
+    class Counting(InPython):
+        def decide(self, observation):
+            calls.append(round(observation.time / 1e-3))
+            return super().decide(observation)
+
+    setup = dict(samples=samples, sensors="service", valves=True, every=every, over_time=True)
+    same(controller=controller, filter_=Filter, **setup)
+    Loop(parts_of(Plant(), Counting(controller()), Filter(), **setup)).run()
+    assert calls == sorted({math.ceil(n * every[1]) for n in range(samples + 1)} & set(range(samples + 1)))
 
 
 @pytest.mark.parametrize("samples", [1, BLOCK - 1, BLOCK, BLOCK + 1, 2 * BLOCK])

@@ -39,7 +39,7 @@ def test_ten_lines_are_a_scenario_with_the_values_of_the_longer_ones(tmp_path):
     assert len(TEN_LINES.splitlines()) == 10
     path = written(tmp_path, ten=TEN_LINES)
     plain = load(shelf("scenarios")["plain"], ["estimator.kind=none", "controller.kind=slip_two_state"])
-    short = load(path, ["limits.horizon=60 s"])
+    short = load(path)
     assert short.name == "ten"
     assert short.resolved() | {"name": "plain", "description": plain.description} == plain.resolved()
 

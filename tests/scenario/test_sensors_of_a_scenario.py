@@ -114,6 +114,68 @@ def test_instruments_do_not_know_the_communication_step():
     assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
 
 
+@pytest.mark.parametrize("times", [2, 4, 5])
+def test_a_coarser_loop_reads_the_noise_of_the_instants_at_which_it_reads(times):
+    """Noise is drawn each millisecond, also beyond a block of draws."""
+    noises = []
+    for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
+        sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
+        readings = np.array([read(sensors, k, np.zeros(LAYOUT.outputs)) for k in range(6000 // step)])
+        noises.append(readings[:, np.r_[LAYOUT.reading["acceleration"], LAYOUT.reading["deflection"]]])
+    assert np.array_equal(noises[0][::times], noises[1])
+    assert noises[1].std(axis=0).min() > 0.0
+
+
+@pytest.mark.parametrize("times", [2, 4, 5])
+def test_a_coarser_loop_reads_encoders_and_transducers_as_a_fine_one(times):
+    """The truth is a straight line between the readings, with which interpolation is exact; but for rounding."""
+    places = np.r_[LAYOUT.reading["wheelset_speed"], LAYOUT.reading["cylinder_pressure"]]
+    last = []
+    for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
+        sensors, newest, rows = scenario.sensors.opened(scenario, LAYOUT, 0.4), np.full(places.size, np.nan), []
+        for k in range(2000 // step):
+            truth = np.zeros(LAYOUT.outputs)
+            truth[LAYOUT.output["wheelset_speed"]], truth[LAYOUT.output["cylinder_pressure"]] = (
+                40.0 - 0.015 * k * step, 1e5 * (1.0 + 1e-3 * k * step),
+            )  # fmt: skip
+            reading = read(sensors, k, truth)[places]
+            newest = np.where(np.isnan(reading), newest, reading)
+            rows.append(newest)
+        last.append(np.array(rows))
+    assert last[1][1:] == pytest.approx(last[0][::times][1:], rel=1e-6, nan_ok=True)
+    assert np.isfinite(last[1][20:]).all()
+
+
+def test_a_pole_wheel_loses_teeth_at_the_same_time_with_any_communication_step():
+    """From 1 s on, when readings begin to be uneven."""
+    fault = {"part": "speed_sensor", "kind": "missing_teeth", "group": 1, "value": 2, "begin": "1 s"}
+    for step in ("0.25 ms", "1 ms", "5 ms"):
+        table = service(step).resolved() | {"faults": [fault]}
+        scenario = scenario_of(table, directory=LIBRARY, origin="mine.toml")
+        sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
+        period = max(1e-3, scenario.periods.communication)
+        truth = np.where(np.arange(LAYOUT.outputs) == LAYOUT.output["wheelset_speed"].start, 40.0, 0.0)
+        speed = np.array([read(sensors, k, truth) for k in range(round(2.0 / period))])
+        speed = speed[:, LAYOUT.reading["wheelset_speed"].start]
+        odd = np.flatnonzero(np.abs(speed / 40.0 - 1.0) > 0.05) * period
+        # A step of 5 ms has newer pulses than most gaps, which pass once a revolution.
+        assert 1.0 <= odd.min() < 1.0 + 3 * 2 * np.pi / 40.0
+
+
+@pytest.mark.parametrize("step", ["2 ms", "4 ms", "5 ms"])
+def test_a_coarser_loop_reads_the_radar_at_its_rate_and_age(step):
+    """50 ms, also where these are 12.5 steps; the speed of the truth is its time."""
+    scenario = service(step, speed={"noise": 0.0, "scale_error": 0.0}, acceleration={"noise": 0.0, "bias": 0.0})
+    period = scenario.periods.communication
+    sensors, times = scenario.sensors.opened(scenario, LAYOUT, 0.4), period * np.arange(500)
+    truths = times[:, None] * (np.arange(LAYOUT.outputs) == LAYOUT.output["speed"].start)
+    speed = np.array([read(sensors, k, truth) for k, truth in enumerate(truths)])[:, LAYOUT.reading["speed"].start]
+    due = np.flatnonzero(np.isfinite(speed))
+    assert speed[due] == pytest.approx(times[due] - 0.05, abs=1e-12)
+    multiples = 0.05 * np.arange(1, 1 + due.size)
+    assert times[due] == pytest.approx(period * np.ceil(multiples / period - 1e-9))
+
+
 def test_a_coarser_loop_reads_each_of_its_steps():
     assert service("2 ms").sensors.sampled_every(2e-3) == 1
     assert service("0.3 ms").sensors.sampled_every(3e-4) == 3

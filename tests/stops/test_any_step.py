@@ -4,6 +4,7 @@ import runpy
 from pathlib import Path
 
 import numpy as np
+import pytest
 from synthetic import LIBRARY
 
 from railgrip.scenario.load import load, scenario_of
@@ -29,6 +30,24 @@ def test_half_and_quarter_step_move_a_stop_no_more_than_its_last_digits_do():
     moved = np.array([distance(step) / full - 1.0 for step in ("0.5 ms", "0.25 ms")])
     assert np.abs(moved).max() <= last_digits < 3e-3
     assert abs(distance("0.5 ms", period="0.5 ms") / full - 1.0) > 3e-3
+
+
+@pytest.mark.parametrize(
+    ("step", "error"), [("0.25 ms", 6e-3), ("0.5 ms", 6e-3), ("2 ms", 6e-3), ("5 ms", 6e-3), ("4 ms", 1.5e-2)]
+)
+def test_stops_with_valves_take_any_step_and_hardly_move(step, error):
+    """Medians over the last digits of the plant, which move a stop of slip-based control by some 0.3 %.
+
+    At steps of 4 ms the controller decides every 12 and 8 ms in turn, and late by up to 2 ms.
+    """
+
+    def median(step):
+        of_all = [f"periods.communication={step}", "periods.controller=10 ms", "vehicle.nudge.relative=1e-7"]
+        table = merged(load(LIBRARY / "degraded.toml").resolved() | {"faults": [], "truth": {}}, read_overrides(of_all))
+        stops = [merged(table, {"vehicle": {"nudge": {"seed": seed}}}) for seed in range(1, 4)]
+        return np.median([braking_distance(scenario_of(stop, directory=LIBRARY, origin="step")) for stop in stops])
+
+    assert median(step) == pytest.approx(median("1 ms"), rel=error)
 
 
 def test_half_a_step_moves_stops_of_slope_seeking_by_less_than_a_twentieth_of_a_percent():

@@ -122,6 +122,27 @@ def test_utilisation_is_used_over_possible_impulse():
     assert each == pytest.approx((0.8,) * 6)
 
 
+def test_an_isolated_group_has_no_utilisation_and_leaves_that_of_the_train():
+    """The force of its contacts counts for the train all the same."""
+    trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, (None, *BRAKES[1:]), alpha_max=0.15)
+    train, each = measures.utilisation(trace)
+    isolated = np.isnan(each)
+    assert 0 < isolated.sum() < len(each)
+    assert np.array(each)[~isolated] == pytest.approx(0.8)
+    load = trace["wheelset_load"].values[0]
+    assert train == pytest.approx(0.8 * load.sum() / load[~isolated].sum())
+
+
+def test_the_adhesion_allowed_is_the_peak_of_the_creep_curve():
+    """On uniform friction and with isolated brakes, too."""
+    for brakes in (BRAKES, (None, *BRAKES[1:])):
+        trace = with_bound(uniform_stop(adhesion=0.07, mu0=0.0875), parabola, brakes, alpha_max=0.05)
+        assert measures.adhesion_allowed(trace) == pytest.approx(0.0875)
+        half = trace.isel(time=slice(0, 1))
+        assert np.isnan(measures.adhesion_allowed(half))
+    assert np.isnan(measures.adhesion_allowed(uniform_stop()))
+
+
 def test_time_over_the_limit_counts_each_group():
     time = uniform_stop()["time"].values
     trace = uniform_stop(group_adhesion=np.where(time[:, None] < 3, [[0.16, 0.14, 0.14, 0.2]], 0.1))

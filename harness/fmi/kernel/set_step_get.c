@@ -47,6 +47,7 @@ static int receive(const SetStepGet *c, const Channel *from)
     return status;
 }
 
+/* `time` is that since the start of the stop. */
 EXPORT int cross(SetStepGet *c, int what, double time)
 {
     if (what & SET)
@@ -54,7 +55,7 @@ EXPORT int cross(SetStepGet *c, int what, double time)
             if (failed(c->status = send(c, c->senders + (c->at = k))))
                 return SETTING;
     if (what & STEP)
-        if (failed(c->status = c->step(c->fmu, time, c->period, 1)))   /* no earlier state will ever be restored */
+        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1)))   /* no earlier state will ever be restored */
             return STEPPING;
     if (what & GET) {
         for (long long k = 0; k < c->n_receivers; k++)

@@ -26,7 +26,7 @@ typedef struct {
     long long n_senders, n_receivers, n_outputs;
     double *inputs;
     double *outputs;                                         /* those that the FMU has */
-    double period;
+    double period, begin;                                    /* begin: time of the FMU at the start */
     long long done;                                          /* steps of `follow` that succeeded */
     long long status, at;                                    /* of the call that ended it; its channel, or the output */
 } SetStepGet;

@@ -241,6 +241,14 @@ def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveL
     return -mass * GRAVITY * (climb / np.sqrt(1.0 + climb**2) + curve_coefficient(curvature, law))
 
 
+def steepest_fall(track: Track) -> float:
+    """Return the tangent of the steepest gradient downhill in the direction of travel, 0 or negative."""
+    slopes = [section.slope for section in track.gradient]
+    if (plan := track.plan) is not None:
+        slopes = [plan.way * slope for slope in (plan.slope, *(slope for _, slope, _ in plan.grades))]
+    return min([0.0, *slopes])
+
+
 def gravity_along(slope: ArrayLike) -> NDArray[np.float64]:
     """Return g sin β [m/s2] of a gradient tan β."""
     climb = np.asarray(slope, dtype=np.float64)

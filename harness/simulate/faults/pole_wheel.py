@@ -30,12 +30,12 @@ class ToothFault(Fault):
         Raises:
             ScenarioError: They have none.
         """
-        missing_teeth(site.scenario, site.layout.formation)
+        missing_teeth(site.scenario, site.layout.formation, site.scenario.periods.communication)
         return ()
 
 
-def missing_teeth(scenario: Scenario, formation: Formation) -> tuple[MissingTeeth, ...]:
-    """Return the teeth that the pole wheel of each group misses.
+def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> tuple[MissingTeeth, ...]:
+    """Return the teeth that the pole wheel of each group misses; its sensor samples every `period` [s].
 
     Raises:
         ScenarioError: There are no pole wheels, or more teeth are missing than there are.
@@ -54,5 +54,5 @@ def missing_teeth(scenario: Scenario, formation: Formation) -> tuple[MissingTeet
         for group in places(fault.group, formation.groups, where, "group"):
             if missing[group].count:
                 raise ScenarioError(f"{where}: the pole wheel of group {group + 1} misses teeth twice; keep one fault")
-            missing[group] = MissingTeeth(round(count), **fault.samples(scenario))
+            missing[group] = MissingTeeth(round(count), **fault.samples(scenario, period))
     return tuple(missing)

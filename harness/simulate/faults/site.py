@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TypeVar
 
 from railgrip.base.errors import ScenarioError
@@ -81,5 +82,5 @@ def faults_of(
     commands = [change for fault, site in pairs for change in fault.of_commands(site)]
     if not readings and not commands:
         return None
-    every = max(round(1e-3 / scenario.periods.communication), 1)
+    every = Fraction(1, 1000) / Fraction(scenario.periods.communication).limit_denominator(10**9)
     return Faults(layout, readings, commands, valves=valves, noise_every=every)

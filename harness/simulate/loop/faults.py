@@ -3,12 +3,13 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.simulate.loop.library import kernel
+from railgrip.simulate.loop.library import every, kernel
 from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -83,7 +84,7 @@ class Faults:
         commands: Sequence[CommandFault],
         *,
         valves: bool,
-        noise_every: int,
+        noise_every: Fraction | int,
     ) -> None:
         """Break what they say.
 
@@ -92,7 +93,7 @@ class Faults:
             readings: One after the other, in this order.
             commands: Likewise.
             valves: Commands are positions of valves, else pressures.
-            noise_every: Samples that a draw of noise lasts.
+            noise_every: Samples that a draw of noise lasts; less than 1 where the loop skips draws.
         """
         self._rings: list[Vector] = []
         of_readings, of_commands = (kernel(layout).records("Fault", len(faults)) for faults in (readings, commands))
@@ -110,7 +111,7 @@ class Faults:
                 rows[name] = [getattr(fault, name) for fault in faults]
         self.struct = kernel(layout).struct(
             "Faults", readings=of_readings, commands=of_commands, reading_count=len(of_readings),
-            command_count=len(of_commands), valves=valves, noise_every=noise_every,
+            command_count=len(of_commands), valves=valves, noise_every=every(layout, noise_every),
         )  # fmt: skip
 
     def _ring(self, values: Vector) -> int:

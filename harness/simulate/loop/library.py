@@ -1,11 +1,12 @@
 """The loop's own code in C, compiled once on a machine."""
 
+from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from typing import Final
 
 from railgrip.base.units import GRAVITY
-from railgrip.fmus.native.c_library import CLibrary
+from railgrip.fmus.native.c_library import CLibrary, Struct
 from railgrip.vehicle.signals import Layout
 from railgrip.vehicle.slip import SMALL_SPEED
 
@@ -26,6 +27,11 @@ def kernel(layout: Layout) -> CLibrary:
     units = (name.replace(".h", ".c") for name in _HEADERS)
     name = f"cycle_{formation.groups}_{formation.wheelsets}"
     return CLibrary(headers(layout) | texts(*units), name, _HEADERS, layout.header())
+
+
+def every(layout: Layout, steps: Fraction | int) -> Struct:
+    """Return `Every` of sensors.h for a part that is due once in so many steps, not necessarily a whole number."""
+    return kernel(layout).struct("Every", steps=steps.numerator, turns=steps.denominator)
 
 
 def headers(layout: Layout) -> dict[str, str]:

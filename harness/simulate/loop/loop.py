@@ -18,7 +18,7 @@ from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.loop.library import KERNEL, kernel
+from railgrip.simulate.loop.library import KERNEL, every, kernel
 from railgrip.simulate.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
@@ -320,7 +320,8 @@ def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
         most=parts.limits and parts.limits.most,
         valves=_formula(layout, parts.valves, 2 * groups), free_wheel=_formula(layout, free_wheel, 1 + 2 * groups),
         period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
-        sensors_every=clock.sensors, estimator_every=clock.estimator, controller_every=clock.controller,
+        sensors_every=clock.sensors, estimator_every=every(layout, clock.estimator),
+        controller_every=every(layout, clock.controller),
         rows=recorder.rows, width=recorder.rows.shape[1], capacity=recorder.rows.shape[0],
         true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(layout.sent_signals).start,
         read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -172,17 +173,19 @@ class LawStates:
 class Clock:
     """Integer time: everything happens at whole multiples of the communication period.
 
+    A part is due at the first sample at or after each multiple of its own period.
+
     Attributes:
         period: Communication period [s].
-        estimator: Communication periods between two steps of the estimator.
+        estimator: Communication periods in a period of the estimator, not necessarily a whole number.
         controller: The same for the controller.
         samples: Communication periods until the horizon.
         sensors: Communication periods between two readings; in between there is nothing new.
     """
 
     period: float
-    estimator: int
-    controller: int
+    estimator: Fraction | int
+    controller: Fraction | int
     samples: int
     sensors: int = 1
 

@@ -1,12 +1,14 @@
 """Sensors: the truth as the train sees it, in readings as `railgrip.vehicle.signals.Layout` orders them."""
 
+import math
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.fmus.native.c_library import Struct
-from railgrip.simulate.loop.library import kernel
+from railgrip.simulate.loop.library import every, kernel
 from railgrip.vehicle.signals import Layout
 
 Vector = NDArray[np.float64]
@@ -40,16 +42,26 @@ class WhiteSensors:
     """
 
     def __init__(
-        self, places: NDArray[np.intp], gain: Vector, bias: Vector, deviation: Vector, random: np.random.Generator
+        self,
+        places: NDArray[np.intp],
+        gain: Vector,
+        bias: Vector,
+        deviation: Vector,
+        random: np.random.Generator,
+        draws: int = 1,
     ) -> None:
-        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it."""
+        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it.
+
+        See `draw_block` for `draws`.
+        """
         self.places, self.gain, self.bias = places, gain, bias
         self.noise = np.empty((BLOCK, deviation.size))
-        self.deviation, self._random = deviation, random
+        self.deviation, self._random, self._draws = deviation, random, draws
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
-        self.noise[:] = self._random.standard_normal(self.noise.shape) * self.deviation
+        draw_block(self.noise, self._random, self._draws)
+        self.noise *= self.deviation
 
     def read(self, sample: int, truth: Vector) -> Vector:
         """Return the reading of a sample; they come one after the other, from 0 on."""
@@ -112,8 +124,10 @@ class ServiceInstruments:
         speed_noise: 1σ of each reading of the train speed [m/s].
         speed_factor: Reading over train speed, of one reading after the other, and again from the first; NaN where it
             is lost, shape (n,) [1].
-        speed_every: Samples between two readings of the train speed.
-        speed_latency: Age of a reading of the train speed, in samples; made up for by the acceleration read.
+        speed_every: Samples between two readings of the train speed, not necessarily a whole number: one is due at
+            the first sample at or after each multiple.
+        speed_latency: Age of a reading of the train speed, in samples, interpolated between two of them; made up for
+            by the acceleration read.
         acceleration_noise: 1σ [m/s²].
         acceleration_bias: Constant over a stop [m/s²].
         deflection_noise: 1σ [m].
@@ -132,8 +146,8 @@ class ServiceInstruments:
     wheel_radius: float
     speed_noise: float
     speed_factor: Vector
-    speed_every: int
-    speed_latency: int
+    speed_every: Fraction | int
+    speed_latency: float
     acceleration_noise: float
     acceleration_bias: float
     deflection_noise: float
@@ -155,7 +169,8 @@ class ServiceSensors:
     pulse, which the electronics does not know.
 
     The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so that the same seed gives the
-    same readings. Samples are read one after the other, from 0 on.
+    same readings. Samples are read one after the other, from 0 on. Where instruments take several samples from one
+    reading to the next, speeds and pressures between are interpolated, and the newest reading is given.
 
     Attributes:
         struct: `Service` of sensors.h.
@@ -163,13 +178,21 @@ class ServiceSensors:
     """
 
     def __init__(
-        self, layout: Layout, instruments: ServiceInstruments, period: float, random: np.random.Generator
+        self,
+        layout: Layout,
+        instruments: ServiceInstruments,
+        period: float,
+        random: np.random.Generator,
+        samples: int = 1,
     ) -> None:
-        """Read a vehicle of this layout every `period` [s], with noise from `random`."""
-        groups = layout.formation.groups
-        self._random = random
+        """Read a vehicle of this layout every `period` [s], in which the instruments take `samples`.
+
+        Noise comes from `random`.
+        """
+        groups, remembered = layout.formation.groups, math.ceil(instruments.speed_latency) + 1
+        self._random, self._draws, sampling = random, samples, period / samples
         intact = (MissingTeeth(),) * groups
-        encoders = [_encoder(layout, instruments, period, random, of) for of in instruments.missing_teeth or intact]
+        encoders = [_encoder(layout, instruments, sampling, random, of) for of in instruments.missing_teeth or intact]
         self.deviation = np.array(
             [instruments.speed_noise, instruments.acceleration_noise]
             + [instruments.deflection_noise] * layout.formation.wheelsets
@@ -177,10 +200,10 @@ class ServiceSensors:
         self._noise = np.empty((BLOCK, self.deviation.size))
         self.struct = kernel(layout).struct("Service", encoder=encoders, noise=self._noise,
             offset_steps=instruments.pressure_offset / instruments.pressure_step,
-            past=np.empty(instruments.speed_latency + 1), period=period,
+            past=np.empty(remembered), remembered=remembered, period=period,
             acceleration_bias=instruments.acceleration_bias, pressure_step=instruments.pressure_step,
-            pressure_share=period / (instruments.pressure_lag + period),
-            block=BLOCK, speed_every=instruments.speed_every, speed_latency=instruments.speed_latency,
+            pressure_share=sampling / (instruments.pressure_lag + sampling), samples=samples,
+            block=BLOCK, speed_every=every(layout, instruments.speed_every), speed_latency=instruments.speed_latency,
             speed_factor=instruments.speed_factor, speed_factors=instruments.speed_factor.size,
         )  # fmt: skip
         if instruments.gravity is not None:
@@ -193,7 +216,17 @@ class ServiceSensors:
 
     def draw(self) -> None:
         """Draw the noise of the next block; due before every sample that is a multiple of `BLOCK`."""
-        self._noise[:] = self._random.standard_normal(self._noise.shape) * self.deviation
+        draw_block(self._noise, self._random, self._draws)
+        self._noise *= self.deviation
+
+
+def draw_block(noise: NDArray[np.float64], random: np.random.Generator, draws: int) -> None:
+    """Fill rows of noise with the first of every `draws` rows that `random` draws.
+
+    Noise is drawn in the instruments' own period, so that a loop that reads only some of their samples reads the same
+    noise at the same instants.
+    """
+    noise[:] = random.standard_normal((len(noise) * draws, *noise.shape[1:]))[::draws]
 
 
 def _encoder(

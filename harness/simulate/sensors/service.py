@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
+from railgrip.scenario.parts import steps_between
 from railgrip.scenario.quantity import Unit
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator, markov
@@ -123,9 +124,14 @@ class Service(SampledSensors):
         """Return the communication steps [s] between two readings."""
         return max(round((self.period or _PERIOD) / communication), 1)
 
+    def samples_in(self, communication: float) -> int:
+        """Return the number of their own samples in a communication step [s], of which the loop reads one."""
+        return max(round(communication / (self.period or _PERIOD)), 1)
+
     def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
         """Return them at the begin of a stop; what is constant over it is drawn here."""
-        period = scenario.periods.communication * self.sampled_every(scenario.periods.communication)
+        communication = scenario.periods.communication
+        period, samples = communication * self.sampled_every(communication), self.samples_in(communication)
         lot = self.random(scenario, "lot")
         instruments = ServiceInstruments(
             pulses=self.wheel.pulses,
@@ -138,11 +144,11 @@ class Service(SampledSensors):
                 self.speed,
                 self.speed.scale_error * float(lot.standard_normal()),
                 period,
-                scenario.limits.horizon,
+                scenario.horizon,
                 self.random(scenario, "speed"),
             ),
-            speed_every=max(round(self.speed.period / period), 1),
-            speed_latency=round(self.speed.latency / period),
+            speed_every=steps_between(self.speed.period, period),
+            speed_latency=_in_samples(self.speed.latency, period),
             acceleration_noise=self.acceleration.noise,
             acceleration_bias=self.acceleration.bias * float(lot.standard_normal()),
             deflection_noise=self.deflection.noise,
@@ -151,11 +157,17 @@ class Service(SampledSensors):
             * lot.standard_normal(layout.formation.groups),
             pressure_step=self.pressure.full_scale / float(np.exp2(self.pressure.bits)),
             pressure_lag=self.pressure.lag,
-            missing_teeth=missing_teeth(scenario, layout.formation),
+            missing_teeth=missing_teeth(scenario, layout.formation, period / samples),
             gravity=_gravity(scenario) if self.acceleration.feels_gradient else None,
             rail=_rough_rail(scenario, self.deflection.irregularity, layout, period),
         )
-        return ServiceSensors(layout, instruments, period, self.random(scenario, "noise"))
+        return ServiceSensors(layout, instruments, period, self.random(scenario, "noise"), samples)
+
+
+def _in_samples(time: float, period: float) -> float:
+    """Return a time in periods [s], whole where it differs from that by rounding only."""
+    samples = time / period
+    return float(round(samples)) if math.isclose(samples, round(samples), rel_tol=1e-9) else samples
 
 
 def _speed_factor(
@@ -165,7 +177,7 @@ def _speed_factor(
     fixed = 1.0 + (table.scale_offset + scale)
     if not table.drift and not table.dropouts:
         return np.array([fixed])
-    every = max(round(table.period / period), 1) * period
+    every = max(table.period, period)
     count = int(horizon / every) + 2
     factor = np.full(count, fixed)
     if table.drift_time is not None:
@@ -226,7 +238,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     position = np.array(layout.formation.wheelset_position)
     lead_in = scenario.start.speed * _LEAD_IN
     begin = -float(position.max()) - lead_in
-    length = min(scenario.start.speed * scenario.limits.horizon, _LONGEST_RAIL) - begin
+    length = min(scenario.start.speed * scenario.horizon, _LONGEST_RAIL) - begin
     rail = realise(table.track, length, generator(scenario.seed, f"track.{table.track}"), kinds=("vertical",))
     height = Course(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
     omega = 2.0 * math.pi * table.frequency

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from railgrip.base.errors import ScenarioError, SensorsFailed
+from railgrip.scenario.parts import steps_between
 from railgrip.scenario.quantity import Magnitude, Unit, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
@@ -102,6 +103,7 @@ class White(SampledSensors):
             each(_deviations(scenario, "bias", self.bias)) * lot.standard_normal(layout.readings),
             each(_deviations(scenario, "noise", self.noise)),
             self.random(scenario, "noise"),
+            self.samples_in(scenario.periods.communication),
         )
         every = self.sampled_every(scenario.periods.communication)
         return OnTrack(white, layout, scenario, self, every) if _SOURCE.keys() & layout.reading.keys() else white
@@ -140,7 +142,7 @@ class _Receiver:
         self._track, self._random = scenario.track.plan, random
         self._plan = self._track.laid().plan()
         step = scenario.periods.communication
-        self._every = max(round(table.period / (step * every)), 1)
+        self._every = steps_between(table.period, step * every)
         self._keeps = math.exp(-table.period / table.wander_time)
         self._wander = self._random.standard_normal(3)
         self._wanders = np.array([table.horizontal_wander, table.horizontal_wander, table.height_wander])
@@ -148,7 +150,7 @@ class _Receiver:
 
     def read(self, sample: int, distance: float) -> NDArray[np.float64]:
         """Return latitude, longitude [deg] and height [m], NaN where there is no new reading."""
-        if sample % self._every:
+        if sample // self._every == (sample - 1) // self._every:
             return np.full(3, np.nan)
         place, length = float(self._track.place(distance)), self._plan.track.length
         if not 0.0 <= place <= length:

@@ -266,7 +266,7 @@ def _filling(stops: Sequence[DryStop]) -> Table:
             "UIC 540, P": f"{least:g} to {most:g} s",
             "front": f"{stop.filling.propagation:.0f} m/s",
             "UIC 540": f"≥ {PROPAGATION:g} m/s",
-            "last car begins": f"{stop.filling.begin.max():.2f} s",
+            "last car begins": f"{stop.filling.begin[-1]:.2f} s",
         }
         for stop in stops
         if stop.filling is not None

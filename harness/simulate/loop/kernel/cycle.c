@@ -81,7 +81,7 @@ EXPORT int cycle(Cycle *c)
 {
     for (;; c->sample++, c->stage = BEGIN) {
         const long long k = c->sample;
-        const int decides = k % c->controller_every == 0;
+        const int decides = due(c->controller_every, k);
         double *row = c->rows + (k < c->capacity ? k : c->capacity - 1) * c->width;
 
         switch (c->stage) {
@@ -127,7 +127,7 @@ EXPORT int cycle(Cycle *c)
                     return ESTIMATOR_DUE;
                 if ((c->failure = c->advance(c->memory)))
                     return DIVERGED;
-            } else if (c->estimates && k % c->estimator_every == 0) {
+            } else if (c->estimates && due(c->estimator_every, k)) {
                 observe(c);
                 return ESTIMATOR_DUE;
             }

@@ -70,7 +70,8 @@ typedef struct {
     long long present_count, seen_count, estimates_count, law_count;
     long long width, capacity;                   /* numbers of a row; rows, the last for all samples beyond */
     long long block, samples;                    /* samples between two calls for noise; until the horizon */
-    long long sensors_every, estimator_every, controller_every;
+    long long sensors_every;
+    Every estimator_every, controller_every;
     long long row;                               /* from one row of the covariance to the next */
     long long true_at, sent_at, read_at, law_at; /* first columns */
     long long believed_at, spread_at, innovation_at, reference_at, estimates_at, demand_at, driver_at, traction_at; /* -1: it is not kept */

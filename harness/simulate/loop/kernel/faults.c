@@ -26,7 +26,7 @@ EXPORT void show_faults(Faults *its, long long sample, double *reading)
         case STUCK: *entry = fault->held; break;
         case SCALED: *entry *= fault->value; break;
         case BIASED: *entry += fault->value; break;
-        case NOISY: *entry += fault->value * fault->past[(sample - fault->begin) / its->noise_every % fault->count]; break;
+        case NOISY: *entry += fault->value * fault->past[turn(its->noise_every, sample - fault->begin) % fault->count]; break;
         }
     }
 }

@@ -4,6 +4,7 @@
 
 #include "export.h"
 #include "layout.h"
+#include "sensors.h"
 
 enum { DEAD, STUCK, SCALED, BIASED, NOISY };     /* of a reading */
 enum { FIXED, KEPT, LATE, LIMITED };             /* of a command */
@@ -21,7 +22,7 @@ typedef struct {
     Fault *readings, *commands;
     long long reading_count, command_count;
     long long valves;                            /* whether commands are positions of valves, else pressures */
-    long long noise_every;                       /* samples that a draw of noise lasts */
+    Every noise_every;                           /* a draw of noise in so many samples */
 } Faults;
 
 void show_faults(Faults *its, long long sample, double *reading);

@@ -59,7 +59,7 @@ void see(Cycle *c)
 /* Whether the filter takes a step: its first belief is that of sample 0. */
 int filters(const Cycle *c)
 {
-    return c->mean && c->sample > 0 && c->sample % c->estimator_every == 0;
+    return c->mean && c->sample > 0 && due(c->estimator_every, c->sample);
 }
 
 void show_filter(Cycle *c)

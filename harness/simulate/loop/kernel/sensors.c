@@ -6,6 +6,16 @@
 
 static const double NOTHING_NEW = 0.0 / 0.0;
 
+long long turn(Every every, long long step)
+{
+    return step * every.turns / every.steps;
+}
+
+int due(Every every, long long step)
+{
+    return step * every.turns % every.steps < every.turns;
+}
+
 /* Where a tooth stands: at count times pitch, and its error, which repeats with every revolution. */
 static double tooth(const Encoder *its, long long count)
 {
@@ -63,28 +73,63 @@ static double shaken(Service *its, int wheelset, double distance)
     return moved;
 }
 
+/* The newest reading of an encoder since the last one; the wheel's speed changes evenly in between. */
+static double read_newest(Encoder *its, long long sample, long long samples, double speed)
+{
+    const double before = its->speed;
+    double newest = NOTHING_NEW;
+
+    if (sample == 0)
+        return read_encoder(its, 0, speed);
+    for (long long i = 1; i <= samples; i++) {
+        const double now = i < samples ? before + (speed - before) * (double)i / (double)samples : speed;
+        const double reading = read_encoder(its, (sample - 1) * samples + i, now);
+        if (!isnan(reading))
+            newest = reading;
+    }
+    return newest;
+}
+
+/* The reading of a transducer's lag, whose pressure changes evenly from one reading to the next. */
+static double lagging(Service *its, int g, long long sample, double pressure)
+{
+    if (sample == 0)
+        its->pressure[g] = its->before[g] = pressure;
+    for (long long i = 1; sample && i <= its->samples; i++) {
+        const double now =
+            i < its->samples ? its->before[g] + (pressure - its->before[g]) * (double)i / (double)its->samples : pressure;
+        its->pressure[g] = its->pressure[g] + (now - its->pressure[g]) * its->pressure_share;
+    }
+    its->before[g] = pressure;
+    return its->pressure[g];
+}
+
 EXPORT void read_service(Service *its, long long sample, const double *truth, double *reading)
 {
     const double *noise = its->noise + sample % its->block * NOISES;
-    const long long ring = its->speed_latency + 1;
+    const long long ring = its->remembered, whole = (long long)its->speed_latency;
+    const double between = its->speed_latency - (double)whole;
     double acceleration = truth[OUTPUT_ACCELERATION] + its->acceleration_bias + noise[1];
 
     if (its->gravity.count)
         acceleration += at(&its->gravity, truth[OUTPUT_DISTANCE]);
     its->past[sample % ring] = truth[OUTPUT_SPEED];
     reading[READING_SPEED] = NOTHING_NEW;
-    if (sample % its->speed_every == 0 && sample >= its->speed_latency) {
-        const double factor = its->speed_factor[sample / its->speed_every % its->speed_factors];
-        const double late = its->past[(sample + 1) % ring] * factor + noise[0];
+    if (due(its->speed_every, sample) && (double)sample >= its->speed_latency) {
+        const double factor = its->speed_factor[turn(its->speed_every, sample) % its->speed_factors];
+        double speed = its->past[(sample - whole) % ring];
+        if (between > 0.0)
+            speed += between * (its->past[(sample - whole - 1) % ring] - speed);
+        const double late = speed * factor + noise[0];
         /* The latency is known from the data sheet: the sensor's own electronics carries its reading forward. */
-        reading[READING_SPEED] = late + acceleration * (double)its->speed_latency * its->period;
+        reading[READING_SPEED] = late + acceleration * its->speed_latency * its->period;
     }
     for (int g = 0; g < GROUPS; g++) {
-        const double pressure = truth[OUTPUT_CYLINDER_PRESSURE + g];
-        reading[READING_WHEELSET_SPEED + g] = read_encoder(its->encoder + g, sample, truth[OUTPUT_WHEELSET_SPEED + g]);
-        its->pressure[g] = sample == 0 ? pressure : its->pressure[g] + (pressure - its->pressure[g]) * its->pressure_share;
+        const double pressure = lagging(its, g, sample, truth[OUTPUT_CYLINDER_PRESSURE + g]);
+        reading[READING_WHEELSET_SPEED + g] =
+            read_newest(its->encoder + g, sample, its->samples, truth[OUTPUT_WHEELSET_SPEED + g]);
         reading[READING_CYLINDER_PRESSURE + g] =
-            rint(its->pressure[g] / its->pressure_step + its->offset_steps[g]) * its->pressure_step;
+            rint(pressure / its->pressure_step + its->offset_steps[g]) * its->pressure_step;
     }
     for (int w = 0; w < WHEELSETS; w++) {
         reading[READING_DEFLECTION + w] = truth[OUTPUT_DEFLECTION + w] + noise[2 + w];

@@ -7,6 +7,11 @@
 
 enum { NOISES = 2 + WHEELSETS };                 /* train speed, acceleration, one per deflection */
 
+/* `turns` turns of a part in `steps` steps of what it follows. */
+typedef struct {
+    long long steps, turns;
+} Every;
+
 typedef struct {
     const double *teeth;                         /* errors of the tooth positions [rad] */
     double pitch, clock, period, silence;
@@ -30,11 +35,18 @@ typedef struct {
     double forward[3], back[2];                  /* from the height of the rail to the deflection: a digital filter */
     double *noise;                               /* rows of NOISES for `block` samples from a multiple of it on */
     const double *offset_steps;                  /* of each transducer, in steps of the converter */
-    double *past;                                /* speed_latency + 1 train speeds, a ring */
+    double *past;                                /* `remembered` train speeds, a ring */
+    double speed_latency;                        /* samples */
     double period, acceleration_bias, pressure_step, pressure_share;
-    double pressure[GROUPS];                     /* behind the transducers' lag */
-    long long block, speed_every, speed_latency, speed_factors;
+    double pressure[GROUPS], before[GROUPS];     /* behind the transducers' lag; in the cylinders at the last reading */
+    long long block, remembered, speed_factors;
+    long long samples;                           /* of encoders and transducers from one reading to the next */
+    Every speed_every;
 } Service;
+
+/* The last turn that began until a step, and whether it is due at that step: the first at or after each multiple of the period. */
+long long turn(Every every, long long step);
+int due(Every every, long long step);
 
 double read_encoder(Encoder *its, long long sample, double speed);
 void read_service(Service *its, long long sample, const double *truth, double *reading);
