@@ -126,6 +126,7 @@ _COLUMNS: Mapping[str, Callable[[Row], Any]] = {
     "paper vs SBC": lambda row: row.paper_reduction,
     "duration": lambda row: row.duration_s,
     "adhesion used": lambda row: row.utilisation,
+    "greatest adhesion": lambda row: row.adhesion_peak,
     "longest lock": lambda row: row.longest_lock_s,
     "valve strokes": lambda row: row.valve_strokes,
     "air": lambda row: row.air_l,
@@ -138,6 +139,7 @@ _FORMS: Mapping[str, Form] = {
     **dict.fromkeys(("vs SBC 10/15 %", "vs best tuned SBC", "paper vs SBC"), change),
     **dict.fromkeys(("adhesion used", "outside ±2σ"), share),
     "duration": "{:.1f} s",
+    "greatest adhesion": "{:.3f}",
     "longest lock": "{:.2f} s",
     "air": "{:.0f} l",
     "NIS": "{:.2g}",
@@ -171,6 +173,7 @@ def _row(result: Result, sbc: Result | None, tuned: Result | None, constant: Seq
         if sbc is None or sbc is result or sbc.paper_distance is None or result.paper_distance is None
         else 1 - result.paper_distance / sbc.paper_distance,
         outcome=record.outcome.value,
+        adhesion_peak=finite(max(metrics.adhesion_peak)),
         longest_lock_s=finite(max(metrics.longest_lock)),
         valve_strokes=round(sum(metrics.actuations)) if actuation == VALVES else None,
         air_l=finite(1000 * metrics.air_used),

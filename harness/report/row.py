@@ -56,6 +56,7 @@ class Row(Conditions):
         paper_distance_m: Published distance; None without one.
         paper_reduction: Published reduction against the published SBC.
         outcome: How the stop ended.
+        adhesion_peak: Greatest adhesion of any group.
         longest_lock_s: Of any ω-group.
         valve_strokes: Of all groups; None without valves.
         air_l: Free air used, litres; None for a stop without a brake, such as the ideal bound.
@@ -77,6 +78,7 @@ class Row(Conditions):
     paper_distance_m: float | None
     paper_reduction: float | None
     outcome: str
+    adhesion_peak: float | None
     longest_lock_s: float | None
     valve_strokes: int | None
     air_l: float | None

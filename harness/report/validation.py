@@ -11,6 +11,9 @@ from railgrip.scenario.campaign import Campaign, PlannedStop
 
 _FIRST = "braking distance"
 
+_EQUIPMENT = {"ideal": "ideal, 20 ms lag", "instant": "ideal, 1 ms lag"}
+"""Equipment → its name in the table, with the lag of the cylinder pressure; others have the name of the file."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Cell:
@@ -39,7 +42,7 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     """Return the table: a line for each equipment and controller, a column for each scenario.
 
     Brackets hold the change against the published SBC, followed by that against the best tuned SBC where there is one.
-    A distance that rounding decides is given as median and range. Lock and strokes are the worst of the line.
+    A distance that rounding decides is given as median and range. Adhesion, lock and strokes are the largest of the line.
     """
     cells: list[_Cell] = []
     for stop in campaign.stops:
@@ -56,14 +59,16 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     rows = _published_rows(lines.values(), columns)
     for line, stops in lines.items():
         known = [cell.accepted for cell in stops.values() if cell.accepted]
+        peaks = [accepted.adhesion_peak for accepted in known if accepted.adhesion_peak is not None]
         locks = [accepted.longest_lock for accepted in known if accepted.longest_lock is not None]
         strokes = [accepted.valve_strokes for accepted in known if accepted.valve_strokes is not None]
         rows.append(
-            {_FIRST: f"{line[0]}: {_name(line, lines)}"}
+            {_FIRST: f"{_EQUIPMENT.get(line[0], line[0])}: {_name(line, lines)}"}
             | {column: texts[line].get(column, "") for column in columns}
+            | {"greatest adhesion": max(peaks, default=None)}
             | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
         )
-    return str(Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,)))
+    return str(Table(rows, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=(_FIRST,)))
 
 
 def cases_table(campaign: Campaign, baseline: Baseline) -> str:
@@ -97,7 +102,7 @@ def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[st
             rows.append(
                 {_FIRST: f"*paper: {label(next(iter(stops.values())).scenario)}*"}
                 | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
-                | {"longest lock": "", "valve strokes": ""}
+                | {"greatest adhesion": "", "longest lock": "", "valve strokes": ""}
             )
     return rows
 
