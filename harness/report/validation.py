@@ -42,7 +42,8 @@ def table(campaign: Campaign, baseline: Baseline) -> str:
     """Return the table: a line for each equipment and controller, a column for each scenario.
 
     Brackets hold the change against the published SBC, followed by that against the best tuned SBC where there is one.
-    A distance that rounding decides is given as median and range. Adhesion, lock and strokes are the largest of the line.
+    A distance that rounding decides is given as median and range. Adhesion, lock and strokes are the largest of the
+    line.
     """
     cells: list[_Cell] = []
     for stop in campaign.stops:
