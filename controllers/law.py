@@ -198,7 +198,6 @@ class GroupLaw(Law):
     Attributes:
         description: One line.
         tuning: Type of its parameters.
-        sets_of: Kind of the law whose sets it takes; "" for its own.
         ranges: Where `railgrip maintain tune-control` searches.
         entries: In the type test, by the name there.
         brake_data: What it uses of the data of a `Brake`; of a train from outside no more has to be given.
@@ -207,7 +206,6 @@ class GroupLaw(Law):
 
     description: ClassVar[str]
     tuning: ClassVar[type[Tuning]] = Tuning
-    sets_of: ClassVar[str] = ""
     ranges: ClassVar[Ranges] = {}
     entries: ClassVar[Mapping[str, Entry]] = {}
     brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
@@ -247,7 +245,7 @@ class GroupLaw(Law):
             ValueError: The set is not for this actuation, or a value means nothing.
         """
         module = Path(inspect.getfile(cls))
-        file = module.with_name(tuned.file_of(cls.sets_of or module.stem, name))
+        file = module.with_name(tuned.file_of(module.stem, name))
         found = tuned.values(file, name, actuation, slip) if file.exists() else {}
         names = cls.tuning.meanings().keys()
         return cls.tuning(**{key: value for key, value in {**found, **others}.items() if key in names})

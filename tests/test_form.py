@@ -77,7 +77,7 @@ def test_class_names_with_several_meanings_do_not_increase():
 @pytest.mark.parametrize("name", PHRASES)
 def test_each_pattern_finds_its_phrase(name):
     examples = (
-        "It is no train. There are none; that is none. Return what it was. He wants the most that he tells. It stands at "
-        "the begin of its own, believes beside what lies, so many."
+        "It is no train. There are none; that is none. Return what it was. He wants the most that he tells. It stands "
+        "at the begin of its own, believes beside what lies, so many."
     )
     assert re.search(PHRASES[name], examples)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Draft, Expression, choose, either
 
 
@@ -35,8 +35,19 @@ class SwitchingTuning(Tuning):
     FIXED: ClassVar[frozenset[str]] = frozenset({"period", "adhesion_max"})
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LiteralTuning(SwitchingTuning):
+    """Parameters of the law as printed. All but `hold` are those that it shares with peak seeking."""
+
+    hold: Annotated[float, "1", "1: keep the last pressure while ṡ·α̇ = 0; 0: half pressure, as sgn(0) = 0 gives"] = 1.0
+
+
 class LiteralAdhesionBased(GroupLaw):
     """The law as printed, eq. (11): full pressure while ṡ·α̇ > 0, none while it is negative.
+
+    Three guards are additions. Each can be switched off: a rolling wheel is braked fully (`slip_small`, `creep_small`
+    and `adhesion_small` of zero switch this off), below `speed_min` the brake is applied, and while ṡ·α̇ = 0 the last
+    pressure is held (`hold`).
 
     Source: Schwarz, Posielek, Goetjes (2021), §3.2, with the limit α ≤ adhesion_max of the same section.
     """
@@ -44,8 +55,21 @@ class LiteralAdhesionBased(GroupLaw):
     description = "Adhesion-based wheel-slide protection as printed"
     brake_data = FULL_PRESSURE
     needs = ("adhesion", "pad_friction")
-    tuning = SwitchingTuning
-    sets_of = "adhesion_based"
+    tuning = LiteralTuning
+    # As for peak seeking; the filter may be slower, because nothing else smooths the switching.
+    ranges: ClassVar[Ranges] = {
+        ("ideal", "estimated"): {
+            "filter_time": (3e-3, 0.2),
+            "slip_small": (3e-4, 3e-2),
+            "adhesion_small": (5e-3, 3e-2),
+        },
+        ("pneumatic", "estimated"): {
+            "filter_time": (3e-3, 0.5),
+            "slip_small": (1e-3, 3e-2),
+            "creep_small": (0.01, 0.2),
+            "adhesion_small": (5e-3, 3e-2),
+        },
+    }
     entries: ClassVar[Mapping[str, Entry]] = {
         "adhesion_literal": Entry(
             description="adhesion-based control, the law as printed", role="entrant", slip="estimated"
@@ -66,7 +90,8 @@ class LiteralAdhesionBased(GroupLaw):
             )
             switch = slip_rate * adhesion_rate
             rolling = is_rolling(tuning, group.speed, group.slip, group.adhesion)
-            seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, applied))
+            kept = choose(tuning["hold"] > 0.0, applied, 0.5)
+            seeking = choose(either(rolling, switch > 0.0), 1.0, choose(switch < 0.0, 0.0, kept))
             decided = choose(group.adhesion > tuning["adhesion_max"], 0.0, seeking)
             draft.keep(applied, choose(controlling, decided, applied))
             return choose(controlling, decided * full, full)

@@ -25,8 +25,8 @@ Figures beside a distance notice what a distance does not, such as another noise
 
 They are those of `Metrics.beside_distance` that repeats move by less than `railgrip.scenario.conditioning.LOOSEST`,
 for a stop without such figures by less than `LOOSEST_OF_SCATTER`.
-The longest lock of any group [s] and the strokes of all valves at the last `make accept` are shown; they are compared
-where they are among the figures.
+The greatest adhesion and the longest lock of any group [s] and the strokes of all valves at the last `make accept` are
+shown; they are compared where they are among the figures.
 """
 
 import json
@@ -84,6 +84,7 @@ class Accepted(Table):
     unit: str
     lowest: Number | None = None
     highest: Number | None = None
+    adhesion_peak: Number | None = None
     longest_lock: Annotated[float, Unit("s", at_least=0)] | None = None
     valve_strokes: Annotated[StrictInt, Field(ge=0)] | None = None
     reason: Annotated[str, Field(min_length=1)]
@@ -157,6 +158,7 @@ class Finding:
         tolerance: Tolerance to accept the value with; None for the relative tolerance of the value accepted before, or
             for `TOLERANCE`.
         repeated: Repeats of the stop, where rounding decides its distance.
+        adhesion_peak: Greatest adhesion of any group; None for a figure.
         longest_lock: Of any group [s]; None for a figure.
         valve_strokes: Of all groups; None without valves.
         figures: Figure beside the distance → value.
@@ -167,6 +169,7 @@ class Finding:
     unit: str
     tolerance: float | None = None
     repeated: Repeated | None = None
+    adhesion_peak: float | None = None
     longest_lock: float | None = None
     valve_strokes: int | None = None
     figures: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -249,6 +252,7 @@ def findings_of(results: Results) -> Findings:
                 value=row.distance_m,
                 unit="m",
                 repeated=result.repeats_of_this_stop,
+                adhesion_peak=row.adhesion_peak,
                 longest_lock=row.longest_lock_s,
                 valve_strokes=row.valve_strokes,
                 figures=result.record.metrics.beside_distance(),
@@ -340,8 +344,9 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         is_same_kind = before is not None and (finding.repeated is None or before.is_range == finding.repeated.spreads)
         if before is None or comparison.state != "kept" or not is_same_kind:
             before = _accepted_anew(finding, finding.value, before, reason.strip())
-        lock = None if finding.longest_lock is None else round(finding.longest_lock, 3)
-        update: dict[str, object] = {"longest_lock": lock, "valve_strokes": finding.valve_strokes}
+        shown = {"adhesion_peak": finding.adhesion_peak, "longest_lock": finding.longest_lock}
+        update: dict[str, object] = {key: None if value is None else round(value, 3) for key, value in shown.items()}
+        update["valve_strokes"] = finding.valve_strokes
         # Without repeats there is no tolerance to accept figures with: those accepted before stay.
         if finding.repeated is not None and finding.repeated.figures:
             update["figures"] = _figures_beside(finding, finding.repeated)

@@ -59,6 +59,7 @@ class Row(Conditions):
         paper_reduction: Published reduction against the published SBC.
         outcome: How the stop ended.
         breaks: Clauses that the stop breaks; see `railgrip.report.limits`.
+        adhesion_peak: Greatest adhesion of any group.
         longest_lock_s: Of any ω-group.
         valve_strokes: Of all groups; None without valves.
         air_l: Free air used, litres; None with ideal actuation and for a stop without a brake.
@@ -81,6 +82,7 @@ class Row(Conditions):
     paper_reduction: float | None
     outcome: str
     breaks: tuple[str, ...]
+    adhesion_peak: float | None
     longest_lock_s: float | None
     valve_strokes: int | None
     air_l: float | None

@@ -19,6 +19,9 @@ from railgrip.scenario.sensors import SampledSensors
 
 _FIRST = "braking distance"
 
+_EQUIPMENT = {"ideal": "ideal, 20 ms lag", "instant": "ideal, 1 ms lag"}
+"""Equipment → its name in the table, with the lag of the cylinder pressure; others have the name of the file."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Cell:
@@ -70,8 +73,8 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
 
     `distances` has a row for each equipment and controller, and a column for each scenario. Brackets contain the change
     against the published SBC, followed by the change against the best tuned SBC if there is one. A distance that
-    depends on rounding, or on the lot of sensors, is given as median and range. Lock and strokes are the maximum of the
-    row. `orders` compares controllers in pairs, lot by lot. `discretisation` has the changes with a shorter
+    depends on rounding, or on the lot of sensors, is given as median and range. Adhesion, lock and strokes are the
+    maximum of the row. `orders` compares controllers in pairs, lot by lot. `discretisation` has the changes with a shorter
     communication step.
 
     Raises:
@@ -88,14 +91,16 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     rows = _published_rows(lines.values(), columns)
     for line, stops in lines.items():
         known = [cell.accepted for cell in stops.values() if cell.accepted]
+        peaks = [accepted.adhesion_peak for accepted in known if accepted.adhesion_peak is not None]
         locks = [accepted.longest_lock for accepted in known if accepted.longest_lock is not None]
         strokes = [accepted.valve_strokes for accepted in known if accepted.valve_strokes is not None]
         rows.append(
-            {_FIRST: f"{line[0]}: {_name(line, lines)}"}
+            {_FIRST: f"{_EQUIPMENT.get(line[0], line[0])}: {_name(line, lines)}"}
             | {column: texts[line].get(column, "") for column in columns}
+            | {"greatest adhesion": max(peaks, default=None)}
             | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
         )
-    distances = Table(rows, {"longest lock": "{:.1f} s"}, left=(_FIRST,))
+    distances = Table(rows, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=(_FIRST,))
     return {
         "distances": distances,
         "orders": _orders(lines, columns),
@@ -234,7 +239,7 @@ def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[st
             rows.append(
                 {_FIRST: f"*paper: {label(next(iter(stops.values())).scenario)}*"}
                 | {column: f"{distances[column]:.1f} m" + _brackets([changes[column]]) for column in columns}
-                | {"longest lock": "", "valve strokes": ""}
+                | {"greatest adhesion": "", "longest lock": "", "valve strokes": ""}
             )
     return rows
 

@@ -57,6 +57,7 @@ class Metrics:
         "where the brakes set the bound, which leaves out the inertia of a wheelset that regains speed, where more "
         "than alpha_max was used, and where a group is not at its best slip, at which the shares are taken",
     ]
+    adhesion_peak: Annotated[Each, "1", "greatest adhesion of each group"]
     time_over_alpha_max: Annotated[Each, "s", "time of each group above the adhesion limit"]
     slip_histogram: Annotated[
         tuple[Each, ...], "s", f"time of each group in the slip classes with inner edges {measures.SLIP_EDGES}"
@@ -225,6 +226,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         utilisation=share,
         utilisation_wheelset=share_each,
         adhesion_allowed=measures.adhesion_allowed(trace),
+        adhesion_peak=tuple(map(float, trace["group_adhesion"].values.max(axis=0))),
         time_over_alpha_max=measures.time_over_limit(trace, alpha_max),
         slip_histogram=measures.slip_histogram(trace),
         time_in_deep_slide=measures.time_in_deep_slide(trace),

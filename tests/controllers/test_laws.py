@@ -15,6 +15,9 @@ from railgrip.controllers.laws.slope_seeking import SlopeSeeking
 
 PAPER_LEVELS = SlipTwoState.tuned_for("ideal", "read", "paper")
 PEAK_SEEKING = AdhesionBased.tuned_for("ideal", "estimated", period=1e-3, adhesion_max=0.15)
+PRINTED = LiteralAdhesionBased.tuned_for(
+    "ideal", "estimated", period=1e-3, adhesion_max=0.15, filter_time=4.2e-3, slip_small=3e-3, adhesion_small=0.015
+)
 SLOPE = SlopeSeeking.tuned_for("pneumatic", "estimated", period=10e-3, pressure_lag=0.0, adhesion_max=0.15)
 
 
@@ -75,9 +78,28 @@ def test_the_literal_law_chatters_around_the_peak():
     (locked: α(1)/α* = 0.06). Over a few milliseconds, which only ideal sensors allow, it chatters as finely as the
     peak seeking hunts."""
     slower = replace(PEAK_SEEKING, filter_time=10e-3)
-    literal, own = LiteralAdhesionBased([GROUP], slower), AdhesionBased([GROUP], slower)
+    literal = LiteralAdhesionBased([GROUP], replace(PRINTED, filter_time=10e-3))
+    own = AdhesionBased([GROUP], slower)
     chatter, found = simulate(literal, 4.0)[1][1500:].mean(), simulate(own, 4.0)[1][1500:].mean()
     assert 0.5 * 0.06 < chatter < found
+
+
+def test_each_guard_of_the_literal_law_can_be_switched_off():
+    def demands(tuning, *slips, adhesion=0.05, speed=SPEED):
+        law = LiteralAdhesionBased([GROUP], tuning)
+        return [law.decide(observed(0, speed, 0, (slip,), (adhesion,), (0.35,), (0.0,)))[0] for slip in slips]
+
+    full = GROUP.pressure_max
+    # Slip and adhesion that do not change have a product of rates of zero.
+    assert demands(PRINTED, 0.05, 0.05) == [full, full]
+    assert demands(replace(PRINTED, hold=0.0), 0.05, 0.05) == [0.5 * full, 0.5 * full]
+    # A rolling wheel is braked fully whatever the rates are.
+    unguarded = replace(PRINTED, hold=0.0, slip_small=0.0, creep_small=0.0, adhesion_small=0.0)
+    assert demands(replace(PRINTED, hold=0.0), 0.001) == [full]
+    assert demands(unguarded, 0.001) == [0.5 * full]
+    # Below 0.5 m/s the law decides nothing.
+    assert demands(replace(PRINTED, hold=0.0), 0.05, speed=0.3) == [full]
+    assert demands(replace(PRINTED, hold=0.0, speed_min=0.0), 0.05, speed=0.3) == [0.5 * full]
 
 
 def test_two_level_control_keeps_the_slip_between_its_levels():
@@ -104,15 +126,15 @@ def test_full_brake_ignores_every_slip():
     assert FullBrake([GROUP]).decide(observed(0, SPEED, 0, (0.9,), None, None, (0.0,))) == (3.4e5,)
 
 
-@pytest.mark.parametrize("law", [AdhesionBased, LiteralAdhesionBased])
+@pytest.mark.parametrize("law", [AdhesionBased([GROUP], PEAK_SEEKING), LiteralAdhesionBased([GROUP], PRINTED)])
 def test_adhesion_based_control_wants_an_estimate(law):
     with pytest.raises(ValueError, match="needs an estimator"):
-        law([GROUP], PEAK_SEEKING).decide(observed(0, SPEED, 0, (0.0,), None, None, (0.0,)))
+        law.decide(observed(0, SPEED, 0, (0.0,), None, None, (0.0,)))
 
 
 def test_below_the_lowest_speed_the_brake_is_applied():
     observation = observed(0, 0.3, 0, (0.9,), (0.05,), (0.35,), (0.0,))
-    for law in (SlipTwoState([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], PEAK_SEEKING)):
+    for law in (SlipTwoState([GROUP], PAPER_LEVELS), LiteralAdhesionBased([GROUP], PRINTED)):
         assert law.decide(observation) == (3.4e5,)
     # Its limit of adhesion still holds: 0.147 of the load at the rim, through the brake equation.
     torque = (0.15 - 0.003) * GROUP.load * 0.38

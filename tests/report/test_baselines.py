@@ -86,7 +86,8 @@ def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(result
         },
     )
     after = accept(before, findings_of(results), "Heavier train.")
-    assert after.accepted[FULL].model_copy(update={"longest_lock": None}) == baseline
+    assert after.accepted[FULL].model_copy(update={"adhesion_peak": None, "longest_lock": None}) == baseline
+    assert after.accepted[FULL].adhesion_peak is not None
     assert after.accepted[SBC].value == pytest.approx(moved_distance, abs=1e-3)
     assert after.accepted[SBC].tolerance == pytest.approx(moved_distance / 100, rel=0.05)  # written with two digits
     assert after.accepted[SBC].reason == "Heavier train."

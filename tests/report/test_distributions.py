@@ -37,8 +37,8 @@ def row(draw, distance, controller="adhesion_based", reference=None):
         scenario="random", case="", polach="dry", actuation="ideal", sensors="ideal", controller=controller,
         controller_label=controller, estimator="none", friction="", draw=draw, reference=reference, distance_m=distance,
         repeated="", duration_s=None, reduction_vs_sbc=None, reduction_vs_tuned=None, utilisation=None,
-        paper_distance_m=None, paper_reduction=None, outcome="standstill", breaks=(), longest_lock_s=0.0,
-        valve_strokes=None, air_l=None, nis=None, outside=None, stop="s",
+        paper_distance_m=None, paper_reduction=None, outcome="standstill", breaks=(), adhesion_peak=None,
+        longest_lock_s=0.0, valve_strokes=None, air_l=None, nis=None, outside=None, stop="s",
     )  # fmt: skip
 
 

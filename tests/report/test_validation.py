@@ -97,7 +97,7 @@ def baseline():
     return Baseline(
         campaign="c.toml",
         accepted={
-            "random-ideal-sbc": stop(400, longest_lock=0.0, valve_strokes=12),
+            "random-ideal-sbc": stop(400, adhesion_peak=0.1234, longest_lock=0.0, valve_strokes=12),
             "random-ideal-fine": stop(300),
             "random-ideal-coarse": stop(500),
             "random-ideal-abc": stop(310, lowest=290, highest=340, longest_lock=18.94),
@@ -108,14 +108,14 @@ def baseline():
 def test_changes_are_against_the_published_and_the_best_tuned_and_ranges_are_ranges(campaign, baseline):
     lines = str(tables(campaign, baseline)["distances"]).splitlines()
     assert lines == [
-        "| braking distance | random | longest lock | valve strokes |",
-        "|---|--:|--:|--:|",
-        "| *paper: SBC, two-state 10/15 %* | 410.0 m |  |  |",
-        "| *paper: ABC* | 369.0 m (−10.0 %) |  |  |",
-        "| ideal: SBC, two-state 10/15 % | 400.0 m (+33.3 %) | 0.0 s | 12 |",
-        "| ideal: SBC, two-state 1/2 % | 300.0 m (−25.0 %) |  |  |",
-        "| ideal: SBC, two-state 20/30 % | 500.0 m (+25.0 %, +66.7 %) |  |  |",
-        "| ideal: ABC | 310.0 m, 290.0 – 340.0 m (−22.5 %, +3.3 %) | 18.9 s |  |",
+        "| braking distance | random | greatest adhesion | longest lock | valve strokes |",
+        "|---|--:|--:|--:|--:|",
+        "| *paper: SBC, two-state 10/15 %* | 410.0 m |  |  |  |",
+        "| *paper: ABC* | 369.0 m (−10.0 %) |  |  |  |",
+        "| ideal, 20 ms lag: SBC, two-state 10/15 % | 400.0 m (+33.3 %) | 0.123 | 0.0 s | 12 |",
+        "| ideal, 20 ms lag: SBC, two-state 1/2 % | 300.0 m (−25.0 %) |  |  |  |",
+        "| ideal, 20 ms lag: SBC, two-state 20/30 % | 500.0 m (+25.0 %, +66.7 %) |  |  |  |",
+        "| ideal, 20 ms lag: ABC | 310.0 m, 290.0 – 340.0 m (−22.5 %, +3.3 %) |  | 18.9 s |  |",
     ]
 
 

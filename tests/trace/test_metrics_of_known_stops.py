@@ -44,6 +44,15 @@ def test_slip_classes_and_deep_slide_count_the_time():
     assert measures.time_in_deep_slide(trace) == pytest.approx((0.0, 0.0, 4.0, 4.0))
 
 
+def test_the_greatest_adhesion_of_a_group_is_that_of_any_instant():
+    time = uniform_stop()["time"].values
+    of_groups = np.stack([0.1 + 0.05 * (time == 3.0), 0.12 - 0.02 * (time > 9.0), 0 * time, 0.2 * (time > 9.0)], axis=1)
+    peaks = measure(
+        uniform_stop(group_adhesion=of_groups), outcome=Outcome.STANDSTILL, alpha_max=0.15, actuation="ideal"
+    ).adhesion_peak
+    assert peaks == pytest.approx((0.15, 0.12, 0.0, 0.2))
+
+
 def test_the_longest_lock_is_one_lock_and_not_their_sum():
     time = uniform_stop()["time"].values
     locks = ((time >= 1) & (time < 3)) | ((time >= 5) & (time < 8))

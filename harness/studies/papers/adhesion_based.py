@@ -1,13 +1,12 @@
-"""Schwarz, Posielek and Goetjes (2021): their table and figure 4 with the law as printed, beside ours."""
+"""Schwarz, Posielek and Goetjes (2021): their table and figure 4 with the law as printed, next to ours."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.ndimage import uniform_filter1d
 
 from railgrip.api import Scenario
 from railgrip.report import palette, style
@@ -18,14 +17,36 @@ from railgrip.studies.papers.creep_curves import CreepCurve
 from railgrip.studies.papers.lyapunov import course_of, violations
 from railgrip.studies.papers.pages import Compared
 from railgrip.studies.papers.schematic import arrow, box, canvas
-from railgrip.studies.papers.table1 import ABC, BOUNDS, DEFAULT, EQUAL, SBC, SCENARIOS, Candidate, Fitted, stop_of
+from railgrip.studies.papers.sentences import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
+from railgrip.studies.papers.table1 import (
+    ABC,
+    ADHESION_SMALL,
+    BOUNDS,
+    CHATTERING,
+    CLOSE,
+    DEFAULT,
+    EQUAL,
+    LOAD,
+    OVER,
+    SAVING,
+    SBC,
+    SCENARIOS,
+    SHARE,
+    SLIPS,
+    SPEED,
+    Fitted,
+    creep_curve,
+    mean_friction,
+    point_of,
+    rail_of,
+    share_of,
+    stop_of,
+    value_of,
+)
 from railgrip.trace.stop import Stop
 
 LIBRARY = Path(__file__).parent / "library"
 FITS, IDENTIFIED = LIBRARY / "table1_fits.csv", LIBRARY / "table1_identified.csv"
-
-LIMIT = 0.15
-"""Adhesion that the paper allows, after the TSI."""
 
 
 def distances(identified: Fitted) -> Table:
@@ -46,20 +67,168 @@ def distances(identified: Fitted) -> Table:
     return Table.of(("", *(name.replace("_", " ") for name in SCENARIOS)), rows)
 
 
+_AT_BOUND: Final = 0.02
+"""Share of the bounds within which a searched number counts as at its bound."""
+
+
 def parameters(identified: Fitted) -> Table:
-    """Return what was identified, beside the published shape that the scenarios have and the bounds of the search."""
+    """Return the nine free numbers, next to Polach's dry curve and the bounds of the search."""
+    point = dict(zip(BOUNDS, point_of(identified.candidate), strict=True))
     rows = [
         (
             name,
-            *(f"{_value(candidate, name):.3g}" for candidate in (identified.candidate, DEFAULT)),
-            f"{low:g} – {high:g}",
+            *(f"{value_of(candidate, name):.3g}" for candidate in (identified.candidate, DEFAULT)),
+            f"{low:.3g} – {high:.3g}",
+            "" if _AT_BOUND < point[name] < 1 - _AT_BOUND else "at its bound",
         )
         for name, (low, high) in BOUNDS.items()
     ]
     rows += [
-        (f"level, {name.replace('_', ' ')}", f"{identified.levels[name]:.3f}", "", "0.5 – 2.5") for name in SCENARIOS
+        (f"level, {name.replace('_', ' ')}", f"{identified.levels[name]:.3f}", "", "0.5 – 2.5", "solved for")
+        for name in SCENARIOS
     ]
-    return Table.of(("number", "identified", "dry", "bounds"), rows)
+    return Table.of(("number", "identified", "dry", "bounds", "remark"), rows)
+
+
+def choices() -> Table:
+    """Return every other quantity on which the six distances depend and that the paper does not give.
+
+    They are read from the scenarios: changes there appear here.
+    """
+    rows: list[tuple[str, str]] = []
+    for name in SCENARIOS:
+        adhesion = dict(Scenario.load(name).resolved()["adhesion"])
+        conditioning = adhesion.pop("conditioning")
+        course = {key: value for key, value in adhesion.items() if key not in _NOT_CHOSEN and value is not None}
+        course |= {f"conditioning {key}": value for key, value in conditioning.items()}
+        course["seed"] = Scenario.load(name).seed
+        rows.append(
+            (
+                f"friction over time, {name.replace('_', ' ')}",
+                ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in course.items()),
+            )
+        )
+    scenario = Scenario.load("trapezoid")
+    periods, limits = scenario.periods, scenario.limits
+    rows += [
+        ("lag of the cylinder pressure", "20 ms (plant parameter T_pressure)"),
+        ("periods of loop, filter and law", " / ".join(f"{1e3 * period:g} ms" for period in
+         (periods.communication, periods.estimator, periods.controller))),
+        ("end of the stop", f"{limits.stop_speed:g} m/s"),
+        ("sensors", "exact"),
+        ("noises of the filter", "set 'ideal' of TrainPrediction"),
+        ("adhesion_small of the law", f"{ADHESION_SMALL:g}"),
+        ("guards of the law", "rolling, speed_min 0.5 m/s, hold; see the validation page"),
+        ("train", "masses, inertias, brakes, suspension and running resistance of TwoPartTrain"),
+        ("pad friction", "first-order law of this project, not that of Ehret (2021)"),
+        ("slip-based control", "releases above 15 %, applies below 10 %, at once in each period"),
+        ("second and later wheelsets", "the friction of the first one at the same time, conditioned"),
+    ]  # fmt: skip
+    return Table.of(("quantity", "chosen"), rows, left=2)
+
+
+_NOT_CHOSEN: Final = frozenset({"kind", "polach", "polach_of_wheelset", "level", "calibrated", "over", "patch"})
+"""Keys of [adhesion] that are free numbers of the fit, or that the scenarios do not use."""
+
+
+def cross_validation(fits: Sequence[Fitted]) -> Table:
+    """Return the third distance of the law predicted by the fit to the other two, each way.
+
+    Of all tried candidates with a plausible creep curve the one with the smallest error of two distances predicts the
+    third. No constraint but that of the curve is used, because the others contain the third distance or the trapezoid.
+    The range is that of all candidates that fit the two within `EQUAL`.
+    """
+    plausible = [fit for fit in fits if np.isfinite(fit.largest) and fit.share >= SHARE]
+    rows: list[tuple[str, ...]] = []
+    for number, name in enumerate(SCENARIOS):
+
+        def error_of_two(fit: Fitted, left_out: int = number) -> float:
+            return max(abs(error) for place, error in enumerate(fit.errors[3:]) if place != left_out)
+
+        best = min(plausible, key=error_of_two)
+        errors = [100 * fit.errors[3 + number] for fit in plausible if error_of_two(fit) <= EQUAL]
+        rows.append((
+            name.replace("_", " "), f"{ABC[name]:.1f} m", f"{100 * error_of_two(best):.1f} %",
+            f"{best.abc[name]:.1f} m", _signed(100 * best.errors[3 + number]),
+            f"{_signed(min(errors))} to {_signed(max(errors))} ({len(errors)})" if errors else "none",
+        ))  # fmt: skip
+    columns = ("predicted", "paper", "largest error of the other two", "prediction", "error", "errors of all such fits")
+    return Table.of(columns, rows)
+
+
+def _signed(share: float) -> str:
+    return f"{share:+.1f} %".replace("-", "−")
+
+
+def curve_figure(identified: Fitted) -> Figure:
+    """Draw the identified creep curve at the mean friction of the trapezoid, next to the dry one at its level."""
+    drawing, panel = style.panels(8, 3.8)
+    for fit_of, friction, color, name in (
+        (identified.candidate, mean_friction(identified.levels["trapezoid"]), palette.BLUE, "identified"),
+        (DEFAULT, mean_friction(Scenario.load("trapezoid").adhesion.calibrated["dry"]), palette.GREY, "dry, library"),
+    ):
+        curve = creep_curve(fit_of, friction)
+        panel.plot(100 * SLIPS, curve, color=color, label=f"{name}, μ0 = {friction:.3f}")
+        best = int(np.argmax(curve))
+        panel.plot(100 * SLIPS[best], curve[best], "o", color=color)
+        panel.annotate(
+            f"{100 * SLIPS[best]:.1f} %", (100 * SLIPS[best], curve[best]), xytext=(4, 5), textcoords="offset points",
+            fontsize=8, color=color,
+        )  # fmt: skip
+        panel.plot(15, share_of(fit_of, friction) * curve[best], "s", color=color, markersize=5)
+        panel.annotate(
+            f"{100 * share_of(fit_of, friction):.0f} % of the greatest", (15, share_of(fit_of, friction) * curve[best]),
+            xytext=(6, 4), textcoords="offset points", fontsize=8, color=color,
+        )  # fmt: skip
+    panel.axvspan(10, 15, color=palette.ORANGE, alpha=0.25, linewidth=0, label="slip-based control")
+    style.dress(
+        panel, x="slip [%]", y="adhesion",
+        title=f"creep curves at {SPEED * style.KMH:.0f} km/h and {LOAD / 1e3:.0f} kN, mean friction of the trapezoid",
+    )  # fmt: skip
+    panel.set_xlim(0, 50)
+    panel.set_ylim(bottom=0)
+    style.legend(panel, loc="lower right")
+    return drawing
+
+
+def sentences(identified: Fitted, found: Mapping[str, Any]) -> Table:
+    """Return what the paper says of its results, whether the search required it, and whether it holds.
+
+    `found` are `measures`. Held out: the search did not see it.
+    """
+    printed, sbc = found[LAWS[0]], found["trapezoid"]
+    used, chatter = printed["used"], printed["chatter"]
+    longer = sbc["duration"] - printed["duration"]
+    rises = {name: found["minima"][name] for name in SCENARIOS}
+    chosen, searched, out = "chosen", "required", "held out"
+    rows = [
+        ("minimum of μ0 rises from front to rear in all scenarios", chosen,
+         ", ".join(f"{minima[0]:.3f} to {minima[-1]:.3f}" for minima in rises.values()),
+         all(minima[-1] > minima[0] for minima in rises.values())),
+        ("ABC saves at least 8.8 %", searched, " / ".join(f"{100 * saving:.1f} %" for saving in identified.savings),
+         min(identified.savings) >= SAVING),
+        ("adhesion very close to the greatest possible, but from 9 to 16 s", searched,
+         " / ".join(f"{100 * share:.0f} %" for share in used.values()) + " before / in / after",
+         min(used["before"], used["after"]) >= max(CLOSE, used["coupled"])),
+        ("significant chattering after 25 s", searched, f"{chatter[0]:.4f} before, {chatter[1]:.4f} after",
+         chatter[1] >= CHATTERING * chatter[0]),
+        ("strict adherence to the limit of 0.15", f"required: at most {OVER:g} s above",
+         f"greatest adhesion {printed['peak']:.3f}", printed["peak"] <= LIMIT),
+        ("the limit becomes active after the last rise of μ0", out, f"greatest adhesion {printed['peak']:.3f}",
+         printed["peak"] >= LIMIT),
+        ("SBC takes approximately 2 s longer, trapezoid", out, f"{longer:.1f} s", abs(longer - 2.0) <= 0.5),
+        ("SBC has considerably lower adhesion than ABC", out,
+         f"{100 * np.mean(list(sbc['used'].values())):.0f} % against {100 * np.mean(list(used.values())):.0f} %",
+         np.mean(list(used.values())) - np.mean(list(sbc["used"].values())) >= 0.05),
+        ("other wheelsets are qualitatively similar", out,
+         " / ".join(f"{100 * share:.0f} %" for share in printed["used_groups"]) + " used by group",
+         min(printed["used_groups"]) >= 0.8),
+    ]  # fmt: skip
+    return Table.of(
+        ("sentence", "in the search", "here", "holds"),
+        [(*row[:-1], "yes" if row[-1] else "no") for row in rows],
+        left=3,
+    )
 
 
 def profile(fits: Sequence[Fitted]) -> Table:
@@ -73,14 +242,14 @@ def profile(fits: Sequence[Fitted]) -> Table:
         cells: list[str] = []
         for begin, end in pairwise(edges):
             # Values are rounded to four digits, so that one at a bound may lie beyond it.
-            inside = [fit.largest for fit in fits if begin * 0.999 <= _value(fit.candidate, name) <= end * 1.001]
+            inside = [fit.largest for fit in fits if begin * 0.999 <= value_of(fit.candidate, name) <= end * 1.001]
             cells.append(f"{begin:.2g} – {end:.2g}: {100 * min(inside):.1f} %" if inside else "none tried")
         rows.append((name, *cells))
     return Table.of(("number", "lowest quarter", "second", "third", "highest quarter"), rows)
 
 
 def alternatives(fits: Sequence[Fitted]) -> Table:
-    """Return fits with errors up to twice `EQUAL`, the best first.
+    """Return fits of plausible curves with errors up to twice `EQUAL`, the best first.
 
     Each differs from those before it in some number by a quarter of its bounds.
     """
@@ -89,7 +258,7 @@ def alternatives(fits: Sequence[Fitted]) -> Table:
         if fit.largest <= 2 * EQUAL and all(_apart(fit, other) >= 0.25 for other in chosen):
             chosen.append(fit)
     rows = [
-        (*(f"{_value(fit.candidate, name):.3g}" for name in BOUNDS), f"{100 * fit.largest:.1f} %",
+        (*(f"{value_of(fit.candidate, name):.3g}" for name in BOUNDS), f"{100 * fit.largest:.1f} %",
          " / ".join(f"{distance:.0f}" for distance in fit.abc.values()))
         for fit in chosen
     ]  # fmt: skip
@@ -102,7 +271,7 @@ def profile_figure(fits: Sequence[Fitted]) -> Figure:
     for panel, name in zip(panels.flat, BOUNDS, strict=True):
         shown = [fit for fit in fits if np.isfinite(fit.largest)]
         panel.plot(
-            [_value(fit.candidate, name) for fit in shown],
+            [value_of(fit.candidate, name) for fit in shown],
             [100 * fit.largest for fit in shown],
             ".",
             color=palette.BLUE,
@@ -124,13 +293,12 @@ def stops_of(identified: Fitted) -> dict[str, Stop]:
     "library NAME": On the rail as the scenarios of the library have it, for another creep curve.
     """
     curve, levels = identified.candidate, identified.levels
-    trapezoid = {"adhesion.polach": curve.polach, "adhesion.level": levels["trapezoid"]}
     slip_based = {"controller.kind": "slip_two_state", "estimator.kind": "none"}
     scenarios = {name: stop_of(name, curve, levels[name], "sbc") for name in SCENARIOS}
     scenarios |= {f"library {name}": Scenario.load(name, slip_based) for name in SCENARIOS}
     laws = (
         stop_of("trapezoid", curve, levels["trapezoid"], "abc"),
-        Scenario.load("trapezoid", trapezoid),
+        Scenario.load("trapezoid", rail_of("trapezoid", curve, levels["trapezoid"])),
     )
     return {name: run_stop(scenario) for name, scenario in (scenarios | dict(zip(LAWS, laws, strict=True))).items()}
 
@@ -197,17 +365,11 @@ def adhesion_figure(stops: Mapping[str, Stop]) -> Figure:
     return drawing
 
 
-COUPLED, LAST_RISE = (9.0, 16.0), 25.0
-"""When adhesion is below the greatest possible, and when friction rises last, after the text of the paper [s]."""
-
-
 def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str, Any]:
     """Return what is measured in our figures, by name; the table of the page is made of it.
 
     `minima`: of friction, by stop and wheelset; `maxima`: slips, by creep curve; `rise`: when friction begins its last
-    rise [s]; `violations`: see `lyapunov`. By stop of figure 4: `duration` [s]; `used`: adhesion over the greatest
-    possible up to the limit, means before, in and after `COUPLED`; `chatter`: rms deviation of adhesion from its mean
-    over 0.2 s, before and after `LAST_RISE`.
+    rise [s]; `violations`: see `lyapunov`. By stop of figure 4 the numbers of `course_of_adhesion`.
     """
     rail = stops["trapezoid"].trace
     mu0, time = rail["mu0"].values[:, 0], rail["time"].values
@@ -221,28 +383,12 @@ def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str
         "violations": violations({law: course_of(stops[law]) for law in LAWS}),
     }
     for name in ("trapezoid", *LAWS):
-        found[name] = _course_of_adhesion(stops[name])
+        found[name] = course_of_adhesion(stops[name])
     return found
 
 
-def _course_of_adhesion(stop: Stop) -> dict[str, Any]:
-    """Return duration, used adhesion and chatter of a stop; see `measures`."""
-    trace = stop.trace
-    time, adhesion, greatest = trace["time"].values, trace["adhesion"].values[:, 0], trace["peak_adhesion"].values[:, 0]
-    window = round(0.2 / float(time[1] - time[0]))
-    deviation = adhesion - uniform_filter1d(adhesion, window)
-    used = adhesion / np.minimum(greatest, LIMIT)
-    parts = {"before": time < COUPLED[0], "coupled": (time >= COUPLED[0]) & (time < COUPLED[1])}
-    parts["after"] = (time >= COUPLED[1]) & (time < LAST_RISE)
-    return {
-        "duration": stop.metrics.duration,
-        "used": {name: float(np.mean(used[there])) for name, there in parts.items()},
-        "chatter": [float(np.sqrt(np.mean(deviation[there] ** 2))) for there in (time < LAST_RISE, time >= LAST_RISE)],
-    }
-
-
 def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
-    """Return the published quantities beside ours; `found` are `measures`."""
+    """Return the published quantities next to ours; `found` are `measures`. The levels are solved for SBC."""
     rows = [
         Compared("Fig. 1", f"slip of maxima, {name}", "two distinct maxima, no numbers",
                  ", ".join(f"{100 * slip:.1f} %" for slip in slips))
@@ -254,11 +400,17 @@ def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
         for name, minima in found["minima"].items()
     ]  # fmt: skip
     rows += [
-        Compared("Table 1", f"{title}, {_rail(name)}", paper[name], ours[name], "{:.1f} m")
-        for title, paper, ours in (("SBC", SBC, identified.sbc), ("ABC as printed", ABC, identified.abc))
+        Compared("Table 1", f"SBC, {_rail(name)}", SBC[name], identified.sbc[name], "{:.1f} m", is_chosen=True)
         for name in SCENARIOS
     ]
-    rows.append(Compared("Fig. 4", "begin of the last rise of μ0", LAST_RISE, found["rise"], "{:.1f} s"))
+    rows += [
+        Compared("Table 1", f"ABC as printed, {_rail(name)}", ABC[name], identified.abc[name], "{:.1f} m",
+                 f"{_signed(100 * (identified.abc[name] / ABC[name] - 1))}, fitted")
+        for name in SCENARIOS
+    ]  # fmt: skip
+    rows.append(
+        Compared("Fig. 4", "begin of the last rise of μ0", LAST_RISE, found["rise"], "{:.1f} s", is_chosen=True)
+    )
     for law in LAWS:
         course, longer = found[law], found["trapezoid"]["duration"] - found[law]["duration"]
         rows += [
@@ -280,16 +432,6 @@ def _rail(name: str) -> str:
     return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
-def _value(candidate: Candidate, name: str) -> float:
-    return candidate.k_S / candidate.k_A if name == "k_S/k_A" else float(getattr(candidate, name))
-
-
 def _apart(fit: Fitted, other: Fitted) -> float:
     """Return the greatest distance of two fits in a number, as a share of its bounds."""
-    shares: list[float] = []
-    for name, (low, high) in BOUNDS.items():
-        first, second = _value(fit.candidate, name), _value(other.candidate, name)
-        shares.append(
-            abs(first - second) / (high - low) if name == "A" else abs(np.log(first / second) / np.log(high / low))
-        )
-    return max(shares)
+    return float(np.max(np.abs(np.subtract(point_of(fit.candidate), point_of(other.candidate)))))

@@ -55,7 +55,7 @@ def entrants() -> dict[str, Entrant]:
     for kind in registry.modules(registry.LAWS):
         law = registry.part(registry.LAWS, kind, GroupLaw)
         for name, entry in law.entries.items():
-            is_tuned = entry.tuning != "paper" and bool(law.ranges or law.sets_of)
+            is_tuned = entry.tuning != "paper" and bool(law.ranges)
             common = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
             controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
             estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}

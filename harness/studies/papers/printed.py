@@ -1,0 +1,152 @@
+"""What the validation page says of the law as printed next to its row: its guards, and the limit of adhesion."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
+import numpy as np
+
+from railgrip.base.registry import shelf
+from railgrip.campaign.work import Work
+from railgrip.controllers.laws.adhesion_based import AdhesionBased
+from railgrip.report.table import Table
+from railgrip.scenario.campaign import load_campaign
+from railgrip.scenario.merge import merged
+from railgrip.scenario.schema import Scenario
+from railgrip.simulate.run import braking_distance, trace_of
+from railgrip.simulate.vehicle import VehicleData
+from railgrip.studies.papers.sentences import LIMIT
+from railgrip.studies.papers.table1 import PERTURBATION, SCENARIOS
+
+
+def _metres(distance: float | None, other: float | None) -> str:
+    if distance is None:
+        return "no stop"
+    return f"{distance:.1f} m" if other is None else f"{distance - other:+.1f} m".replace("-", "−")
+
+
+GUARDS: Final[Mapping[str, Mapping[str, Any]]] = {
+    "as searched": {},
+    "without the rolling guard": {"slip_small": 0.0, "creep_small": 0.0, "adhesion_small": 0.0},
+    "without the guard below 0.5 m/s": {"speed_min": 0.0},
+    "without the hold (half pressure where ṡ·α̇ = 0)": {"hold": 0.0},
+    (_BORROWING := "with the parameters that were searched for ABC"): {},
+}
+"""Variants of the law as printed → what is changed of its parameters; the last takes those of peak seeking."""
+_BORROWED: Final = ("filter_time", "slip_small", "creep_small", "adhesion_small")
+_REPEATS: Final = 3
+_EQUIPMENT: Final = ("ideal", "service")
+
+
+def guards(work: Work) -> dict[str, dict[str, float | None]]:
+    """Return the median distances [m] of the law as printed without each of its guards, by equipment and scenario.
+
+    None where most of the repeats do not stop.
+    """
+    campaign = load_campaign(shelf("campaigns")["table1"])
+    planned = {
+        f"{stop.variants['equipment']}-{stop.variants['scenario']}": stop.scenario
+        for stop in campaign.only(lambda stop: stop.variants["controller"] == "adhesion_literal").stops
+    }
+    columns = [f"{equipment}-{name}" for equipment in _EQUIPMENT for name in SCENARIOS]
+    cases = [
+        _with_parameters(planned[column], variant, seed)
+        for variant in GUARDS
+        for column in columns
+        for seed in range(1, _REPEATS + 1)
+    ]
+    distances = [math.inf if distance is None else distance for distance in work.map(braking_distance, cases)]
+    medians = np.median(np.reshape(distances, (len(GUARDS), len(columns), _REPEATS)), axis=2)
+    return {
+        variant: {
+            column: round(float(median), 2) if math.isfinite(median) else None
+            for column, median in zip(columns, row, strict=True)
+        }
+        for variant, row in zip(GUARDS, medians, strict=True)
+    }
+
+
+def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
+    """Return a stop with the law as printed in a variant of `GUARDS`, perturbed by a seed."""
+    parameters = GUARDS[variant]
+    if variant == _BORROWING:
+        tuning = AdhesionBased.tuned_for(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
+        parameters = {name: getattr(tuning, name) for name in _BORROWED}
+    changes = {
+        "controller": {"parameters": dict(parameters)},
+        "vehicle": {"nudge": {"relative": PERTURBATION, "seed": seed}},
+    }
+    return Scenario.model_validate(merged(scenario.resolved(), changes))
+
+
+def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
+    """Return the distances of `guards`, those of variants as differences from the law with all guards [m]."""
+    whole = found[next(iter(GUARDS))]
+    rows = [
+        (variant, *(_metres(distance, None if distances is whole else whole[column])
+                    for column, distance in distances.items()))
+        for variant, distances in found.items()
+    ]  # fmt: skip
+    columns = [f"{equipment}: {name.replace('_', ' ')}" for equipment in _EQUIPMENT for name in SCENARIOS]
+    return Table.of(("law as printed", *columns), rows)
+
+
+_LIMITED: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")
+"""Laws that keep the limit of adhesion as far as they can."""
+
+
+def excesses(work: Work) -> list[dict[str, Any]]:
+    """Return the greatest adhesion under each law that has a limit, and what it is made of; see `excess`."""
+    campaign = load_campaign(shelf("campaigns")["table1"])
+    stops = campaign.only(
+        lambda stop: (
+            stop.variants["equipment"] in ("ideal", "instant", "service") and stop.variants["controller"] in _LIMITED
+        )
+    ).stops
+    found = work.map(excess, [stop.scenario for stop in stops])
+    return [
+        {name: stop.variants[name] for name in ("equipment", "controller", "scenario")} | each
+        for stop, each in zip(stops, found, strict=True)
+    ]
+
+
+def excess(scenario: Scenario) -> dict[str, float]:
+    """Return the greatest adhesion of any group in a stop, and what it is made of.
+
+    `peak`: adhesion; `estimate`: estimated then; `inertia`: part of the adhesion that accelerates the wheelsets,
+    J dω/dt/(r F_z), the rest of it holds brake and bearings; `speed`: of the train then [m/s]; `over`: longest time of
+    a group above `LIMIT` [s].
+    """
+    trace = trace_of(scenario)
+    adhesion, time = trace["group_adhesion"].values, trace["time"].values
+    instant, group = np.unravel_index(np.argmax(adhesion), adhesion.shape)
+    formation = VehicleData(scenario).nominal.formation
+    load = formation.summed(trace["wheelset_load"].values)[instant, group]
+    brake = formation.brakes[group]
+    rates = np.gradient(trace["wheelset_speed"].values[:, group], time)
+    return {
+        "peak": float(adhesion[instant, group]),
+        "estimate": float(trace["estimate_adhesion"].values[instant, group]),
+        "inertia": float(brake.inertia * rates[instant] / (brake.wheel_radius * load)),
+        "speed": float(trace["speed"].values[instant]),
+        "over": float((adhesion > LIMIT).sum(axis=0).max() * (time[1] - time[0])),
+    }
+
+
+def limit_table(found: list[dict[str, Any]]) -> Table:
+    """Return the stops of `excesses` whose adhesion exceeds the limit."""
+    forms = {
+        "greatest adhesion": "{:.3f}", "estimated then": "{:.3f}", "for brake and bearings": "{:.3f}",
+        "for inertia": "{:.3f}", "train speed then": "{:.1f} m/s", f"above {LIMIT:g}": "{:.2f} s",
+    }  # fmt: skip
+    rows = [
+        {
+            "law": each["controller"].replace("_", " "), "equipment": each["equipment"],
+            "rail": each["scenario"].replace("_", " "), "greatest adhesion": each["peak"],
+            "estimated then": each["estimate"], "for brake and bearings": each["peak"] - each["inertia"],
+            "for inertia": each["inertia"], "train speed then": each["speed"], f"above {LIMIT:g}": each["over"],
+        }
+        for each in found
+        if each["peak"] > LIMIT
+    ]  # fmt: skip
+    return Table(rows, forms, left=("law", "equipment", "rail"))
