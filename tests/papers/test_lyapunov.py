@@ -8,18 +8,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from railgrip.api import Scenario
 from railgrip.simulate.parts import assembled
 from railgrip.simulate.run import trace_of
-from railgrip.studies.papers.adhesion_based import IDENTIFIED
-from railgrip.studies.papers.table1 import read_fits, stop_of
+from railgrip.studies.papers.table1 import Candidate, law_of
 
 GROUP, WHEELSET = 1, 2
+
+BROAD = Candidate(k_A=0.1991, k_S=0.03971, A=0.1018, B=0.6175, filter_time=0.09222, slip_small=0.0003)
+"""A curve so broad that slip is slower than the cylinders, whose lag the proof does not know."""
 
 
 @pytest.fixture(scope="module")
 def stop():
-    fit = read_fits(IDENTIFIED)[0]
-    scenario = stop_of("trapezoid", fit.candidate, fit.levels["trapezoid"], "abc")
+    rail = {"adhesion.polach": BROAD.polach, "adhesion.level": 1.85603}
+    scenario = Scenario.load("trapezoid", rail | law_of(BROAD))
     with assembled(scenario) as parts:
         contact = parts.vehicle.contact
     trace = trace_of(scenario)
@@ -73,13 +76,9 @@ def test_the_slope_changes_as_equation_15_says(stop):
 
 
 def test_the_lyapunov_function_falls_where_the_brake_obeys_equation_9_and_rises_where_it_does_not(stop):
-    """The filter of the law delays it, so that the brake has the other sign for a part of the stop, and V rises.
-
-    Judged where the creep curve is concave, as the proof assumes.
-    """
+    """The filter of the law delays it, so that the brake has the other sign for a part of the stop, and V rises."""
     change = stop.sigma * stop.sigma_rate
     obeys = (stop.sigma < 0) == stop.released
-    concave = stop.curvature < 0
-    assert 0.2 < np.mean(concave) < 1.0
-    assert np.mean(change[obeys & concave] < 0) > 0.8
-    assert np.mean(change[~obeys & concave] < 0) < 0.2
+    assert (stop.curvature < 0).all()
+    assert np.mean(change[obeys] < 0) > 0.8
+    assert np.mean(change[~obeys] < 0) < 0.2

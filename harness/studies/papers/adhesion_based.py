@@ -163,31 +163,31 @@ def _signed(share: float) -> str:
 def curve_figure(identified: Fitted) -> Figure:
     """Draw the identified creep curve at the mean friction of the trapezoid, next to the dry one at its level."""
     drawing, panel = style.panels(8, 3.8)
-    for fit_of, friction, color, name in (
-        (identified.candidate, mean_friction(identified.levels["trapezoid"]), palette.BLUE, "identified"),
-        (DEFAULT, mean_friction(Scenario.load("trapezoid").adhesion.calibrated["dry"]), palette.GREY, "dry, library"),
+    dry: Any = Scenario.load("trapezoid").adhesion
+    for candidate, level, color, name, below in (
+        (identified.candidate, identified.levels["trapezoid"], palette.BLUE, "identified", 0),
+        (DEFAULT, dry.calibrated["dry"], palette.GREY, "dry, library", 1),
     ):
-        curve = creep_curve(fit_of, friction)
+        friction = mean_friction(level)
+        curve = creep_curve(candidate, friction)
+        best, share = int(np.argmax(curve)), share_of(candidate, friction)
         panel.plot(100 * SLIPS, curve, color=color, label=f"{name}, μ0 = {friction:.3f}")
-        best = int(np.argmax(curve))
-        panel.plot(100 * SLIPS[best], curve[best], "o", color=color)
-        panel.annotate(
-            f"{100 * SLIPS[best]:.1f} %", (100 * SLIPS[best], curve[best]), xytext=(4, 5), textcoords="offset points",
-            fontsize=8, color=color,
-        )  # fmt: skip
-        panel.plot(15, share_of(fit_of, friction) * curve[best], "s", color=color, markersize=5)
-        panel.annotate(
-            f"{100 * share_of(fit_of, friction):.0f} % of the greatest", (15, share_of(fit_of, friction) * curve[best]),
-            xytext=(6, 4), textcoords="offset points", fontsize=8, color=color,
-        )  # fmt: skip
+        for slip, adhesion, words, offset in (
+            (SLIPS[best], curve[best], f"{name}: {100 * SLIPS[best]:.1f} %", (8, -4)),
+            (0.15, share * curve[best], f"{100 * share:.0f} % of the greatest", (6, -14 if below else 6)),
+        ):
+            panel.plot(100 * slip, adhesion, "o", color=color)
+            panel.annotate(
+                words, (100 * slip, adhesion), xytext=offset, textcoords="offset points", fontsize=8, color=color
+            )
     panel.axvspan(10, 15, color=palette.ORANGE, alpha=0.25, linewidth=0, label="slip-based control")
     style.dress(
         panel, x="slip [%]", y="adhesion",
         title=f"creep curves at {SPEED * style.KMH:.0f} km/h and {LOAD / 1e3:.0f} kN, mean friction of the trapezoid",
     )  # fmt: skip
     panel.set_xlim(0, 50)
-    panel.set_ylim(bottom=0)
-    style.legend(panel, loc="lower right")
+    panel.set_ylim(0, None)
+    style.legend(panel, loc="upper right")
     return drawing
 
 
