@@ -74,8 +74,8 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     `distances` has a row for each equipment and controller, and a column for each scenario. Brackets contain the change
     against the published SBC, followed by the change against the best tuned SBC if there is one. A distance that
     depends on rounding, or on the lot of sensors, is given as median and range. Adhesion, lock and strokes are the
-    maximum of the row. `orders` compares controllers in pairs, lot by lot. `discretisation` has the changes with a shorter
-    communication step.
+    maximum of the row. `orders` compares controllers in pairs, lot by lot. `discretisation` has the changes with a
+    shorter communication step.
 
     Raises:
         ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.

@@ -170,8 +170,8 @@ class ForeignFmus(FmuLimits, frozen=True):
     """What an FMU from outside may take of this machine."""
 
     patience: Duration = Field(default=FMU_LIMITS.patience, description="real time one call may last")
-    budget: Duration = Field(
-        default=FMU_LIMITS.budget, description="real time that all calls of a run may last, trial runs included"
+    budget: Duration = optional(
+        "real time that all calls of a run may last, trial runs included", default=FMU_LIMITS.budget
     )
 
 
