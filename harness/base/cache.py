@@ -97,7 +97,7 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
 
 
 def prune(root: Path) -> None:
-    """Remove the files with the oldest last use from a cache, until its size is at most `LARGEST`."""
+    """Remove the files with the oldest last use from a cache, until its size does not exceed `LARGEST`."""
     files = [(file.lstat(), file) for file in root.glob("*/*/*/*") if not file.is_symlink()]
     size = sum(status.st_size for status, _ in files)
     for status, file in sorted(files, key=lambda entry: entry[0].st_mtime):

@@ -50,7 +50,7 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a JSON file completely, with null for numbers that are not finite, since JSON has neither NaN nor infinity."""
+    """Write a JSON file completely, with null for numbers that are not finite, which JSON does not support."""
     write_text(path, json.dumps(finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
