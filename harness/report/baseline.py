@@ -62,7 +62,7 @@ changed law does not.
 """
 
 CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER = 0.9999, 0.06
-"""Certainty and limit for the figures of a stop that has none within `LOOSEST`: they reveal a change of a tenth.
+"""Certainty and limit for the figures of a stop without any within `LOOSEST`: they reveal a change of a tenth.
 
 On another machine each such stop is one more repeat: with `CERTAINTY` one in a hundred of these figures would fail.
 """

@@ -53,7 +53,7 @@ class Distribution(Conditions):
         draws: Number of draws.
         stood: Number of draws that ended in a standstill.
         distances_m: Distance by draw; infinite without standstill.
-        median_m: Median distance; infinite if at least half of the draws have no standstill.
+        median_m: Median distance; infinite if half of the draws or more have no standstill.
         low_m: 5 % quantile of the distance.
         high_m: 95 % quantile of the distance.
         worst_m: Longest distance.

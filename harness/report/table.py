@@ -35,6 +35,7 @@ class Link(str):
     __slots__ = ("address",)
 
     def __new__(cls, text: str, address: str) -> Self:
+        """Return a text with an address, relative to the page."""
         link = super().__new__(cls, text)
         link.address = address
         return link
