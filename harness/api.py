@@ -434,7 +434,6 @@ def _path(value: Any, name: str) -> Path:
 
 
 def _changes(changes: Any) -> dict[str, Any]:
-    """Return changes by key, with values in the form of files."""
     if changes is None:
         return {}
     if not isinstance(changes, Mapping):

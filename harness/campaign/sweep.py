@@ -82,7 +82,6 @@ class Sweep:
         return grid
 
     def __repr__(self) -> str:
-        """Return a summary in five lines."""
         combinations = self.combinations
         distances = [math.nan if result.metrics is None else result.metrics.distance for result in self.results]
         known = sorted((d, i) for i, d in enumerate(distances) if math.isfinite(d))

@@ -246,7 +246,6 @@ def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
 
 
 def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
-    """Return a scenario whose controller has other parameters."""
     return Scenario.model_validate(merged(scenario.resolved(), {"controller": {"parameters": dict(values)}}))
 
 

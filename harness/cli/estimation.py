@@ -240,7 +240,6 @@ def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
 
 
 def _print_recording(recording: xarray.Dataset) -> None:
-    """Print the repairs of a user's file."""
     for sentence in recording.attrs.get("flags", ()):
         say(f"{recording.attrs['name']}: {sentence}")
 
@@ -289,7 +288,6 @@ def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> 
 
 
 def _known_states(recording: xarray.Dataset, estimates: xarray.Dataset) -> list[str]:
-    """Return the states whose true values the recording has."""
     return [str(state) for state in estimates["state"].values if knows(recording, str(state))]
 
 

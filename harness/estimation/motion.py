@@ -111,7 +111,6 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
 
 
 def _means_by_metre(distance: Array, values: Array) -> tuple[Array, Array]:
-    """Return means of distance and values over each metre with samples."""
     cell = np.floor((distance - distance[0]) / GRID).astype(int)
     _, which, count = np.unique(cell, return_inverse=True, return_counts=True)
     at = np.bincount(which, distance) / count

@@ -259,7 +259,6 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
 
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
-    """Return the [noise] of the file that a [noise] refers to."""
     if set(noise) != {"file"} or not isinstance(noise["file"], str):
         raise EstimationError(f"{path.name}: [noise] file stands for the whole table; write nothing beside its name.")
     other = path.parent / noise["file"]

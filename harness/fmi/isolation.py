@@ -282,7 +282,6 @@ class IsolatedCoSimulation(SteppedPlant):
         return status, most
 
     def _how_it_ended(self, status: int, most: int) -> tuple[Reason, str]:
-        """Return reason and sentence for the end of the FMU's process."""
         limits, code = self._limits, os.waitstatus_to_exitcode(status)
         if self._account.printed > limits.output_mib * MIB:
             return "excess", f"it printed more than {_limit('output_mib', limits.output_mib)}"

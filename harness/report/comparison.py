@@ -365,7 +365,6 @@ def without_numbers(key: str) -> str:
 
 
 def _value(value: Any) -> str:
-    """Return the value of a key as text for a table."""
     if value is None:
         return _MISSING
     if isinstance(value, float):

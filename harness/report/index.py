@@ -189,7 +189,6 @@ def campaign_page(
 
 
 def _legend(rows: Sequence[Row]) -> list[str]:
-    """Return the sentences on the columns that a campaign has."""
     sentences = [text for text, needs in _LEGEND.items() if any(map(needs, rows))]
     if any(row.breaks for row in rows):
         sentences.append(

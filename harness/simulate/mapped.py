@@ -265,7 +265,6 @@ def _variables(entry: Entry, count: int) -> Iterator[str]:
 
 
 def _some(names: Sequence[str]) -> str:
-    """Return the first of some names in one line."""
     return ", ".join([*names[:_NAMED], *(["…"] if len(names) > _NAMED else [])])
 
 
@@ -305,8 +304,6 @@ def _run(
 
 
 def _rescaled(trials: Trials, factors: Mapping[str, float]) -> Trials:
-    """Return trials whose outputs are `factors` times as large."""
-
     def one(trial: Trial) -> Trial:
         rows = trial.rows.copy()
         for name, factor in factors.items():
@@ -447,7 +444,6 @@ def _wheel_correction(measured: Sequence[float]) -> Factors:
 
 
 def _sentence(name: str, factor: float, *, found: Sequence[Finding]) -> str:
-    """Return a sentence on a correction and the finding behind it."""
     shown = next((finding for finding in found if finding.signal.partition("[")[0] == name), found[0])
     likely = mistake(1.0 / factor) or f"{1.0 / factor:.4g} times what is meant"
     return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"

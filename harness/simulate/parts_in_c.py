@@ -324,7 +324,6 @@ def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[V
 
 
 def _of(signals: Sequence[Signal], layout: Layout, starts: NDArray[np.float64] | None = None) -> list[Variable]:
-    """Return signals as variables of an FMU, one per element."""
     variables: list[Variable] = []
     for signal in signals:
         numbers = [f"[{i + 1}]" for i in range(layout.formation.width(signal.extent))]

@@ -109,6 +109,7 @@ static int all_finite(ModelExchange *m, const double *values, long long count, i
 {
     double sum = 0.0;
 
+    /* NaN and infinity survive a sum: one test instead of `count` in the usual case; an overflow is cleared below. */
     for (long long i = 0; i < count; i++)
         sum += values[i];
     if (isfinite(sum))

@@ -382,7 +382,6 @@ def _address_of(step: ca.Function) -> int:
 
 
 def _step_from_c(struct: Struct, plant: CoSimulation) -> None:
-    """Let the cycle step a plant that has been started."""
     interface = plant.c_interface()
     struct.set(
         cross=interface.cross, set_step_get=interface.plan, taken=interface.inputs, shown=interface.outputs,

@@ -53,7 +53,7 @@ static void keep(const Cycle *c, double *row)
 static int within_limits(const Cycle *c)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (!(c->demand[g] >= 0.0 && c->demand[g] <= c->most[g]))
+        if (!(c->demand[g] >= 0.0 && c->demand[g] <= c->most[g]))   /* negated, so that NaN is outside */
             return 0;
     return c->is_pascal;
 }
@@ -85,6 +85,7 @@ EXPORT int cycle(Cycle *c)
         const int decides = due(c->controller_every, k);
         double *row = c->rows + (k < c->capacity ? k : c->capacity - 1) * c->width;
 
+        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind it. */
         switch (c->stage) {
         case BEGIN:
             if (k > c->samples)
@@ -141,7 +142,7 @@ EXPORT int cycle(Cycle *c)
             if (c->mean && k == 0)
                 look(c);
             keep_belief(c, row);
-            c->written = k + 1;
+            c->written = k + 1;              /* already here: a controller that fails now must not cost the row */
             c->stage = LIMIT;
             if (decides) {
                 observe_with_estimates(c);
@@ -162,6 +163,7 @@ EXPORT int cycle(Cycle *c)
                 return NO_COMMAND;
             if (c->faults)
                 pass_faults(c->faults, k, c->truth, c->command, c->inputs);
+            /* A train that starts at rest has not stopped until it has moved or is braked. */
             c->moved |= c->truth[OUTPUT_SPEED] > c->stop_speed;
             if (c->truth[OUTPUT_SPEED] <= c->stop_speed && (c->moved || brakes_demanded(c->driver)))
                 return STANDING;

@@ -50,6 +50,7 @@ void see(Cycle *c)
         const int new = !isnan(reading[i]);
         if (new)
             c->latest[i] = reading[i];
+        /* A filter that is slower than the sensors must not lose readings between its steps. */
         if (new || !c->news)
             c->fresh[i] = reading[i];
     }
@@ -90,6 +91,7 @@ void look(Cycle *c)
 int believe(Cycle *c)
 {
     c->news = 0;
+    /* After the step: these pressures act during the next period. */
     copy(c->held, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
     look(c);
     c->innovation[0] = *c->squared;

@@ -35,7 +35,7 @@ static const double ADHESION_SHARE = 0.01, ADHESION_STEP = 1e-3;
 
 static int within(Plausibility *its, int check, int element, double value, double least, double most)
 {
-    if (value < least || value > most) {
+    if (value < least || value > most) {             /* false for NaN, so that a missing signal passes */
         its->check = check;
         its->element = element;
         its->value = value;
