@@ -69,7 +69,6 @@ class Draft:
     """
 
     def __init__(self) -> None:
-        """Begin."""
         self._symbols: dict[str, tuple[list[Quantity], list[Expression]]] = {
             kind: ([], []) for kind in ("state", "input", "parameter")
         }

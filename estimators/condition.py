@@ -39,7 +39,6 @@ class ConditionDetector:
     model_deviation: float
 
     def __post_init__(self) -> None:
-        """Refuse what cannot decide."""
         if len(set(self.levels.values())) != len(self.levels) or len(self.levels) < 2:
             raise EstimatorError(f"ConditionDetector: wants two different levels or more, got {dict(self.levels)}.")
         if not (0.5 <= self.confidence < 1.0 and self.hold >= 0.0 and self.model_deviation >= 0.0):

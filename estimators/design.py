@@ -42,7 +42,6 @@ class Gate:
     threshold: float
 
     def __post_init__(self) -> None:
-        """Refuse pairs that do not pair."""
         if len(self.states) != len(self.inputs):
             raise EstimatorError(
                 f"Gate: {len(self.states)} states want as many inputs, got {len(self.inputs)}; "

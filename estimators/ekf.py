@@ -164,7 +164,6 @@ class Running:
     """
 
     def __init__(self, filter_: ExtendedKalmanFilter, first: Estimate) -> None:
-        """Begin with the belief `first`."""
         self._filter = filter_
         self._belief = first
         self.mean, self.covariance = first.mean.copy(), first.covariance.copy()

@@ -91,7 +91,6 @@ class Equations:
     """
 
     def __init__(self, model: Model) -> None:
-        """Differentiate; nothing is evaluated yet."""
         t = ca.SX.sym("t")
         self.x = ca.SX.sym("x", len(model.states))
         self.u = ca.SX.sym("u", len(model.inputs))

@@ -1,4 +1,4 @@
-"""What `import railgrip` offers; see docs/api.md."""
+"""The public interface of `import railgrip`; see docs/api.md."""
 
 import copy
 from collections.abc import Callable, Collection, Iterable, Mapping
@@ -31,7 +31,7 @@ from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sen
 from railgrip.vehicle.formation import Formation
 
 if TYPE_CHECKING:
-    # CasADi and the FMU loader take a second, which reading scenarios does not need.
+    # CasADi and the FMU loader take a second to import, which reading scenarios does not need.
     import xarray
 
     from railgrip.campaign.sweep import Sweep
@@ -75,14 +75,14 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import what loads xarray and CasADi when it is used."""
+    """Import a name on first use if its module loads xarray and CasADi."""
     if name == "Stop":
         return import_module("railgrip.report.stop").Stop
     raise AttributeError(f"module 'railgrip.api' has no attribute '{name}'")
 
 
 class Scenario(schema.Scenario):
-    """Everything that decides a stop."""
+    """All inputs of a stop."""
 
     _directory: Path = PrivateAttr(default_factory=Path.cwd)
 
@@ -91,11 +91,11 @@ class Scenario(schema.Scenario):
         """Return a scenario by its name, such as "trapezoid", from a TOML file, or from its tables.
 
         Args:
-            source: Name, path, or tables; files that tables name are found from the current folder.
-            changes: Key → value laid over it, as {"start.speed": "100 km/h"}.
+            source: Name, path, or tables, whose files are relative to the current folder.
+            changes: Key → value that overrides the scenario's, as {"start.speed": "100 km/h"}.
 
         Raises:
-            ScenarioError: Missing, or not a scenario; each problem in one sentence with its key.
+            ScenarioError: The file is missing or not a scenario; one sentence with the key per problem.
         """
         if isinstance(source, Mapping):
             table = _plain(source, "scenario")
@@ -111,9 +111,9 @@ class Scenario(schema.Scenario):
         return self._of(Tables.of(table, self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
-        """Return the scenario with a recipe, an .fmu, or keys of [vehicle] for its plant, whatever that was before.
+        """Return the scenario with another plant: a recipe, an .fmu, or keys of [vehicle].
 
-        Paths are from the current folder.
+        Paths are relative to the current folder.
         """
         keys = _plain(plant, "plant") if isinstance(plant, Mapping) else {"plant": str(_path(plant, "plant"))}
         for key, value in keys.items():
@@ -131,10 +131,10 @@ class Scenario(schema.Scenario):
 
 
 _WRITTEN = (str, Path, Mapping)
-"""What a plant is that a scenario can name."""
+"""Types of plants that a scenario can name."""
 
 ScenarioLike = schema.Scenario | str | Path | Mapping[str, Any]
-"""A scenario, or what `Scenario.load` takes for one."""
+"""A scenario, or a valid argument of `Scenario.load`."""
 
 
 def run(
@@ -149,15 +149,15 @@ def run(
     """Run a scenario and return its stop: `.outcome`, `.metrics`, `.trace` (xarray), `.to_pandas()`, `.write(folder)`.
 
     Args:
-        scenario: What to run.
-        controller: In place of the scenario's a name such as "slip_two_state", keys of [controller], or an object or
-            class of one's own; likewise estimator and sensors.
-        plant: In place of the scenario's a recipe, an .fmu, keys of [vehicle] such as {"model": "MyLib.MyTrain",
-            "library": "MyLib/package.mo"}, or an object or class of one's own.
+        scenario: Scenario to run.
+        controller: Replaces the scenario's: a name such as "slip_two_state", keys of [controller], or an object or
+            class with the methods of `Controller`; likewise estimator and sensors.
+        plant: Replaces the scenario's: a recipe, an .fmu, keys of [vehicle] such as {"model": "MyLib.MyTrain",
+            "library": "MyLib/package.mo"}, or an object or class with the methods of `Plant`.
         import_from: Folders of modules that the scenario names as module:Class.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parts cannot do.
+        ScenarioError: The scenario requires something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
     from railgrip.campaign.one_stop import with_maker
@@ -175,7 +175,7 @@ def open(
     *,
     import_from: Iterable[str | Path] = (),
 ) -> "Bench":
-    """Return a bench on which the caller is the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
+    """Return a bench on which the caller acts as the controller: `reset()`, `step(pressures)`, `ended`, `stop`."""
     from railgrip.simulate.by_hand import Bench
 
     changed, objects = _with_parts(scenario, estimator=estimator, sensors=sensors, plant=plant)
@@ -193,19 +193,20 @@ def sweep(
     workers: int = 1,
     import_from: Iterable[str | Path] = (),
 ) -> "Sweep":
-    """Run every combination of values, the last axis fastest: `.to_pandas()`, `.to_xarray()`.
+    """Run every combination of values, the last axis fastest; the result has `.to_pandas()` and `.to_xarray()`.
 
     Args:
-        scenario: What all have in common.
+        scenario: Scenario whose values are replaced.
         axes: Key → values, as {"start.speed": ["80 km/h", "120 km/h"], "seed": range(10)}; "controller.parameters.X" is
-            the argument X of a class that is handed over, and so for estimator, sensors and vehicle.
-        controller: As for `run`, a copy of an object and a new one of a class for each stop; likewise estimator,
+            the argument X of a class given as `controller`, and likewise for estimator, sensors and vehicle.
+        controller: As for `run`; each stop gets a copy of an object, or a new object of a class; likewise estimator,
             sensors and plant.
-        workers: Processes. Objects whose class a process could not import, of a script or notebook, run in this one.
+        workers: Number of processes. Objects whose class cannot be imported, as in a script or notebook, run in this
+            process.
         import_from: As for `run`.
 
     Raises:
-        ScenarioError: A combination is no scenario, or a class does not take it; nothing was run.
+        ScenarioError: A combination is not a valid scenario, or a class does not accept it; nothing was run.
     """
     from railgrip.campaign.sweep import swept
 
@@ -220,14 +221,14 @@ def sweep(
 
 
 def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str | Path") -> "Comparison":
-    """Return in what results differ from the first: question, answer, and where along the track distance is lost.
+    """Return the differences of results to the first: scenarios, figures, and the distance lost along the track.
 
     Args:
         a: A stop, or the folder of a run, of a stop in a campaign, or of a campaign.
-        b: What is compared with it; further ones may follow.
+        b: Result to compare with it; more may follow.
 
     Raises:
-        RecordError: A folder holds no result, or stops stand beside campaigns.
+        RecordError: A folder has no result, or there are both stops and campaigns.
     """
     from railgrip.report.comparison import compare as compared
 
@@ -235,15 +236,15 @@ def compare(a: "Stop | str | Path", b: "Stop | str | Path", *more: "Stop | str |
 
 
 def load(folder: str | Path) -> "Stop | Sweep":
-    """Return the results in a folder: of a run its stop, of a campaign its stops, as `run` and `sweep` return them.
+    """Return the results in a folder, as `run` and `sweep` do: the stop of a run, or the stops of a campaign.
 
-    Both have `.to_pandas()`. A campaign has its axes in the place of those of a sweep.
+    Both have `.to_pandas()`. The axes of a campaign correspond to those of a sweep.
 
     Args:
-        folder: Of a run, of a stop in a campaign, or of a campaign.
+        folder: Folder of a run, of a stop in a campaign, or of a campaign.
 
     Raises:
-        RecordError: The folder holds no result, or a result is unreadable.
+        RecordError: The folder has no result, or a result is unreadable.
         ScenarioError: A file that the scenario of the stop names is missing.
     """
     from railgrip.campaign.load import load_results
@@ -254,19 +255,19 @@ def load(folder: str | Path) -> "Stop | Sweep":
 def estimate(
     recording: "xarray.Dataset | str | Path", model: str | Path = "stop", changes: Mapping[str, Any] | None = None
 ) -> "Estimates":
-    """Return what a filter believes at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
+    """Return the estimates of a filter at every sample of a recording: `mean` and `sd` of its states, innovations, NIS.
 
-    It is an xarray dataset; `.plot()` draws it.
+    The result is an xarray dataset; `.plot()` draws it.
 
     Args:
-        recording: A trace, such as `stop.trace`, or a file: trace.nc of a stop, or csv, parquet, mat or mf4 that
-            [data] of the model's file describes.
-        model: An estimation file: model, noises, start; or the name of one of ours, such as "wagon".
+        recording: A trace, such as `stop.trace`, or a file: trace.nc of a stop, or csv, parquet, mat or mf4 that [data]
+            of the model's file describes.
+        model: An estimation file with model, noises and start; or the name of one in the library, such as "wagon".
         changes: As for `Scenario.load`.
 
     Raises:
-        ScenarioError: The file is no estimation.
-        EstimationError: The recording does not fit it, or its signals contradict each other as on no vehicle.
+        ScenarioError: The file is not an estimation.
+        EstimationError: The recording does not fit it, or its signals contradict each other more than on any vehicle.
     """
     from railgrip.estimation.check import require_consistent
     from railgrip.estimation.sources import completed, recording_of_estimation
@@ -291,15 +292,15 @@ def inspect(
     time: str | None = None,
     decimal: Literal[".", ","] | None = None,
 ) -> "Inspection":
-    """Return what a recording holds: `findings` by column, `signals` recognised, a `proposal` of how to read it.
+    """Return the content of a recording: `findings` by column, `signals` recognised, a `proposal` for reading it.
 
-    `parameters` are the data of the vehicle that the model needs.
+    `parameters` are the vehicle data that the model needs.
 
     Args:
-        recording: csv, parquet, mat or mf4.
-        model: The estimation that is to read it, a file or a name.
-        time: Column of time; recognised when None.
-        decimal: Decimal sign of a csv file; found when None.
+        recording: File: csv, parquet, mat or mf4.
+        model: Estimation that will read it, a file or a name.
+        time: Column of time; None to recognise it.
+        decimal: Decimal sign of a csv file; None to detect it.
 
     Raises:
         ScenarioError: The estimation cannot be read.
@@ -313,7 +314,7 @@ def inspect(
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
-    """Return a scenario with the parts that are written, as names or keys, and those that are objects or classes."""
+    """Return a scenario with those parts that are names or keys, and a dict of those that are objects or classes."""
     given_scenario = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
     resolved = given_scenario if isinstance(given_scenario, Scenario) else Scenario.load(given_scenario.resolved())
     if isinstance(plant, _WRITTEN):
@@ -327,22 +328,22 @@ def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Sc
 
 
 _TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sensors", "plant": "vehicle"}
-"""Table of a scenario in whose place an object stands, by its argument."""
+"""Argument → table of the scenario that an object replaces."""
 
 _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valve"), ("vehicle", "formation")})
-"""Keys of these tables that hold beside an object, too; see `CustomParts.standing_for`."""
+"""Keys of these tables that also apply to an object; see `CustomParts.standing_for`."""
 
 
 def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "CustomParts":
-    """Return what a caller hands over, classes as new objects.
+    """Return the objects of a caller as custom parts, with new objects of classes.
 
     Args:
-        folders: Where modules that a scenario names are imported from.
-        parameters: Of the classes, by table.
-        parts: Objects or classes by argument, in place of what the scenario names.
+        folders: Folders of modules that a scenario names.
+        parameters: Parameters of the classes, by table.
+        parts: Objects or classes by argument, which replace those of the scenario.
 
     Raises:
-        ScenarioError: A class does not take its parameters, an object has some, or a folder is none.
+        ScenarioError: A class does not accept its parameters, an object has some, or a folder does not exist.
     """
     from railgrip.simulate.importing import instance_of
     from railgrip.simulate.parts import CustomParts
@@ -363,7 +364,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
 
 
 def _folders(folders: Any) -> tuple[Path, ...]:
-    """Return folders to import from, absolute, for processes that work elsewhere."""
+    """Return folders to import from as absolute paths, for processes with another current folder."""
     several = [folders] if isinstance(folders, str | Path) else folders
     if not isinstance(several, Iterable):
         raise ScenarioError(f"import_from is {short(folders)}; wanted are paths of folders")
@@ -376,10 +377,10 @@ def _folders(folders: Any) -> tuple[Path, ...]:
 
 
 def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    """Part values into those of the scenario, by key, and parameters of classes that are handed over, by table.
+    """Split values into those of the scenario, by key, and parameters of the caller's classes, by table.
 
     Raises:
-        ScenarioError: A key would change nothing, because what it is of is handed over.
+        ScenarioError: A key has no effect, because the caller's object replaces its table.
     """
     rest: dict[str, Any] = {}
     parameters: dict[str, dict[str, Any]] = {}
@@ -399,7 +400,7 @@ def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dic
 
 
 def _copied(name: str, part: Any) -> Any:
-    """Return a copy of an object; a class is itself."""
+    """Return a copy of an object; a class is returned unchanged."""
     return foreign(
         lambda: copy.deepcopy(part),
         lambda problem: ScenarioError(
@@ -433,7 +434,6 @@ def _path(value: Any, name: str) -> Path:
 
 
 def _changes(changes: Any) -> dict[str, Any]:
-    """Return changes by key, values as files have them."""
     if changes is None:
         return {}
     if not isinstance(changes, Mapping):
@@ -446,10 +446,10 @@ def _unreadable(name: str) -> Callable[[str], ScenarioError]:
 
 
 def _plain(value: Any, name: str) -> Any:
-    """Return a value as files have it: of NumPy, of paths, tuples and mappings.
+    """Convert a value to the form of files, from NumPy, paths, tuples and mappings.
 
     Raises:
-        ScenarioError: Nested without end, or an object that fails when it is looked at; it begins with `name`.
+        ScenarioError: The value is nested endlessly, or raises an exception; the message begins with `name`.
     """
     return foreign(lambda: _as_in_files(value), _unreadable(name))
 

@@ -2,9 +2,9 @@
 
 railgrip.testing.check_controller(MyLaw)
 
-Each takes a class, or whatever returns a new object when it is called, and raises ContractBroken with the first thing
-that is wrong, in a sentence. They pass over formations of one, three and four groups, and over observations of a wheel
-that rolls, slides and locks, of a train that stands, and of sensors that have not read yet.
+Each function takes a class, or another callable that returns a new object, and raises ContractBroken with a sentence on
+the first violation. They use formations of one, three and four groups, and observations of a wheel that rolls, slides
+and locks, of a train at rest, and of sensors without a reading.
 """
 
 import copy
@@ -67,13 +67,15 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
 
     Args:
         factory: Class or function that returns a new law.
-        estimates: Also without estimates of adhesion and pad friction, unless it `needs` them; False leaves out the
-            observations that have them.
+        estimates: Whether the law is also checked with estimates of adhesion and pad friction. It is checked without
+            them, too, unless it `needs` them.
 
     Raises:
-        ContractBroken: It does something else.
+        ContractBroken: The law violates one of these requirements.
     """
-    limits_of = cache(DemandLimits)  # one for both runs: demands that were once in Pa are not judged again
+    limits_of = cache(
+        DemandLimits
+    )  # shared by both runs: demands that have been in Pa are not checked for their unit again
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
         controller = CustomController(law, formation)
@@ -102,7 +104,7 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
     deviations are not negative; it does not change the readings, and repeats its estimates after `start`.
 
     Raises:
-        ContractBroken: It does something else.
+        ContractBroken: The estimator violates one of these requirements.
     """
 
     def rows(part: Estimator, formation: Formation) -> Iterator[Row]:
@@ -128,7 +130,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
     reads the same again after `start` with the same random numbers.
 
     Raises:
-        ContractBroken: It does something else.
+        ContractBroken: The sensors violate one of these requirements.
     """
 
     def rows(part: Sensors, formation: Formation) -> Iterator[Row]:
@@ -157,10 +159,10 @@ def check_plant(factory: Callable[[], Plant], formation: Formation | None = None
 
     Args:
         factory: Class or function that returns a new plant.
-        formation: Of the vehicle that it is, with brakes; several without.
+        formation: Formation of the vehicle, with brakes; None for several formations.
 
     Raises:
-        ContractBroken: It does something else.
+        ContractBroken: The plant violates one of these requirements.
     """
 
     def rows(part: Plant, vehicle: Formation) -> Iterator[Row]:
@@ -202,7 +204,7 @@ def observations(formation: Formation, *, estimated: bool) -> Iterator[Observati
 
 
 def _rolling(formation: Formation, *, estimated: bool) -> Observation:
-    """Return a train whose groups all roll, at a brake applied by half."""
+    """Return an observation of a train whose groups all roll, with half of full brake."""
     groups, speed = formation.groups, 25.0
     slip, half = np.full(groups, 0.01), 0.5 * formation.pressure_max
     estimates = (np.full(groups, 0.08), np.full(groups, 0.35)) if estimated else (None, None)
@@ -211,11 +213,12 @@ def _rolling(formation: Formation, *, estimated: bool) -> Observation:
 
 
 def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequence[Observation]) -> str:
-    """Return a sentence on the inputs that a law fails on: with these as of a rolling train it does not fail.
+    """Return a sentence on the inputs for which a law fails: it passes if they are replaced by those of a rolling
+    train.
 
     Args:
-        factory: Of the law.
-        formation: Of the vehicle.
+        factory: Class or function that returns a new law.
+        formation: Formation of the vehicle.
         shown: Its inputs, up to those on which it failed.
     """
     *before, failed = shown
@@ -289,10 +292,10 @@ def _require_repeatable(
     rows: Callable[[T, Formation], Iterator[Row]],
     vehicles: Iterable[Formation] | None = None,
 ) -> None:
-    """Refuse an object that fails in a run, or whose second run on a vehicle differs from the first.
+    """Raise an error if an object fails in a run, or if its second run on a vehicle differs from the first.
 
     Raises:
-        ContractBroken: It does one of these, or the factory raises an exception.
+        ContractBroken: The object does, or the factory raises an exception.
     """
     for vehicle in formations() if vehicles is None else vehicles:
         part = foreign(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))

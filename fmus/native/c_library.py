@@ -93,7 +93,6 @@ class Struct:
     """
 
     def __init__(self, ffi: Any, name: str, fields: Mapping[str, Any]) -> None:
-        """See `CLibrary.struct`."""
         self._ffi, self._name = ffi, name
         self._types = {field: description.type for field, description in ffi.typeof(name).fields}
         self._fields: dict[str, Any] = {}

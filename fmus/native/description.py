@@ -37,7 +37,6 @@ class Writer:
     index: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Begin with time."""
         self.add("time", 0, causality="independent", variability="continuous", initial=None, attributes={"unit": "s"})
 
     def add(

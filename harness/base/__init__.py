@@ -1,1 +1,4 @@
-"""What every package may use: errors, files, the cache, units, limits, signals to stop, and the registry of parts."""
+"""Common foundation of all packages.
+
+Errors, files, the cache, units, limits, signal handling, and the registry of parts.
+"""

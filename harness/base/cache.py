@@ -1,8 +1,8 @@
-"""What is made once for a user, compiled or simulated: kept where only that user can write, checked before it is used.
+"""A user's cache of compiled or simulated files: private to the user, and verified before use.
 
-A library or an FMU that is found is loaded into the process, so it must be what this project put there. Every file lies
-under kind/key/digest/name: the key stands for all that it was made from, the digest for its content. The folder may be
-removed at any time; what was not used for longest goes by itself when it becomes too large.
+A library or an FMU from the cache is loaded into the process, so it must be the one that railgrip stored. The path of a
+file is kind/key/digest/name: the key identifies the inputs that it was made from, the digest its content. The folder
+may be removed at any time; when it becomes too large, the files with the oldest last use are removed.
 """
 
 import hashlib
@@ -20,12 +20,12 @@ from platformdirs import user_cache_path
 from railgrip.base.errors import InputError
 
 VARIABLE = "RAILGRIP_CACHE"
-"""Environment variable with another folder, absolute."""
+"""Environment variable for another folder, an absolute path."""
 
 LARGEST = 4_000_000_000
-"""Bytes that the cache may hold; a study of axle boxes keeps some hundred million."""
+"""Maximum size of the cache in bytes; a study of axle boxes uses some hundred million."""
 _IN_USE = 86400.0
-"""Time since its last use in which a file is not removed [s]: somebody may be about to load it."""
+"""Time since its last use in which a file is kept [s]: a process may be about to load it."""
 _OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
@@ -33,7 +33,7 @@ def folder() -> Path:
     """Return the folder of the cache, which need not exist.
 
     Raises:
-        InputError: It is relative: a folder somebody sent could then bring what is loaded.
+        InputError: The path is relative: a folder from elsewhere could then supply libraries that are loaded.
     """
     variable = os.environ.get(VARIABLE)
     path = Path(variable) if variable else user_cache_path("railgrip", appauthor=False)
@@ -43,10 +43,10 @@ def folder() -> Path:
 
 
 def find(kind: str, key: str, name: str) -> Path | None:
-    """Return a kept file, or None where there is none that is whole and this user's own.
+    """Return a cached file, or None if no complete file of this user exists.
 
     Raises:
-        InputError: Others can write in the cache.
+        InputError: Other users can write to the cache.
     """
     place = folder() / kind / key
     if not place.is_dir():
@@ -62,10 +62,10 @@ def find(kind: str, key: str, name: str) -> Path | None:
 
 
 def keep(kind: str, key: str, name: str, content: bytes) -> Path:
-    """Keep a file and return where; safe for processes that keep the same at once.
+    """Store a file and return its path; safe if several processes store the same file at once.
 
     Raises:
-        InputError: The cache cannot be written, or others can write in it.
+        InputError: The cache cannot be written, or other users can write to it.
     """
     place = folder() / kind / key / _digest(content)
     try:
@@ -73,7 +73,7 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
         for above in _down_to(place):
             above.mkdir(mode=0o700, exist_ok=True)
             _require_private(above)
-        # Moved into place whole: others may be reading it, or have loaded the one that is replaced.
+        # Moved into place as a whole: other processes may be reading the file, or have loaded the one that is replaced.
         number, half = tempfile.mkstemp(dir=place)
         try:
             with os.fdopen(number, "wb") as stream:
@@ -81,7 +81,7 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
             try:
                 Path(half).replace(place / name)
             except PermissionError:
-                # Windows replaces no library that is loaded; by its folder it has the same content.
+                # Windows cannot replace a loaded library; the digest in its path guarantees the same content.
                 if not (place / name).is_file():
                     raise
                 Path(half).unlink(missing_ok=True)
@@ -97,7 +97,7 @@ def keep(kind: str, key: str, name: str, content: bytes) -> Path:
 
 
 def prune(root: Path) -> None:
-    """Remove the files of a cache that were not used for longest, until it is as small as `LARGEST`."""
+    """Remove the files with the oldest last use from a cache, until its size does not exceed `LARGEST`."""
     files = [(file.lstat(), file) for file in root.glob("*/*/*/*") if not file.is_symlink()]
     size = sum(status.st_size for status, _ in files)
     for status, file in sorted(files, key=lambda entry: entry[0].st_mtime):
@@ -105,20 +105,20 @@ def prune(root: Path) -> None:
             return
         size -= status.st_size
         file.unlink(missing_ok=True)
-        with suppress(OSError):  # they hold more
+        with suppress(OSError):  # the folder has other files
             file.parent.rmdir()
             file.parents[1].rmdir()
 
 
 @once
 def _prune_once(root: Path) -> None:
-    """Prune once in a process: it takes a look at every file."""
-    with suppress(OSError):  # another process may do the same
+    """Prune once per process: pruning reads the status of every file."""
+    with suppress(OSError):  # another process may prune at the same time
         prune(root)
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:
-    """Return the folders from that of the cache down to kind/key/digest, a `place` in it."""
+    """Return the folders from that of the cache down to `place`, a folder kind/key/digest in it."""
     return (*reversed(place.parents[:3]), place)
 
 
@@ -134,7 +134,7 @@ def _is_private(place: Path, of_kind: Callable[[int], bool]) -> bool:
     status = place.lstat()
     if not of_kind(status.st_mode):
         return False
-    # Windows keeps a user's cache folder to that user by other means.
+    # Windows protects a user's cache folder by other means.
     return os.name != "posix" or (status.st_uid == os.geteuid() and not status.st_mode & _OTHERS_WRITE)
 
 

@@ -1,4 +1,4 @@
-"""Every sentence to a user is one of these; the class says whether asking differently helps."""
+"""All errors with a message for the user; the class determines the exit code."""
 
 import errno
 from dataclasses import dataclass
@@ -6,23 +6,23 @@ from typing import Final, Literal
 
 
 class RailgripError(Exception):
-    """What ends in a sentence for the user, one line a problem; anything else is a mistake of this program.
+    """An error with a message for the user, one line per problem; any other exception is a bug in this program.
 
     Attributes:
-        exit_code: What the command line answers with: 2 for a wrong question, 3 for what failed in spite of a good one.
+        exit_code: Exit code of the command line: 2 for a wrong input, 3 for a failure in spite of a valid one.
     """
 
     exit_code = 3
 
 
 class InputError(RailgripError, ValueError):
-    """The input is wrong; the text names the file and key, what was wanted and found."""
+    """The input is wrong; the message names file and key, the value found, and the value expected."""
 
     exit_code = 2
 
 
 class UnitError(InputError):
-    """A text that is no unit or no quantity, or two units of different dimensions."""
+    """A text is not a unit or not a quantity, or two units have different dimensions."""
 
 
 class ScenarioError(InputError):
@@ -30,67 +30,69 @@ class ScenarioError(InputError):
 
 
 class EstimationError(ScenarioError):
-    """A recording or an estimation that gives no estimate: a signal is missing, a grid uneven, a unit does not fit."""
+    """A recording or an estimation cannot be evaluated.
+
+    A signal is missing, a grid is uneven, or a unit does not fit.
+    """
 
 
 class RecordError(InputError):
-    """A result file that is missing, unreadable or not one of ours."""
+    """A result file is missing, unreadable, or was not written by railgrip."""
 
 
 class EstimatorError(InputError):
-    """A shape, a name or a value that no filter can be made of."""
+    """A filter cannot be built from these shapes, names or values."""
 
 
 class LoopError(InputError):
-    """Tables, names or sources of a compiled loop that do not fit each other."""
+    """Tables, names or sources of a compiled loop are inconsistent."""
 
 
 class FmuError(InputError):
-    """An FMU file, its mapping or a parameter cannot be what was meant."""
+    """An FMU file, its mapping or a parameter is invalid."""
 
 
 class TranslationError(InputError):
-    """A Modelica construct the built-in compiler does not translate; names construct, file and line."""
+    """The built-in compiler does not support a Modelica construct; the message names construct, file and line."""
 
 
 class CompilerMissing(RailgripError):
-    """No C compiler (or no OpenModelica) on this machine."""
+    """No C compiler (or no OpenModelica) was found on this machine."""
 
 
 class BuildFailed(RailgripError):
-    """A tool that should have worked did not."""
+    """A tool failed that should have worked."""
 
 
 class Unwritten(RailgripError):
-    """A result could not be written; nothing of it was left, and what was there before is untouched."""
+    """A result could not be written; there are no partial files, and previous files are unchanged."""
 
 
 class ContractBroken(RailgripError, AssertionError):
-    """A controller, estimator or sensor model does not keep its contract; the text says which part of it."""
+    """A controller, estimator or sensor model violates its contract; the message names the violated part."""
 
 
 class SensorsFailed(RailgripError):
-    """Sensors gave no reading; the stop ends with that."""
+    """Sensors failed to return a reading; the stop ends."""
 
 
 class EstimatorFailed(RailgripError):
-    """An estimator could not go on; the stop ends with that."""
+    """An estimator failed; the stop ends."""
 
 
 class ControllerFailed(RailgripError):
-    """A controller could not decide; the stop ends with that."""
+    """A controller failed to decide; the stop ends."""
 
 
 class FilterDiverged(RailgripError, ArithmeticError):
-    """The belief is no longer one: a mean that is not finite or a covariance that is not positive definite.
+    """The estimate is invalid: a mean that is not finite or a covariance that is not positive definite.
 
     Attributes:
-        why: The sentence.
-        after: Steps of the same call that went well before.
+        why: Reason, as a sentence.
+        after: Number of successful steps before it in the same call.
     """
 
     def __init__(self, why: str, after: int = 0) -> None:
-        """Say why, and after how many steps if there were any."""
         super().__init__(f"{why} After {after} steps." if after else why)
         self.why, self.after = why, after
 
@@ -99,23 +101,26 @@ Reason = Literal[
     "error", "discard", "fatal", "pending", "no_status", "ended", "not_finite", "crash", "timeout", "excess", "refused",
     "not_integrated",
 ]  # fmt: skip
-"""What went wrong: an FMI status, a number that is none, an FMU that requested the end, a value that is no number, a
-process that died, hung or took too much, an FMU that would not be instantiated, or could not be integrated."""
+"""Kind of failure.
+
+An FMI status, an invalid status, a request of the FMU to end, an output that is not finite, a process that crashed,
+hung or exceeded a limit, a failed instantiation, or a failed integration.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Failure:
-    """How and when an FMU failed while it ran; a stop can end with one.
+    """Failure of an FMU while it was running; it may end a stop.
 
     Attributes:
         file: Name of the FMU file.
         time: Simulated time of the failing call [s].
-        reason: The kind of failure.
-        call: FMI function that failed, or '' when none returned.
-        variable: Variable concerned, or '' when unknown.
-        reached: Last time the FMU itself reached [s], when it said so after a discarded step.
-        detail: More about it, a clause without full stop, or ''.
-        log: What the FMU said, oldest first.
+        reason: Kind of failure.
+        call: FMI function that failed, or '' if no call returned.
+        variable: Affected variable, or '' if unknown.
+        reached: Last time that the FMU reached [s], if it reported one after a discarded step.
+        detail: Further information, a clause without full stop, or ''.
+        log: Messages of the FMU, oldest first.
     """
 
     file: str
@@ -128,7 +133,6 @@ class Failure:
     log: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """Return the sentence for the user."""
         fmi = self.call[:4] or "fmi2"
         what = {
             "error": f"{self.call} returned {fmi}Error",
@@ -155,24 +159,25 @@ class Failure:
 
 
 class PlantFailed(RailgripError):
-    """A plant failed while it ran; `failure` says how, in words if it is in Python. Survives pickling."""
+    """A plant failed while it was running; `failure` describes it, as a sentence for a plant in Python.
+
+    It can be pickled.
+    """
 
     def __init__(self, failure: Failure | str) -> None:
-        """Carry `failure`."""
         super().__init__(failure)
         self.failure = failure
 
     def __str__(self) -> str:
-        """Return the sentence of the failure."""
         return str(self.failure)
 
 
 _DISK: Final = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES}
-"""What files outside of results, built or temporary ones, meet on a full or protected disk."""
+"""Errors of a full or protected disk, for files outside of results, built or temporary ones."""
 
 
 def for_user(problem: BaseException) -> RailgripError | None:
-    """Return the message of an exception for the user, or None if it is a mistake of this program."""
+    """Return the error message of an exception for the user, or None for a bug in this program."""
     if isinstance(problem, RailgripError):
         return problem
     if isinstance(problem, OSError) and problem.errno in _DISK:

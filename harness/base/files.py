@@ -1,7 +1,7 @@
-"""Files that are whole or not there, and temporary folders that go with their process, however it ends.
+"""Write files completely or not at all, and create temporary folders that are removed with their process.
 
-A temporary folder contains a mark, and its process holds a lock on it. The system frees the lock of a process that was
-killed; the next process that makes a temporary folder removes the marked folders without a lock, and no others.
+A temporary folder contains a marker file, and its process holds a lock on it. The system releases the lock of a process
+that was killed; the next process that creates a temporary folder removes marked folders without a lock, and no others.
 """
 
 import json
@@ -20,17 +20,17 @@ from railgrip.base.errors import InputError, Unwritten
 from railgrip.base.units import place
 
 PARTIAL = ".*.partial"
-"""Pattern of what a process that was killed while writing leaves behind."""
+"""Pattern of the files that a process leaves when it is killed while writing."""
 
 
 @contextmanager
 def replacing(path: Path) -> Generator[Path]:
-    """Yield a path to write beside `path`; it takes its place when the block ends well, else vanishes.
+    """Yield a temporary path next to `path`, which it replaces after the block; on failure it is removed.
 
     Ctrl-C counts as a failure: a file at `path` is always complete.
 
     Raises:
-        Unwritten: The disk is full, or may not be written.
+        Unwritten: The disk is full, or the folder is not writable.
     """
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
@@ -45,36 +45,36 @@ def replacing(path: Path) -> Generator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a whole text file, or leave what was there; see `replacing`."""
+    """Write a text file completely, or keep the previous one; see `replacing`."""
     write_bytes(path, text.encode())
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a whole JSON file, null in place of numbers that are none: JSON has neither NaN nor infinity."""
+    """Write a JSON file completely, with null for numbers that are not finite, which JSON does not support."""
     write_text(path, json.dumps(finite(content), indent=1, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a whole file, or leave what was there; see `replacing`."""
+    """Write a file completely, or keep the previous one; see `replacing`."""
     with replacing(path) as partial:
         partial.write_bytes(content)
 
 
 LARGEST_TEXT: Final = 4 << 20
-"""Bytes of a file that a person writes; the longest in this project has 20,000."""
+"""Maximum size in bytes of a file written by hand; the longest in this project has 20,000."""
 LARGEST_TABLE: Final = 1 << 30
-"""Bytes of a recording or a table of samples; an hour of 40 signals at 100 Hz has a tenth of it."""
+"""Maximum size in bytes of a recording or a table of samples; an hour of 40 signals at 100 Hz has a tenth of it."""
 
 
 @contextmanager
 def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]:
-    """Open a file that a user names for reading, in bytes.
+    """Open a user's file for reading, in bytes.
 
-    A pipe or a device is refused because reading it can take forever.
+    Pipes and devices are refused because reading them may never end.
 
     Args:
         path: File; links are followed.
-        largest: Size that is accepted [bytes].
+        largest: Maximum size [bytes].
 
     Raises:
         InputError: The file is missing, unreadable, too large, or not a regular file.
@@ -107,7 +107,7 @@ def open_regular(path: Path, largest: int = LARGEST_TEXT) -> Generator[BinaryIO]
 
 
 def read_bytes(path: Path, largest: int = LARGEST_TEXT) -> bytes:
-    """Return the content of a file that a user names; see `open_regular`.
+    """Return the content of a user's file; see `open_regular`.
 
     Raises:
         InputError: See `open_regular`.
@@ -120,7 +120,7 @@ def read_bytes(path: Path, largest: int = LARGEST_TEXT) -> bytes:
 
 
 def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
-    """Return the text of a UTF-8 file that a user names, without a byte order mark, and with "\\n" as end of line.
+    """Return the text of a user's UTF-8 file, without a byte order mark, and with "\\n" as end of line.
 
     Raises:
         InputError: See `open_regular`; or the content is not UTF-8.
@@ -132,7 +132,7 @@ def read_text(path: Path, largest: int = LARGEST_TEXT) -> str:
 
 
 def require_regular(path: Path, largest: int) -> None:
-    """Check a file that a library is going to open by its path; see `open_regular`.
+    """Check a file that a library will open by its path; see `open_regular`.
 
     Raises:
         InputError: See `open_regular`.
@@ -142,10 +142,10 @@ def require_regular(path: Path, largest: int) -> None:
 
 
 def remove(folder: Path, *names: str) -> None:
-    """Remove files from a folder; those that are not there are none.
+    """Remove files from a folder; missing ones are ignored.
 
     Raises:
-        Unwritten: The folder may not be written.
+        Unwritten: The folder is not writable.
     """
     for name in names:
         try:
@@ -155,7 +155,7 @@ def remove(folder: Path, *names: str) -> None:
 
 
 def finite(value: Any) -> Any:
-    """Return a value of lists, dictionaries and numbers with None in place of numbers that are not finite."""
+    """Replace numbers that are not finite by None in nested lists and dictionaries."""
     if isinstance(value, dict):
         return {key: finite(element) for key, element in value.items()}
     if isinstance(value, list | tuple):
@@ -166,7 +166,7 @@ def finite(value: Any) -> Any:
 Purpose = Literal["build", "far", "fmu", "study", "workers"]
 _PREFIX: Final = "railgrip-"
 _MARK: Final = ".railgrip-temporary"
-"""File in each temporary folder that `scratch` made: a folder without it belongs to somebody else."""
+"""Marker file in each temporary folder of `scratch`: a folder without it is never removed."""
 
 
 @contextmanager
@@ -174,7 +174,7 @@ def scratch(purpose: Purpose) -> Generator[Path]:
     """Yield a temporary folder, removed at the end; `purpose` is part of its name.
 
     Raises:
-        Unwritten: No folder for temporary files can be written.
+        Unwritten: No temporary folder is writable.
     """
     try:
         temporary = Path(tempfile.gettempdir()).absolute()
@@ -186,20 +186,20 @@ def scratch(purpose: Purpose) -> Generator[Path]:
             "name another folder in TMPDIR"
         ) from problem
     try:
-        # The mark is written under the lock: a marked folder without a lock has lost its process.
+        # The marker is written under the lock: a marked folder without a lock belongs to a dead process.
         with locked(folder):
             (folder / _MARK).touch()
             yield folder
     finally:
-        # A library that is still mapped may not be removable on some platforms; there the system clears it later.
+        # Some platforms cannot remove a library that is still mapped; the system clears it later.
         shutil.rmtree(folder, ignore_errors=True)
 
 
 @contextmanager
 def locked(folder: Path) -> Generator[bool]:
-    """Hold the lock of a folder, which the system releases however this process ends; yield whether it was free."""
+    """Hold the lock of a folder, which the system releases when this process ends; yield whether it was free."""
     if os.name != "posix":
-        yield False  # such locks are POSIX; nothing is removed elsewhere
+        yield False  # such locks exist on POSIX only; on other systems no folder is removed
         return
     import fcntl
 
@@ -217,9 +217,9 @@ def locked(folder: Path) -> Generator[bool]:
 
 @cache
 def _remove_stale(temporary: Path) -> None:
-    """Remove what runs left behind that were killed; once in a process."""
+    """Remove temporary folders of processes that were killed; once per process."""
     if os.name != "posix":
-        return  # without locks its use is unknown
+        return  # without locks it is unknown whether a folder is in use
     for folder in temporary.glob(f"{_PREFIX}*"):
         with suppress(OSError):
             mark = (folder / _MARK).lstat()

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM: both end the program as an exception does, so that what is open is closed."""
+"""Ctrl-C and SIGTERM end the program by an exception, so that open resources are closed."""
 
 import os
 import signal
@@ -11,16 +11,15 @@ _MEANINGS = {signal.SIGINT: "Interrupted", signal.SIGTERM: "Terminated"}
 
 
 class Interrupted(BaseException):
-    """Somebody wants the program to end.
+    """The user or the system requests the end of the program.
 
-    No `Exception`, which a program may answer, and no `KeyboardInterrupt`, which typer ends without a word.
+    It is not an `Exception`, which user code may catch, and not a `KeyboardInterrupt`, which typer handles silently.
     """
 
     def __init__(self, number: int) -> None:
-        """Say which signal it was."""
         super().__init__(_MEANINGS[signal.Signals(number)])
         self.code = 128 + number
-        """Exit code, as shells have it."""
+        """Exit code by the convention of shells."""
 
 
 def listen() -> None:
@@ -30,13 +29,16 @@ def listen() -> None:
 
 
 def stop_listening() -> None:
-    """Let a signal end the program at once, without a word: it is about to end."""
+    """Restore the default action, by which a signal ends the program at once and silently.
+
+    Used shortly before the end.
+    """
     for number in _MEANINGS:
         signal.signal(number, signal.SIG_DFL)
 
 
 _queues: list[list[int]] = []
-"""Signals of those `postponed` that are open, the innermost last."""
+"""Signals received in each open `postponed` block, the innermost last."""
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -48,11 +50,11 @@ def _interrupt(number: int, frame: FrameType | None) -> None:
 
 @contextmanager
 def ignore_sigint() -> Generator[None]:
-    """Let processes and threads that are started here never hear Ctrl-C, which a terminal sends to all.
+    """Start processes and threads in the block with Ctrl-C blocked; a terminal sends it to all processes.
 
-    The process that started them ends them. A mask is inherited where a handler is not: it holds from their first
-    instruction on. A signal that comes to this process meanwhile is heard afterwards: who is half started reports a
-    broken pipe.
+    The process that started them ends them. A signal mask, unlike a handler, is inherited, so it holds from their first
+    instruction on. A signal to this process is handled after the block: a process that is interrupted while it starts
+    would report a broken pipe.
     """
     if os.name != "posix":
         yield
@@ -67,9 +69,9 @@ def ignore_sigint() -> Generator[None]:
 
 @contextmanager
 def postponed() -> Generator[None]:
-    """Raise `Interrupted` for a signal that comes meanwhile at the end: some libraries swallow every exception."""
+    """Delay `Interrupted` to the end of the block, because some libraries catch every exception."""
     numbers: list[int] = []
-    is_main = threading.current_thread() is threading.main_thread()  # handlers run in no other
+    is_main = threading.current_thread() is threading.main_thread()  # Python runs handlers only there
     if is_main:
         _queues.append(numbers)
     try:

@@ -1,4 +1,4 @@
-"""What an FMU may take: of disk and memory before it runs, and of the machine while it does."""
+"""Limits on an FMU's resources: disk and memory before it runs, and those of its process while it runs."""
 
 from typing import Annotated
 
@@ -10,10 +10,10 @@ Count = Annotated[StrictInt, Field(gt=0)]
 
 
 class FmuLimits(BaseModel, frozen=True, extra="forbid", allow_inf_nan=False):
-    """Limits for FMUs from outside; those from memory on hold in a process of its own only.
+    """Limits for foreign FMUs; those from memory on apply only in a separate process.
 
-    In memory modelDescription.xml takes thirty times its size. Linux does not hold root to the number of processes. A
-    plant of which a call takes as long as `patience` would need hours for a stop.
+    In memory modelDescription.xml takes thirty times its size. Linux does not enforce the number of processes for root.
+    A plant whose calls take as long as `patience` would need hours for a stop.
     """
 
     files: Count = Field(default=10_000, description="most entries of the archive")

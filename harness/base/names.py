@@ -1,21 +1,21 @@
-"""Names that a user types: the nearest ones to a name that does not exist."""
+"""Suggest names that are similar to a mistyped one."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
 
 _LONGEST = 200
-"""Longest text that is compared [characters]: difflib takes seconds for a million, and none is near to a name."""
+"""Maximum length of a compared text [characters]: difflib takes seconds for a million, and such texts match no name."""
 
 
 def nearest(name: str, names: Iterable[str], *, count: int = 1, cutoff: float = 0.6) -> list[str]:
     """Return the names that are most similar to a name that does not exist; empty if none is similar.
 
-    Case and the difference of - and _ do not count.
+    Case and the difference between - and _ are ignored.
 
     Args:
-        name: As typed.
-        names: Those that exist.
-        count: Greatest number of names returned.
+        name: Name as typed.
+        names: Known names.
+        count: Maximum number of names returned.
         cutoff: Minimum similarity, 0 to 1; see `difflib.get_close_matches`.
     """
     if len(name) > _LONGEST:
@@ -30,12 +30,12 @@ def did_you_mean(
     """Return a question with the nearest names, "did you mean 'speed' or 'speeds'?"; empty if none is near.
 
     Args:
-        name: As typed.
-        names: Those that exist.
+        name: Name as typed.
+        names: Known names.
         count: As for `nearest`.
         cutoff: As for `nearest`.
         quote: Quotation mark around each name.
-        before: Words in front of the question, if there is one.
+        before: Words before the question, if there is one.
     """
     near = nearest(name, names, count=count, cutoff=cutoff)
     return f"{before}did you mean {' or '.join(f'{quote}{each}{quote}' for each in near)}?" if near else ""

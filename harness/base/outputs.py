@@ -1,4 +1,4 @@
-"""Folders into which railgrip writes: it replaces and removes files that it wrote itself, and no others.
+"""Folders for results: railgrip replaces and removes only files that it has written.
 
 Each such folder has a record of the files that railgrip has written into it. A file that is not in the record belongs
 to the user, whatever its name.
@@ -21,10 +21,10 @@ _KEY: Final = "written"
 
 
 def make_folder(directory: Path, *files: str) -> None:
-    """Make a folder for results, before anybody waits for one.
+    """Create a folder for results, before a long computation starts.
 
     Raises:
-        RecordError: It cannot be made or not be written, or the place of one of the files is taken by a folder.
+        RecordError: The folder cannot be created or written, or one of the files exists as a folder.
     """
     try:
         directory.mkdir(parents=True, exist_ok=True)
@@ -41,7 +41,8 @@ def require_free(directory: Path, *files: str) -> None:
     """Check that railgrip may write these files into a folder, which need not exist.
 
     Raises:
-        RecordError: Folders, or files that railgrip has not written, are in the way, or a path leads out of the folder.
+        RecordError: Folders, or files that railgrip has not written, have these names, or a path leads out of the
+            folder.
     """
     _refuse_folders(directory, files)
     present = [name for name in files if os.path.lexists(inside(directory, name))]
@@ -52,14 +53,14 @@ def require_own(directory: Path) -> None:
     """Check that all files directly in a folder, which need not exist, were written by railgrip.
 
     Raises:
-        RecordError: Others are in the folder, which a page and files beside it might replace.
+        RecordError: The folder has other files, which a page and its files might replace.
     """
     present = [path.name for path in directory.glob("*") if not path.name.startswith(".") and not path.is_dir()]
     _refuse(directory, [name for name in sorted(present) if not _is_own(directory, name)])
 
 
 def claim(directory: Path, *files: str) -> None:
-    """Make a folder and record that railgrip writes these files into it; called before they are written.
+    """Create a folder and record that railgrip writes these files into it; called before they are written.
 
     Raises:
         RecordError: See `make_folder` and `require_free`.
@@ -73,7 +74,7 @@ def claim(directory: Path, *files: str) -> None:
 
 
 def adopt(directory: Path, *files: str) -> None:
-    """Record files of a folder that railgrip itself has named: release 0.1.0 wrote them there without a record.
+    """Record files with names that railgrip uses: release 0.1.0 wrote them without a record.
 
     Raises:
         Unwritten: The record cannot be written.
@@ -84,10 +85,10 @@ def adopt(directory: Path, *files: str) -> None:
 
 
 def discard(directory: Path, files: Iterable[str]) -> None:
-    """Remove those files from a folder that railgrip has written into it.
+    """Remove those of the files from a folder that railgrip has written.
 
     Raises:
-        Unwritten: The folder may not be written.
+        Unwritten: The folder is not writable.
     """
     own = {name for name in files if os.path.lexists(inside(directory, name)) and _is_own(directory, name)}
     if own:
@@ -106,7 +107,7 @@ def _record(directory: Path, names: Iterable[str]) -> None:
 
 
 def _recorded(directory: Path) -> frozenset[str] | None:
-    """Return the names in the record of a folder; None if there is no record that railgrip could have written."""
+    """Return the names in the record of a folder; None without a valid record."""
     try:
         names = read_json(directory, RECORD).get(_KEY)
     except (FileNotFoundError, RecordError):
@@ -118,7 +119,7 @@ def _is_own(directory: Path, name: str) -> bool:
     recorded = _recorded(directory)
     if recorded is not None:
         return name in recorded
-    # Release 0.1.0 wrote no records: its results are known by what they contain.
+    # Release 0.1.0 wrote no records: its results are identified by their content.
     with suppress(FileNotFoundError, RecordError):
         page = read_bounded(directory, "index.html", LARGEST_JSON)
         if b'<p class="question">' in page and b"<h2>Provenance</h2>" in page:

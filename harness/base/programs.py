@@ -1,4 +1,4 @@
-"""Other programs, found in the absolute folders of PATH alone: a folder that somebody sent must not bring programs."""
+"""Find other programs in the absolute folders of PATH only, so that a downloaded folder cannot supply programs."""
 
 import os
 import shutil
@@ -6,11 +6,11 @@ from pathlib import Path
 
 
 def find_program(name: str) -> str | None:
-    """Return the absolute path of a program, or None if there is none.
+    """Return the absolute path of a program, or None.
 
     Args:
-        name: Searched in the folders of PATH, relative ones such as "." and "" left out; a path, as a user may give it
-            in CC, is taken as it is.
+        name: Name to search in the folders of PATH, without relative ones such as "." and ""; a path, as a user may set
+            in CC, is used unchanged.
     """
     found = shutil.which(name, path=_path())
     if found is None:
@@ -20,7 +20,7 @@ def find_program(name: str) -> str | None:
 
 
 def environment_of_programs() -> dict[str, str]:
-    """Return the variables for another program, which searches PATH for further ones; relative folders are left out."""
+    """Return the environment for another program, which may search PATH in turn; relative folders are removed."""
     return {**os.environ, "PATH": _path()}
 
 

@@ -1,4 +1,4 @@
-"""Reading of files in a folder that somebody may have sent: bounded in size and depth, and never outside the folder."""
+"""Read files in a folder from any source: with limits on size and depth, and never outside the folder."""
 
 import json
 from pathlib import Path
@@ -10,11 +10,11 @@ from railgrip.base.errors import InputError, RecordError
 from railgrip.base.files import read_bytes
 
 LARGEST_JSON: Final = 64 << 20
-"""Bytes; the description of a campaign of 100,000 stops has half of it."""
+"""Bytes; the description of a campaign of 100,000 stops has half of that."""
 LARGEST_TRACE: Final = 2 << 30
-"""Bytes, in the file and unpacked; a trace of an hour in steps of 1 ms has a tenth of it."""
+"""Bytes, in the file and unpacked; a trace of an hour in steps of 1 ms has a tenth of that."""
 _DEEPEST: Final = 50
-"""Tables and lists inside each other; a scenario has eight."""
+"""Maximum depth of nested tables and lists; a scenario has eight levels."""
 
 
 def inside(folder: Path, name: str) -> Path:
@@ -26,7 +26,7 @@ def inside(folder: Path, name: str) -> Path:
     path = folder / name
     try:
         is_below = path.resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError, ValueError) as problem:  # a circle of links, or a null character
+    except (OSError, RuntimeError, ValueError) as problem:  # a loop of links, or a null character
         raise RecordError(f"{folder}: '{name}' is not a path: {problem}") from problem
     if not is_below:
         raise RecordError(f"{path}: leads out of the folder {folder}; remove the link, or copy what it points to")
@@ -37,7 +37,7 @@ def read_bounded(folder: Path, name: str, largest: int) -> bytes:
     """Return the content of a regular file below a folder.
 
     Raises:
-        FileNotFoundError: There is no such file.
+        FileNotFoundError: The file does not exist.
         RecordError: The file is outside the folder, not a regular file, larger than `largest` bytes or unreadable.
     """
     path = inside(folder, name)
@@ -53,7 +53,7 @@ def read_json(folder: Path, name: str) -> dict[str, Any]:
     """Return the table in a JSON file below a folder; see `read_json_value`.
 
     Raises:
-        FileNotFoundError: There is no such file.
+        FileNotFoundError: The file does not exist.
         RecordError: The content is not a table in JSON.
     """
     table = read_json_value(folder, name)
@@ -66,7 +66,7 @@ def read_json_value(folder: Path, name: str) -> Any:
     """Return the value in a JSON file below a folder.
 
     Raises:
-        FileNotFoundError: There is no such file.
+        FileNotFoundError: The file does not exist.
         RecordError: See `read_bounded`; or the content is not JSON (RFC 8259), or nested too deeply.
     """
     return parse_json(folder / name, read_bounded(folder, name, LARGEST_JSON))
@@ -99,10 +99,10 @@ def _refuse_constant(name: str) -> NoReturn:
 
 
 def _require_plain(value: Any, levels: int) -> None:
-    """Check that a value can be written again: numbers are finite, texts have a code in UTF-8.
+    """Check that a value can be written again: numbers are finite, strings can be encoded in UTF-8.
 
     Raises:
-        ValueError: A number or a text is not.
+        ValueError: A number or a string is not.
         RecursionError: There are more than `levels` levels.
     """
     match value:

@@ -1,4 +1,4 @@
-"""What there is of each kind of part: the modules and files of its folder, and what installed packages offer."""
+"""The registry of parts: the modules and files in the folder of each kind, and those of installed packages."""
 
 import ast
 import os
@@ -36,20 +36,20 @@ SENSORS, FAULTS = "railgrip.simulate.sensors", "railgrip.simulate.faults"
 
 
 Shelf = Literal["scenarios", "campaigns", "estimations", "trains", "equipment", "curves"]
-"""What this package has in files."""
+"""Kinds of files in this package."""
 
 Kind = Literal[Shelf, "controllers", "estimators", "sensors", "studies"]
-"""What has a name that a user may write."""
+"""Kinds of parts with names that a user may write."""
 
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """What of one kind has a name.
+    """One kind of named parts.
 
     Attributes:
-        singular: One of them, with its article.
-        package: With a file or a module for each.
-        use: The command that takes a name.
+        singular: Noun for one of them, with its article.
+        package: Package with a file or a module for each.
+        use: Command that takes a name.
     """
 
     singular: str
@@ -72,7 +72,7 @@ SECTIONS: Final[Mapping[str, Section]] = MappingProxyType(
         "studies": Section("a study", "railgrip.studies", "railgrip study {}"),
     }
 )
-"""Kind → what has a name, in the order of `railgrip list`."""
+"""Kind → its section, in the order of `railgrip list`."""
 
 ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
     {
@@ -80,7 +80,7 @@ ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
         "ideal_tracking": "The same through the valves of the train: an analysis with the true state, not a law.",
     }
 )
-"""Kinds of controllers that are shown the truth: what is possible, not a law; with their meanings."""
+"""Controllers that know the true state, which give bounds rather than laws; with their meanings."""
 
 _WITHOUT_MODULE: Final[Mapping[str, dict[str, str]]] = MappingProxyType(
     {
@@ -89,16 +89,16 @@ _WITHOUT_MODULE: Final[Mapping[str, dict[str, str]]] = MappingProxyType(
     }
 )
 _SHARED: Final = frozenset({"study"})
-"""Modules that serve the others of their package."""
+"""Modules that are shared by the others of their package."""
 
 
 def shelf(kind: Shelf) -> dict[str, Path]:
-    """Return the files of a kind that come with this package, by name."""
+    """Return the files of a kind in this package, by name."""
     return files(SECTIONS[kind].package)
 
 
 def names(kind: str) -> list[str]:
-    """Return the names of all there is of a kind, in this package and in installed ones."""
+    """Return all names of a kind, in this package and in installed ones."""
     package = SECTIONS[kind].package
     if kind in get_args(Shelf):
         return list(files(package))
@@ -107,7 +107,7 @@ def names(kind: str) -> list[str]:
 
 
 def meanings(kind: str) -> dict[str, str]:
-    """Return what each name of a kind means, in a sentence."""
+    """Return the meaning of each name of a kind, as a sentence."""
     package = SECTIONS[kind].package
     if kind in get_args(Shelf):
         return {name: _description(path) for name, path in files(package).items()}
@@ -120,14 +120,17 @@ def _installed(kind: str) -> Mapping[str, str]:
 
 
 def summary(package: str, name: str) -> str:
-    """Return the first line of the docstring of a module, which is read and not imported: that can take seconds."""
+    """Return the first line of a module's docstring.
+
+    The module is parsed, not imported, since that can take seconds.
+    """
     spec = find_spec(f"{package}.{name}")
     source = Path(spec.origin).read_text(encoding="utf-8") if spec is not None and spec.origin else ""
     return (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
 
 
 def _description(path: Path) -> str:
-    """Return what a TOML file says of itself, in one sentence: its description, its source, or its first comment."""
+    """Return the description of a TOML file, one sentence: its key `description` or `source`, or its first comment."""
     text = path.read_text(encoding="utf-8")
     table = tomllib.loads(text)
     words = table.get("description") or table.get("source") or text.partition("\n")[0].lstrip("# ")
@@ -135,7 +138,7 @@ def _description(path: Path) -> str:
 
 
 def not_one_of(kind: str, name: str) -> str:
-    """Return the sentence on a name that is none of a kind: what else has it, or which names are nearest."""
+    """Return a sentence on an unknown name of a kind: a part of another kind with that name, or the nearest names."""
     others = {other: section for other, section in SECTIONS.items() if other != kind}
     holders = [section for other, section in others.items() if name in names(other)]
     if holders:
@@ -151,7 +154,7 @@ def not_one_of(kind: str, name: str) -> str:
 
 
 def modules(package: str) -> tuple[str, ...]:
-    """Return the names of the modules in a package, none of which is imported."""
+    """Return the names of the modules in a package, without importing them."""
     return _modules(_folders(package))
 
 
@@ -174,7 +177,7 @@ def _folders(package: str) -> tuple[str, ...]:
     return tuple(import_module(package).__path__)
 
 
-# A campaign reads thousands of scenarios, so that each folder is listed once.
+# Cached, because a campaign reads thousands of scenarios.
 @cache
 def _modules(folders: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(module.name for module in iter_modules(folders))
@@ -186,7 +189,7 @@ def _files(folders: tuple[str, ...]) -> dict[str, Path]:
 
 
 def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:
-    """Return the classes with this base that a module defines for others: those without a leading underscore."""
+    """Return the public classes with this base that a module defines: those without a leading underscore."""
     members = vars(import_module(module)).items()
     classes = [kind for name, kind in members if isinstance(kind, type) and not name.startswith("_")]
     return [kind for kind in classes if issubclass(kind, base) and kind.__module__ == module]
@@ -194,9 +197,9 @@ def _classes(module: str, base: type[_Part]) -> list[type[_Part]]:
 
 @cache
 def installed_names(role: Role) -> dict[str, str]:
-    """Return name → module:Class of what installed packages offer; only their metadata is read.
+    """Return name → module:Class of the entry points of installed packages, from their metadata only.
 
-    Metadata in the current folder is left out: a folder of files that somebody sent may hold some.
+    Metadata in the current folder is ignored, because a downloaded folder may contain some.
     """
     here = os.path.realpath(Path.cwd())
     path = [entry for entry in sys.path if entry and os.path.realpath(entry) != here]

@@ -1,9 +1,9 @@
-"""The one system of units: of scenarios, of the variables of FMUs and of recorded columns.
+"""The system of units for scenarios, variables of FMUs and recorded columns.
 
-The radian is a base dimension, as in FMI 2.0: an angular velocity is no frequency, and what lies between both (2π, or
-1) is never guessed. Only what units.txt names is a unit, so that no text is one by accident ("kmph" is km/h here,
-not a thousand miles per hour). Units are written in Modelica's syntax (`kg.m2/s2`, `J/(kg.K)`) or as people do
-(`kg*m**2`, `m/s²`, `°C`).
+The radian is a base dimension, as in FMI 2.0: an angular velocity is not a frequency, and the factor between both (2π,
+or 1) is never guessed. Only the units in units.txt are valid, so that a text is never a unit by accident ("kmph" is
+km/h here, not a thousand miles per hour). Units are written in Modelica's syntax (`kg.m2/s2`, `J/(kg.K)`) or in common
+notation (`kg*m**2`, `m/s²`, `°C`).
 """
 
 import math
@@ -18,7 +18,7 @@ from railgrip.base.errors import UnitError
 from railgrip.base.names import did_you_mean
 
 DEFINITIONS = Path(__file__).with_name("units.txt")
-"""All units, as pint reads them."""
+"""All units, in pint's format."""
 
 GRAVITY: Final = 9.81
 """Acceleration of gravity [m/s2], as in the Modelica package RailBraking; C code gets it from here."""
@@ -38,15 +38,15 @@ _SPELLINGS = {
     **{"g_0": "g_n", "g0": "g_n", "g₀": "g_n"},
 }
 _GRAMS = re.compile(r"\s*m?g\s*")
-"""Symbols of masses that accelerometers write for multiples of the acceleration of gravity."""
+"""Mass symbols that accelerometers use for multiples of the acceleration of gravity."""
 _SYMBOL = r"[A-Za-z_]+"
 _TERM = rf"(?:1|{_SYMBOL}(?:(?:\*\*|\^)?[+-]?[1-9])?)"
 _PRODUCT = rf"{_TERM}(?:[*.]{_TERM})*"
-# What follows a slash without parentheses is one term: people disagree on what "J/kg.K" divides by.
+# After a slash without parentheses only one term is accepted: "J/kg.K" is ambiguous.
 _QUOTIENT = re.compile(rf"({_PRODUCT})((?:/(?:{_TERM}|\({_PRODUCT}\)))*)")
 _POWER = re.compile(rf"({_SYMBOL})(?:\*\*|\^)?([+-]?[1-9])?")
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
-_LONGEST = 200  # characters of a quantity; the longest unit in any file of ours has 20
+_LONGEST = 200  # characters of a quantity; the longest unit in any file of this project has 20
 
 Exponents = tuple[int, int, int, int, int, int, int, int]
 
@@ -56,10 +56,10 @@ class Unit:
     """A unit of measurement: SI value = factor · value + offset.
 
     Attributes:
-        name: As written by its author.
-        exponents: Of `BASE`, in that order.
-        factor: To SI, not zero.
-        offset: To SI; only temperatures have one.
+        name: Name as written by its author.
+        exponents: Exponents of `BASE`, in that order.
+        factor: Factor to SI, not zero.
+        offset: Offset to SI; nonzero only for temperatures.
     """
 
     name: str
@@ -68,7 +68,7 @@ class Unit:
     offset: float
 
     def __post_init__(self) -> None:
-        """Refuse a factor that would make every value zero or infinite."""
+        """Raise an error for a factor that would make every value zero or infinite."""
         if not (math.isfinite(self.factor) and math.isfinite(self.offset)) or self.factor == 0:
             raise UnitError(
                 f"unit '{self.name}' has factor {self.factor} and offset {self.offset}; "
@@ -77,12 +77,12 @@ class Unit:
 
     @property
     def dimension(self) -> str:
-        """The base units it is made of, as 'kg.m2.s-2'; '1' for a pure number."""
+        """Product of base units, as 'kg.m2.s-2'; '1' for a pure number."""
         parts = [f"{b}{e if e != 1 else ''}" for b, e in zip(BASE, self.exponents, strict=True) if e]
         return ".".join(parts) or "1"
 
     def __truediv__(self, divisor: "Unit") -> "Unit":
-        """Return the unit of a quotient, in which degrees are differences of temperature."""
+        """Return the unit of a quotient; temperatures in it are differences."""
         kg, m, s, a, k, mol, cd, rad = (
             ours - theirs for ours, theirs in zip(self.exponents, divisor.exponents, strict=True)
         )
@@ -92,11 +92,11 @@ class Unit:
             factor=self.factor / divisor.factor,
             offset=0.0,
         )
-        # A slash in front of a product or quotient would divide by its first factor only.
+        # A slash before a product or quotient would divide by its first factor only.
         return quotient if divisor.name.isalnum() else replace(quotient, name=quotient.dimension)
 
     def leaves_the_angle_out_of(self, other: "Unit") -> bool:
-        """Say whether `other` is this unit times an angle: rev/min, rad/min and deg/min, of 1/min."""
+        """Return whether `other` is this unit times an angle: rev/min, rad/min and deg/min, for 1/min."""
         *ours, angle = self.exponents
         *theirs, other_angle = other.exponents
         ratio = other.factor / self.factor
@@ -110,12 +110,12 @@ class Unit:
 def conversion(source: Unit, target: Unit, *, difference: bool = False) -> tuple[float, float]:
     """Return (gain, shift) so that value in `target` = gain · value in `source` + shift.
 
-    Where an acceleration is wanted, "g" and "mg" are multiples of standard gravity, not masses.
+    If the target is an acceleration, "g" and "mg" are multiples of standard gravity, not masses.
 
     Args:
-        source: Unit of the value at hand.
-        target: Unit wanted.
-        difference: The value is a difference, so that offsets cancel (FMI's relativeQuantity).
+        source: Unit of the given value.
+        target: Unit of the result.
+        difference: Whether the value is a difference, for which offsets cancel (FMI's relativeQuantity).
 
     Raises:
         UnitError: The dimensions differ.
@@ -137,9 +137,9 @@ def _gravity() -> Unit:
 
 
 def turning_of(source: Unit, target: Unit) -> str:
-    """Return 'min', 's' or 'h' where a frequency stands for a rotational speed, '' elsewhere.
+    """Return 'min', 's' or 'h' if a frequency is used in place of a rotational speed, else ''.
 
-    Revolutions and radians in that time are both in use, 2π apart, so that a guess would be wrong half of the time.
+    Revolutions and radians per time are both in use, 2π apart, so a guess would often be wrong.
     """
     *rest, angle = (a - b for a, b in zip(target.exponents, source.exponents, strict=True))
     if any(rest) or angle != 1 or source.exponents[:_ANGLE] != (0, 0, -1, 0, 0, 0, 0):
@@ -154,10 +154,10 @@ def _angle_hint(source: Unit, target: Unit) -> str:
 
 @cache
 def unit(text: str) -> Unit:
-    """Return the unit that a text names, as 'kN.m/s2', 'J/(kg.K)' or 'kg*m**2'; '' and '1' are a pure number.
+    """Return the unit of a text, as 'kN.m/s2', 'J/(kg.K)' or 'kg*m**2'; '' and '1' are a pure number.
 
     Raises:
-        UnitError: Not a unit known here.
+        UnitError: The unit is unknown.
 
     Source: Modelica Specification 3.6, §19.1 (syntax of unit expressions).
     """
@@ -184,10 +184,10 @@ def unit(text: str) -> Unit:
 
 
 def quantity(text: str) -> tuple[float, Unit]:
-    """Return number and unit of a text such as "80 km/h"; no arithmetic, so that a file stays data.
+    """Return number and unit of a text such as "80 km/h"; arithmetic is not evaluated, so that a file stays data.
 
     Raises:
-        UnitError: The text is not one number and one unit; with the rest of a sentence that begins with a name.
+        UnitError: The text is not one number and one unit; the message follows a name.
     """
     match = _NUMBER_AND_UNIT.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
@@ -203,10 +203,10 @@ def to_si(text: str, target_unit: str | Unit) -> float:
 
     Args:
         text: A number followed by any unit of the same dimension, for example "3.4 bar".
-        target_unit: The unit, mostly an SI one; "1" for a ratio.
+        target_unit: Target unit, usually an SI one; "1" for a ratio.
 
     Raises:
-        UnitError: With the rest of a sentence that begins with a name.
+        UnitError: The text or its dimension is wrong; the message follows a name.
     """
     number, source = quantity(text)
     target = unit(target_unit) if isinstance(target_unit, str) else target_unit
@@ -231,42 +231,42 @@ _MISTAKES = {
     "percent for a ratio": 100.0, "multiples of g for m/s2": 1 / GRAVITY,
 }  # fmt: skip
 _ALIKE = 0.08
-"""Wheels differ from nominal by as much, and no two of the mistakes differ by so little."""
+"""Relative tolerance: wheels differ from nominal by this much, and all pairs of mistakes by more."""
 
 
 def mistaken_factor(ratio: float) -> float | None:
-    """Return the factor of the mistake that `mistake` names, or None."""
+    """Return the factor of the mistake in `mistake`, or None."""
     return next((factor for factor in _MISTAKES.values() if abs(ratio / factor - 1) < _ALIKE), None)
 
 
 def mistake(ratio: float) -> str:
-    """Return which mistake of unit or sign gives values that are `ratio` times as large as they should be, or ''."""
+    """Return the mistake of unit or sign that multiplies values by `ratio`, or ''."""
     return next((words for words, factor in _MISTAKES.items() if abs(ratio / factor - 1) < _ALIKE), "")
 
 
 def short(value: object) -> str:
-    """Return what was written as a sentence may repeat it: its representation, cut to a line."""
+    """Return the representation of a value for a message, cut to a line."""
     try:
         return cut(repr(value))
-    except ValueError:  # Python writes out no integer of more than 4300 digits
+    except ValueError:  # Python refuses to print integers of more than 4300 digits
         return "a number of thousands of digits"
     except Exception:  # a user's object may raise anything there
         return "what has no representation"
 
 
 def cut(text: str, longest: int = 80) -> str:
-    """Return a text as it stands, or its beginning and length where it has more characters."""
+    """Return a text unchanged, or its beginning and length if it is longer."""
     return text if len(text) <= longest else f"{text[:60]}… ({len(text)} characters)"
 
 
 def place(path: Path) -> str:
-    """Return a path as a sentence says it: longer than other texts may be, for the name of the file comes last."""
+    """Return a path for a message; the limit is longer than for other texts, since the file name comes last."""
     return cut(str(path), 255)
 
 
 @cache
 def _registry() -> Any:
-    import pint  # half of what the process of a plant from outside loads, and there every unit is known already
+    import pint  # imported here: half of the start-up of a foreign plant's process, which needs no new unit
 
     without_defaults: Any = None
     registry = pint.UnitRegistry(without_defaults)
@@ -276,9 +276,9 @@ def _registry() -> Any:
 
 @cache
 def _symbol(symbol: str) -> tuple[float, Mapping[str, int]] | None:
-    """Return factor and exponents of the root units of one symbol; None if not in use, such as a kilo-hour."""
+    """Return factor and root-unit exponents of one symbol; None if it is not in use, such as a kilo-hour."""
     prefix, name = _reading(symbol)
-    # Names may have a plural; a symbol may not, or "kPas" would be a pressure.
+    # Names may be in the plural; symbols may not, or "kPas" would be a pressure.
     plural = symbol.endswith("s") and symbol != f"{prefix}{name}s" and _reading(symbol[:-1]) == (prefix, name)
     if not name or plural or (prefix and name not in _WITH_PREFIX):
         return None
@@ -287,7 +287,7 @@ def _symbol(symbol: str) -> tuple[float, Mapping[str, int]] | None:
 
 
 def _reading(symbol: str) -> tuple[str, str]:
-    """Return the names of prefix and unit of a symbol; empty where there is none."""
+    """Return the names of prefix and unit of a symbol; empty if unknown."""
     readings = _registry().parse_unit_name(symbol)
     return (readings[0][0], readings[0][1]) if readings else ("", "")
 

@@ -1,1 +1,4 @@
-"""Many stops over one pool of processes: campaigns, sweeps, repeats, and searches; each result kept as one value."""
+"""Run many stops in one pool of processes.
+
+Campaigns, sweeps, repeats, and searches; each result is stored as one value.
+"""

@@ -1,9 +1,9 @@
-"""Fits the levels of the low-adhesion scenarios, and nothing else.
+"""Fit the levels of the low-adhesion scenarios.
 
-Schwarz, Posielek and Goetjes (2021) show the friction of their scenarios only as a figure without numbers, and do
-not say their Polach parameters. What is fitted is one factor on the friction of each scenario, for each shape of
-the creep curve, so that slip-based two-level control with ideal actuation and sensors stops in the distance of
-their Table 1. Everything else in the table is then predicted, adhesion-based control first of all.
+Schwarz, Posielek and Goetjes (2021) give the friction of their scenarios only as a figure without numbers, and do not
+state their Polach parameters. One factor on the friction of each scenario is fitted, for each shape of the creep curve,
+so that slip-based two-level control with ideal actuation and sensors stops in the distance of their Table 1. All other
+entries of the table, above all those of adhesion-based control, are then predictions.
 """
 
 import re
@@ -24,12 +24,12 @@ SHAPES = ("dry", "wet", "low_steep", "poor_wheelset_study")
 
 LIBRARY = Path(__file__).parents[1] / "scenario" / "library"
 
-_CLOSE = 0.05  # m: the table shows tenths of a metre; the required bound is 1 %, some 3 m
+_CLOSE = 0.05  # m: the table has tenths of a metre; the required bound is 1 %, some 3 m
 _ROUNDS = 25
 
 
 class FittedLevel(NamedTuple):
-    """Scenario of the library, named Polach set, factor on the friction, distance [m] of slip-based control with it."""
+    """Scenario of the library, named Polach set, factor on the friction, and the resulting distance [m] of SBC."""
 
     scenario: str
     shape: str
@@ -38,10 +38,10 @@ class FittedLevel(NamedTuple):
 
 
 def calibrate(notify: Callable[[FittedLevel], None]) -> list[FittedLevel]:
-    """Fit every level and write them into the scenario files of the library.
+    """Fit every level and write all of them to the scenario files of the library.
 
     Raises:
-        ArithmeticError: No level within 0.3 … 3 gives the distance.
+        ArithmeticError: The distance is not reached with a level from 0.3 to 3.
     """
     fits: list[FittedLevel] = []
     with workers(2) as pool:
@@ -60,7 +60,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> FittedLevel:
     """Find the level at which slip-based control stops in the published distance, by regula falsi (Illinois).
 
     Raises:
-        ArithmeticError: The distance is not reached within 0.3 … 3.
+        ArithmeticError: The distance is not reached with a level from 0.3 to 3.
     """
     target = TARGETS[scenario]
 
@@ -72,7 +72,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> FittedLevel:
             f"adhesion.calibrated.{shape}={level!r}",
         ]
         distance = braking_distance(load(library / f"{scenario}.toml", overrides))
-        # Where it slides on until the horizon, the rail is far too slippery.
+        # A train that slides until the horizon is on a rail that is far too slippery.
         return 1e3 if distance is None else distance - target
 
     low, high = 0.6, 1.6
@@ -87,7 +87,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> FittedLevel:
         raise ArithmeticError(f"{scenario}, {shape}: no level between 0.3 and 3 stops in {target} m.")
     level, residual = low, over
     for _ in range(_ROUNDS):
-        # Five digits are what is written; finer steps would move the distance by less than it is wanted.
+        # The file has five digits; finer steps would change the distance by less than the tolerance.
         level = round(low + (high - low) * over / (over - under), 5)
         residual = excess(level)
         if abs(residual) < _CLOSE or high - low < 2e-5:
@@ -100,7 +100,7 @@ def fit(scenario: str, shape: str, library: Path = LIBRARY) -> FittedLevel:
 
 
 def with_levels(text: str, levels: dict[str, float]) -> str:
-    """Return the text of a scenario file with other calibrated levels; everything else stays as it is."""
+    """Return the text of a scenario file with other calibrated levels; all other lines are unchanged."""
     line = "calibrated = { " + ", ".join(f"{shape} = {level:.5f}" for shape, level in levels.items()) + " }"
     result, count = re.subn(r"(?m)^calibrated = .*$", line, text)
     if count != 1:

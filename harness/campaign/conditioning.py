@@ -1,8 +1,8 @@
-"""Repeats the stops of a campaign: with the plant's parameters perturbed, and with other lots of sensors.
+"""Repeat the stops of a campaign: with the plant's parameters perturbed, and with other lots of sensors.
 
-A distance that a perturbation of 1e-7 moves by a centimetre is a property of the controller; one that it moves by a
-tenth is a draw. All controllers have the same lots, so that their distances can be compared in pairs. If OpenModelica
-is on the PATH and so compiles the plants, those of the built-in compiler stop once, too.
+A distance that changes by a centimetre under a perturbation of 1e-7 is a property of the controller; one that changes
+by a tenth is random. All controllers have the same lots, so that their distances can be compared in pairs. If
+OpenModelica is on the PATH, and therefore compiles the plants, those of the built-in compiler are run once in addition.
 """
 
 from dataclasses import dataclass, replace
@@ -25,11 +25,11 @@ _OTHER = "native"
 
 @dataclass(frozen=True, slots=True)
 class Repeats:
-    """Stops as which one stop is repeated.
+    """The repeats of one stop.
 
     Attributes:
-        perturbed: With perturbed parameters of the plant.
-        lots: With lots 1, 2, … of the sensors; none if sensors have no errors.
+        perturbed: Stops with perturbed parameters of the plant.
+        lots: Stops with lots 1, 2, … of the sensors; empty if sensors have no errors.
         compilers: Compiler → stop with the plant of that compiler.
     """
 
@@ -39,7 +39,7 @@ class Repeats:
 
     @property
     def stops(self) -> list[PlannedStop]:
-        """All of them."""
+        """All repeats."""
         return [*self.perturbed, *self.lots, *self.compilers.values()]
 
 
@@ -50,10 +50,10 @@ def repeats_of(stop: PlannedStop, *, count: int, lots: int, relative: float) -> 
         stop: Stop of a campaign.
         count: Number of repeats with parameters perturbed by up to `relative`, as a share of their values.
         lots: Number of lots of sensors.
-        relative: Largest perturbation.
+        relative: Maximum perturbation.
 
     Raises:
-        FmuError: The plant cannot be built by the other compiler.
+        FmuError: The other compiler cannot build the plant.
     """
     nudges = [Nudge(relative=relative, seed=seed) for seed in range(1, count + 1)]
     return Repeats(
@@ -79,7 +79,7 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
     """Return the conditioning of a campaign from the results of the repeats in a folder.
 
     Raises:
-        RecordError: One of them has no result.
+        RecordError: A repeat has no result.
     """
     stops: dict[str, Repeated] = {}
     for stop in campaign.stops:
@@ -104,16 +104,19 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
 
 
 DIVISORS = (2, 4)
-"""Of the communication step: what half and a quarter of it move is the error of time discretisation."""
+"""Divisors of the communication step.
+
+The changes with half and a quarter of it show the error of time discretisation.
+"""
 
 
 def with_divided_steps(
     campaign: Campaign, before: Conditioning, work: Work, *, count: int
 ) -> tuple[dict[str, Repeated], dict[str, str]]:
-    """Return the repeats of stops with their distances at divided communication steps, and the stops that have none.
+    """Return the repeats of stops with their distances at divided communication steps, and the stops without them.
 
-    Each stop is repeated up to `count` times at each step, with the first of the moved parameters; once where these
-    hardly move it. The periods of sensors, estimator and controller stay.
+    Each stop is repeated up to `count` times at each step, with the first of the perturbed parameters; only once if its
+    distance hardly depends on them. The periods of sensors, estimator and controller are not divided.
 
     Returns:
         Repeats by stop; and for each other stop the reason.
@@ -178,5 +181,5 @@ def _repeat(stop: PlannedStop, suffix: str, **tables: object) -> PlannedStop:
 
 
 def _distance(record: StopRecord) -> float | None:
-    # To the millimetre: what one communication step of the last metre per second moves.
+    # Rounded to the millimetre: the change by one communication step in the last metre per second.
     return None if record.braking_distance is None else round(record.braking_distance, 3)

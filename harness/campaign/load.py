@@ -1,4 +1,4 @@
-"""Results in folders as the values that `railgrip.run` and `railgrip.sweep` return, and as tables in files."""
+"""Load results from folders as the values that `railgrip.run` and `railgrip.sweep` return, and write them as tables."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,12 +22,12 @@ FORMATS = (".csv", ".parquet")
 
 
 def load_results(folder: Path) -> Stop | Sweep:
-    """Return the results in a folder: of a run its stop, of a campaign its stops over its axes.
+    """Return the results in a folder: the stop of a run, or the stops of a campaign over its axes.
 
-    Stops of a campaign that have no result are left out, which a message says.
+    Stops of a campaign without a result are omitted; a message lists them.
 
     Raises:
-        RecordError: The folder holds no result, a result is unreadable, or the samples of the stop were not kept.
+        RecordError: The folder has no result, a result is unreadable, or the samples of the stop were not kept.
         ScenarioError: A file that the scenario of the stop names is missing.
     """
     if (folder / CAMPAIGN_FILE).exists():
@@ -62,7 +62,7 @@ def _campaign(folder: Path) -> Sweep:
     if results.missing:
         remark(f"{folder}: {len(results.missing)} stops have no result: {names(results.missing)}")
     keys = dict.fromkeys(axis for stop in results.stops for axis in stop.variants)
-    # Stops that are not drawn have no variant of that axis.
+    # Stops without draws have no variant of that axis.
     chosen = tuple(tuple(stop.variants.get(axis, "") for axis in keys) for stop in results.stops)
     axes = {axis: tuple(dict.fromkeys(column)) for axis, column in zip(keys, zip(*chosen, strict=True), strict=True)}
     found = tuple(Result(stop.record.outcome.value, stop.record.reason, stop.record.metrics) for stop in results.stops)
@@ -73,7 +73,7 @@ def write_table(frame: "pandas.DataFrame", path: Path) -> None:
     """Write a table as CSV or Parquet, by its suffix; units are in the names of the columns.
 
     Raises:
-        InputError: Another suffix, or pyarrow is not installed.
+        InputError: The suffix is another one, or pyarrow is not installed.
     """
     if path.suffix.lower() not in FORMATS:
         raise InputError(f"{path}: a table is written as {' or '.join(FORMATS)}; end its name with one of them.")

@@ -1,4 +1,4 @@
-"""One scenario, run and kept."""
+"""Run one scenario and write its result."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,29 +13,29 @@ from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import FILES, require_place, write_stop
 
 RUNS = Path("build/runs")
-"""Folder of the folders of runs."""
+"""Parent folder of the folders of runs."""
 
 Progress = Callable[[float], None]
-"""Called now and then with the speed of the train [m/s]."""
+"""Called at intervals with the speed of the train [m/s]."""
 
 Notify = Callable[[str], None]
 """Called with a sentence for the user."""
 
 
 def silently(sentence: str) -> None:
-    """Discard the message."""
+    """Ignore a message for the user."""
 
 
 class Runner(Protocol):
-    """Runs a scenario; `railgrip.simulate.run.run_stop` is the one."""
+    """Runs a scenario; implemented by `railgrip.simulate.run.run_stop`."""
 
     def __call__(self, scenario: Scenario, progress: Progress | None = None, notify: Notify = silently) -> Stop:
-        """Return the stop, whatever its outcome; raise a sentence when the question is wrong."""
+        """Return the stop, whatever its outcome; raise an error for invalid input."""
         ...
 
 
 def run_folder(scenario: Scenario) -> Path:
-    """Return the folder of a run whose user names none; another scenario of the same name has another one."""
+    """Return the default folder of a run; different scenarios with the same name have different folders."""
     return RUNS / f"{scenario.name}-{scenario.digest()[:8]}"
 
 
@@ -48,22 +48,22 @@ def run(
     *,
     keep_trace: bool = True,
 ) -> Stop:
-    """Run a scenario and write its result into a folder, whole or not at all.
+    """Run a scenario and write its result to a folder, completely or not at all.
 
     The result of an earlier stop in the folder stays until the new one replaces it.
 
     Raises:
-        RecordError: Results cannot be written there, files of the user are in the way, or the folder is that of a
-            campaign; nothing was run.
+        RecordError: Results cannot be written to the folder, files of the user would be overwritten, or the folder is
+            that of a campaign; nothing was run.
         Unwritten: The result could not be written.
-        ScenarioError: The scenario asks for something that its parts cannot do; it names the scenario.
+        ScenarioError: The scenario requires something that its parts cannot do; the message names the scenario.
     """
     require_place(directory)
     make_folder(directory, *FILES)
     try:
         stop = runner(scenario, progress, notify)
     except ScenarioError as problem:
-        # Parts know the table and the key they were given, not whose scenario it is.
+        # Parts know the table and the key, but not the name of the scenario.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
     stop = with_maker(stop)
     write_stop(stop, directory, keep_trace=keep_trace)
@@ -71,5 +71,5 @@ def run(
 
 
 def with_maker(stop: Stop) -> Stop:
-    """Return a stop whose versions contain those of the program that has made it; see `made_by`."""
+    """Return a stop whose versions include those of the program that ran it; see `made_by`."""
     return replace(stop, versions={**stop.versions, **made_by()})

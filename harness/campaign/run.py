@@ -1,4 +1,4 @@
-"""Many stops at once: each in a process, each result kept as soon as it is there, none run twice."""
+"""Run many stops, each in a process; results are stored at once, and stops with a result are not run again."""
 
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -37,13 +37,13 @@ State = Literal["found", "done", "unexpected", "refused", "failed"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Report:
-    """What became of one stop.
+    """Report on one stop.
 
     Attributes:
         stop: Which.
         state: `found` from an earlier run, or `done`, with the outcome that the campaign expects; `unexpected` with
-            another one, found or done; `refused` for a wrong question; `failed` without a result.
-        sentence: Outcome or reason, for people.
+            another outcome, found or done; `refused` for invalid input; `failed` without a result.
+        sentence: Outcome or reason, for readers.
     """
 
     stop: PlannedStop
@@ -69,23 +69,24 @@ def run_campaigns(
     notify: Callable[[Report], None],
     on_complete: Callable[[int], None] = lambda number: None,
 ) -> list[list[Report]]:
-    """Run the stops of campaigns into folders of their names; return what became of each, in the campaigns' order.
+    """Run the stops of campaigns into folders with their names; return the reports in the order of the campaigns.
 
-    A stop whose result is there, from the same scenario and the same sources, is not run again unless `fresh`, or one
-    of its files is not as it was written, which a message says. Every result that is written is whole; any exception
-    ends the running stops and leaves the finished ones.
+    A stop with a result from the same scenario and the same sources is not run again, unless `fresh` is set or one of
+    its files has changed since, which a message reports. Results are always complete; an exception ends the running
+    stops and keeps the finished ones.
 
     Args:
-        campaigns: What to run, and the folders: each gets campaign.json, which says what belongs together, and a folder
-            for each stop.
-        runner: Picklable: it runs in other processes.
-        scheduler: Address of a Dask cluster that runs the stops in place of processes here; it needs no disk of ours.
-        fresh: Whether to run also what is there.
-        notify: Called as soon as something became of a stop.
-        on_complete: Called with the number of a campaign when all its stops are there, while others go on.
+        campaigns: Campaigns and their folders; each folder gets campaign.json, which lists the stops, and a folder for
+            each stop.
+        runner: Function that runs a stop; it must be picklable, because it runs in other processes.
+        scheduler: Address of a Dask cluster that runs the stops instead of local processes; a shared disk is not
+            required.
+        fresh: Whether to run stops that have a result.
+        notify: Called with the report of each stop at once.
+        on_complete: Called with the number of a campaign when all of its stops have ended, while others continue.
 
     Raises:
-        RecordError: Results cannot be written there, or others are there; nothing was run.
+        RecordError: Results cannot be written to a folder, or it has other results; nothing was run.
     """
     for planned in campaigns:
         name = planned.campaign.name
@@ -112,7 +113,7 @@ def run_campaigns(
                 on_complete(number)
         for order, report in running:
             if report.state in ("refused", "failed"):
-                discard_stop(order.folder)  # an earlier result would pass for the present one
+                discard_stop(order.folder)  # an earlier result would be mistaken for the present one
             reports[order.campaign][order.stop.name] = report
             notify(report)
             if len(reports[order.campaign]) == len(campaigns[order.campaign].campaign.stops):
@@ -125,7 +126,7 @@ def run_campaigns(
 
 @dataclass(frozen=True, slots=True)
 class _StopOrder:
-    """A stop to run: of which campaign, and into which folder."""
+    """A stop to run, the number of its campaign, and the folder for its result."""
 
     campaign: int
     stop: PlannedStop
@@ -136,7 +137,7 @@ class _StopOrder:
 def _running(
     orders: Sequence[_StopOrder], runner: Runner, workers: int, scheduler: str | None
 ) -> Generator[Iterator[tuple[_StopOrder, Report]]]:
-    """Begin to run stops, in their order; yield what gives the report of each as it ends."""
+    """Start to run stops in their order; yield an iterator over their reports, in the order in which they end."""
     if not orders:
         yield iter(())
         return
@@ -149,13 +150,13 @@ def _running(
                 for order, result in processes.ended(running, check)
             )
     finally:
-        # What a process was writing when it was ended or crashed.
+        # Partial files of a process that was ended or crashed.
         for half in (path for order in orders for path in order.folder.glob(PARTIAL)):
             half.unlink(missing_ok=True)
 
 
 def _perform(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
-    """Run one stop in this process; return its report, and no file: they lie where they belong."""
+    """Run one stop in this process; return its report, and no files, which are already in their folder."""
     planned_stop = order.stop
     stop = processes.answer(
         lambda: run(planned_stop.scenario, order.folder, runner, keep_trace=planned_stop.keep_trace)
@@ -166,7 +167,7 @@ def _perform(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, by
 
 
 def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome, reason: str) -> Report:
-    """Return the report of a stop that has a result; the same for one found and one just run, but for the word."""
+    """Return the report of a stop with a result; a result found and one just computed differ only in `state`."""
     if outcome is stop.expected:
         return Report(stop=stop, state=state, sentence=reason)
     sentence = f"the outcome is {outcome.value}, expected was {stop.expected.value}: {reason}"
@@ -174,7 +175,7 @@ def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome
 
 
 def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
-    """Run one stop on another machine; return its files beside the report."""
+    """Run one stop on another machine; return the report and its files."""
     with scratch("far") as folder:
         report, _ = _perform(replace(order, folder=folder / order.stop.name), runner)
         files = {path.name: path.read_bytes() for path in (folder / order.stop.name).glob("*")}
@@ -182,7 +183,10 @@ def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str
 
 
 def _fetched(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
-    """Write the files of a stop that was run elsewhere, the one that makes it a result last; return the report."""
+    """Write the files of a stop that was run elsewhere, stop.json last, which marks a complete result.
+
+    Return the report.
+    """
     if files:
         names = sorted(files.keys() - {RECORD}, key=lambda name: name == STOP_FILE)
         claim(order.folder, *names)
@@ -199,22 +203,22 @@ def _failed(order: _StopOrder, problem: RailgripError) -> Report:
 
 
 def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
-    """Return the result of this stop in a folder, if the program with its packages and compilers would make it again.
+    """Return the result of this stop in a folder, if the present program, packages and compilers would reproduce it.
 
-    A message says which file of such a result is not as it was written.
+    A message names a file of such a result that has changed since.
     """
     if not (directory / STOP_FILE).exists():
         return None
     scenario = stop.scenario
     parts = (scenario.controller, scenario.estimator, scenario.sensors)
     if isinstance(scenario.vehicle.source, PythonClass) or any(isinstance(table, Custom) for table in parts):
-        return None  # what else a user's class imports is unknown
+        return None  # the imports of a user's class are unknown
     try:
         record = read_stop(directory)
         if record.digest != scenario.digest() or not made_by().items() <= record.versions.items():
             return None
         if stop.keep_trace:
-            if record.trace_digest is None:  # it had found no place, or was not wanted then
+            if record.trace_digest is None:  # the samples could not be stored, or were not requested
                 return None
             record.require_unchanged_trace()
     except RecordError as problem:
@@ -225,10 +229,10 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
 
 
 def write_description(campaign: Campaign, directory: Path) -> None:
-    """Write campaign.json: what the results in the folders beside it belong to.
+    """Write campaign.json, which describes the campaign of the results in its folder.
 
     Raises:
-        ScenarioError: The campaign names a file of conditioning that cannot be read.
+        ScenarioError: The campaign's file of conditioning cannot be read.
     """
     conditioning = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
     content = {

@@ -1,4 +1,4 @@
-"""Everything that a result depends on besides its scenario, so that results of another program are not reused."""
+"""All inputs of a result besides its scenario, so that results of another version of the program are not reused."""
 
 import hashlib
 from functools import cache
@@ -13,28 +13,28 @@ from railgrip.fmus.native.toolchain import compiler
 from railgrip.fmus.recipe import MODELICA
 
 SOURCES = "sources"
-"""Name of the digest of this program's text among the versions of a result."""
+"""Key of the digest of this program's source in the versions of a result."""
 
 _PACKAGES = ("railgrip", "railgrip.controllers", "railgrip.estimators", "railgrip.fmus")
 _KINDS = {".py", ".c", ".h", ".mo", ".toml", ".txt", ".jinja"}
 _UNCONCERNED = ("railgrip/cli/", "railgrip/report/", "railgrip/studies/", "railgrip.fmus/lock.toml")
-"""They read results or make other ones, or follow from the rest."""
+"""Files that read results or produce other ones, or that follow from the rest."""
 _QUESTIONS = ("railgrip/scenario/library/", "railgrip/scenario/campaigns/", "railgrip/scenario/equipment/")
-"""Keys that define a stop; the digest of its scenario covers it."""
+"""Files that define stops; the digest of the scenario covers them."""
 
 
 @cache
 def sources_digest(study: str | None = None) -> str:
     """Return a SHA-256 of every source that a stop depends on: the package's code and the Modelica library.
 
-    With the name of a study, of every source that its results depend on: its own module or folder and all questions as
-    well.
+    With the name of a study, also of its module or folder and of all scenario files, on which the study's results
+    depend.
     """
     roots = {name: Path(import_module(name).__path__[0]) for name in _PACKAGES} | {"modelica": MODELICA}
     digest = hashlib.sha256()
     for name, root in roots.items():
         for path in sorted(file for file in root.rglob("*") if file.suffix in _KINDS):
-            # Installed, the other packages lie inside the package's own folder.
+            # In an installation, the other packages are inside the package's folder.
             if any(
                 path.is_relative_to(other) for other in roots.values() if other != root and other.is_relative_to(root)
             ):
@@ -49,7 +49,7 @@ def sources_digest(study: str | None = None) -> str:
 
 
 def made_by(study: str | None = None) -> dict[str, str]:
-    """Return name → version of all that decides a result besides its scenario.
+    """Return name → version of all inputs of a result besides its scenario.
 
     These are the sources, by their digest as `SOURCES`, Python, packages, machine, and the compilers of C and FMUs.
 

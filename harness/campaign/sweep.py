@@ -1,4 +1,4 @@
-"""Every combination of values of a scenario, as one table."""
+"""Run every combination of values of a scenario, and return one table."""
 
 import html
 import itertools
@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What became of one combination.
+    """Result of one combination.
 
     Attributes:
-        outcome: Of the stop; `refused` or `failed` where there is none.
-        reason: In one sentence.
-        metrics: None without a stop.
+        outcome: Outcome of the stop; `refused` or `failed` without a stop.
+        reason: Reason, one sentence.
+        metrics: Metrics of the stop, or None.
     """
 
     outcome: str
@@ -71,7 +71,7 @@ class Sweep:
         return self._on_axes(np.array(each, dtype=np.float64), math.nan)
 
     def _on_axes(self, values: NDArray[Any], missing: object) -> NDArray[Any]:
-        """Return values of each result, shape (results, …), with the axes in place of the results."""
+        """Arrange the values of each result, shape (results, …), on the axes in place of the results."""
         shape = tuple(len(values) for values in self.axes.values())
         if self.chosen is None:
             return values.reshape(*shape, *values.shape[1:])
@@ -82,7 +82,6 @@ class Sweep:
         return grid
 
     def __repr__(self) -> str:
-        """Return what a reader wants to know first, in five lines."""
         combinations = self.combinations
         distances = [math.nan if result.metrics is None else result.metrics.distance for result in self.results]
         known = sorted((d, i) for i, d in enumerate(distances) if math.isfinite(d))
@@ -106,7 +105,6 @@ class Sweep:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        """Return the short form and the table, for notebooks."""
         return f"<pre>{html.escape(repr(self))}</pre>{self.to_pandas().to_html(max_rows=20, max_cols=12)}"
 
     def plot(self) -> "Figure":
@@ -137,9 +135,9 @@ class Sweep:
         return frame
 
     def to_xarray(self) -> xarray.Dataset:
-        """Return outcome, reason and figures over the axes, and over groups and wheelsets, lead to trail.
+        """Return outcome, reason and figures over the axes, and over groups and wheelsets, from lead to trail.
 
-        A figure that a stop does not have is NaN.
+        Missing figures of a stop are NaN.
         """
         variables: dict[str, Any] = {
             name: (tuple(self.axes), self._on_axes(np.array([getattr(result, name) for result in self.results]), ""))
@@ -158,7 +156,7 @@ class Sweep:
                 for result in self.results
             ]
             each = "wheelset" if "wheelset" in meaning else "group" if "group" in meaning else ""
-            if not each:  # of the train, in a list of one
+            if not each:  # a figure of the train, in a list of one
                 first, values = first.reshape(()), [value.reshape(()) for value in values]
             further = (each, "slip_class")[: first.ndim]
             stacked = self._on_axes(np.stack(values), np.nan)
@@ -175,11 +173,11 @@ def swept(
     """Run every combination of values.
 
     Args:
-        name: Of the scenario, for the progress.
-        variant: Returns the scenario with values laid over it by key, and the user's objects for it.
+        name: Name of the scenario, for the progress.
+        variant: Function that returns the scenario with values by key, and the user's objects for it.
 
     Raises:
-        ScenarioError: A combination is no scenario, or an axis has no value; nothing was run.
+        ScenarioError: A combination is not a valid scenario, or an axis has no values; nothing was run.
     """
     empty = next((axis for axis, values in axes.items() if not len(values)), None)
     if empty is not None:
@@ -209,13 +207,13 @@ def _in_processes(stops: Sequence[tuple[Scenario, CustomParts]], workers: int) -
 
 
 def _portable(objects: CustomParts) -> bool:
-    """Return whether another process can have these objects: their classes are in modules that it can import."""
+    """Return whether these objects can be sent to other processes, which must be able to import their classes."""
     parts = (objects.controller, objects.estimator, objects.sensors, objects.plant)
     if any(type(part).__module__ == "__main__" for part in parts):
         return False
     try:
         pickle.dumps(objects)
-    except Exception:  # whatever a user's object raises when it is pickled
+    except Exception:  # a user's object may raise any exception when it is pickled
         return False
     return True
 
@@ -230,12 +228,12 @@ def _failed(problem: RailgripError) -> Result:
 
 
 def _hashable(value: Any) -> Any:
-    """Return a value as the index of a table can hold it: tables and lists as JSON."""
+    """Return a value as an index of a table: tables and lists as JSON."""
     return json.dumps(value, ensure_ascii=False, default=str) if isinstance(value, list | tuple | Mapping) else value
 
 
 def _flat(plain: Mapping[str, Any]) -> dict[str, Any]:
-    """Return figures with those of groups and wheelsets as one each, counted from 1."""
+    """Return figures as one dict, with an entry for each group or wheelset, counted from 1."""
     flat: dict[str, Any] = {}
     for name, value in plain.items():
         if isinstance(value, list):

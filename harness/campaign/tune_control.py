@@ -1,10 +1,10 @@
-"""Searches the parameters of brake control, on rails that no result is reported of.
+"""Search the parameters of brake control on rails that are not used for reported results.
 
-What the table of braking distances says of a controller is a prediction only if its parameters were not chosen by that
-table, and a comparison only if both sides were tuned as hard. So all are chosen here, adhesion-based control and the
-slip-based control that it is measured against, by differential evolution (Storn and Price, 1997) over the campaign
-`training`, whose rails differ from those of every other campaign in shape, level, speed and draw; or, for the type
-test, over cases of a set of their own.
+The table of braking distances predicts the performance of a controller only if its parameters were not chosen by that
+table, and compares controllers fairly only if all were tuned with the same effort. So the parameters of all of them,
+adhesion-based control and the slip-based control that it is compared with, are searched here, by differential evolution
+(Storn and Price, 1997) over the campaign `training`, whose rails differ from those of every other campaign in shape,
+level, speed and draw; or, for the type test, over a separate set of cases.
 """
 
 import math
@@ -32,42 +32,42 @@ from railgrip.simulate.run import braking_distance
 
 RAILS = Path(__file__).parents[1] / "scenario" / "campaigns" / "training.toml"
 EQUIPMENT = {"ideal": "ideal", "pneumatic": "service"}
-"""Kind of actuation → variant of the axis `equipment` whose stops it is tuned on."""
+"""Kind of actuation → variant of the axis `equipment` for its training stops."""
 
 Ranges = Mapping[str, tuple[float, float]]
 
 _HIGHEST = 0.9
-"""Slip above which no upper level is searched: a wheel that is nearly locked."""
+"""Maximum of the searched upper slip level: a wheel that is nearly locked."""
 
 RANGES: Mapping[str, LawRanges] = {
     kind: law.ranges
     for kind in registry.modules(registry.LAWS)
     if (law := registry.part(registry.LAWS, kind, GroupLaw)).ranges
 }
-"""What is searched of each law that has parameters to search."""
+"""Searched parameters of each law that has any."""
 
 REFERENCE = "slip_two_state"
-"""With the paper's levels and slip as read: what each result is compared with."""
+"""The law that results are compared with, with the paper's levels and the slip as read."""
 
-_ENDLESS = 2000.0  # m, where the train does not stop
+_ENDLESS = 2000.0  # m, for a train that does not stop
 _SEED = 2021
 _SETS = 24
-"""Sets of parameters tried for each parameter that is searched: the same effort for every law."""
+"""Sets of parameters that are tried per searched parameter: the same effort for every law."""
 
 Vector = NDArray[np.float64]
 
 
 def mean_logarithm(names: tuple[str, ...], stops: tuple[Scenario, ...], point: Vector) -> float:
-    """Return the mean of ln(distance) over stops: every rail counts by the share of its own distance that is saved."""
+    """Return the mean of ln(distance) over stops: every rail is weighted by its relative saving."""
     values = parameters_of(names, point)
     return float(np.mean([math.log(_distance(_with(values, stop))) for stop in stops]))
 
 
 def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
-    """Return the law's parameters for the logarithms of what is searched.
+    """Return the law's parameters for the logarithms of the searched quantities.
 
-    They have two digits: finer ones move distances by less than chance does. The upper level of slip is searched as a
-    ratio to the lower one, so that every point is a pair that can switch.
+    They are rounded to two digits: finer differences have less effect than chance. The upper slip level is searched as
+    a ratio to the lower one, so that every point is a valid pair.
     """
     values = {name: math.exp(value) for name, value in zip(names, point, strict=True)}
     if "high_over_low" in values:
@@ -76,8 +76,8 @@ def parameters_of(names: Sequence[str], point: Vector) -> dict[str, float]:
 
 
 def point_of(ranges: Ranges, values: Mapping[str, float]) -> Vector:
-    """Return the logarithms of what is searched for parameters of a law, inside their ranges."""
-    start = dict(values)  # one that the file lacks starts in the middle
+    """Return the logarithms of the searched quantities for parameters of a law, clipped to their ranges."""
+    start = dict(values)  # a parameter that is missing in the file starts in the middle
     if "high_over_low" in ranges:
         start["high_over_low"] = start["high"] / start["low"]
     point = [math.log(start.get(name, math.sqrt(low * high))) for name, (low, high) in ranges.items()]
@@ -86,14 +86,14 @@ def point_of(ranges: Ranges, values: Mapping[str, float]) -> Vector:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Optimum:
-    """Parameters found for a law under one kind of actuation and with one way to know the slip.
+    """Parameters found for a law with one kind of actuation and one source of the slip.
 
     Attributes:
-        values: By name.
-        sets: How many sets of parameters were tried.
+        values: Values by name.
+        sets: Number of sets of parameters tried.
         rails: Name of each rail.
-        distances: With them [m].
-        reference: Of two-state slip-based control with the paper's levels [m].
+        distances: Distance on each rail with them [m].
+        reference: Distance of two-state slip-based control with the paper's levels [m].
     """
 
     values: Mapping[str, float]
@@ -104,7 +104,7 @@ class Optimum:
 
     @property
     def reduction(self) -> float:
-        """Geometric mean of distance over that of the reference, less 1."""
+        """Geometric mean of the distance over that of the reference, minus 1."""
         ratios = np.array(self.distances) / np.array(self.reference)
         return float(np.exp(np.mean(np.log(ratios)))) - 1.0
 
@@ -121,19 +121,20 @@ def search(
     sets: int = _SETS,
     budget: int | None = None,
 ) -> Optimum:
-    """Search the parameters of one law for one kind of actuation and one way to know the slip.
+    """Search the parameters of one law for one kind of actuation and one source of the slip.
 
-    The set of the law's file is among the first that are tried: a search goes on from the one before.
+    The first population includes the set in the law's file, so that a search continues the previous one.
 
     Args:
         law: A key of `RANGES`.
-        actuation: Of the first of the pair that is a key there.
-        slip: The second of it.
+        actuation: First element of the key of its ranges.
+        slip: Second element.
         notify: Called after each generation with its number and the best reduction against the reference.
         rails: Campaign with the axes rail and equipment.
-        rail_stops: Stops of the type test in place of its rails, each with the variant rail, for the set of its own.
-        sets: Sets of parameters to be tried for each one that is searched; rounded up to whole generations.
-        budget: Sets to be tried in all, whatever is searched; None for `sets`.
+        rail_stops: Stops of the type test in place of rails, each with the variant rail, to find the set of the type
+            test.
+        sets: Sets of parameters to try per searched parameter; rounded up to whole generations.
+        budget: Total number of sets to try; None for `sets`.
     """
     name = set_of(law, type_test=rail_stops is not None)
     file = registry.files(registry.LAWS)[file_of(law, name).removesuffix(".toml")]
@@ -172,14 +173,13 @@ def _evolved(
     *,
     evenly: bool,
 ) -> Vector:
-    """Return the point of least objective that differential evolution finds.
+    """Return the point with the minimum objective that differential evolution finds.
 
     Args:
-        start: Parameters of a point of the first population.
-        effort: Population, and generations after the first.
-        notify: Called after each generation with its number and the least objective.
-        evenly: Whether the others of the first population are Sobol's points, as many as there are, whatever their
-            number; else SciPy chooses.
+        start: Parameters of one point of the first population.
+        effort: Size of the population, and number of generations after the first.
+        notify: Called after each generation with its number and the minimum objective.
+        evenly: Whether the rest of the first population are Sobol points, whatever their number; else SciPy chooses.
     """
     population, generations = effort
     bounds = np.log(np.array(list(ranges.values())).T)
@@ -205,7 +205,7 @@ def _evolved(
         polish=False,
         rng=_SEED,
         updating="deferred",
-        workers=cast("Any", mapped),  # the stubs want a number, the function takes a map, too
+        workers=cast("Any", mapped),  # the stubs expect a number, the function also accepts a map
         callback=note,
     )
     return optimum.x
@@ -213,7 +213,7 @@ def _evolved(
 
 def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:
     """Return population and generations of a search after the first; arguments are those of `search`."""
-    # Sobol's points come in powers of two; twice as many as parameters are few for differential evolution, not too few.
+    # Sobol points come in powers of two; a population of twice the number of parameters is small, but sufficient.
     population = 1 << max(3, math.ceil(math.log2(2 * parameters)))
     if budget is not None and budget < 2 * population:
         population = budget  # too few to evolve: the best of points spread evenly over the ranges
@@ -226,7 +226,7 @@ def set_of(law: str, *, type_test: bool) -> str:
 
 
 def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command: str = "make tune-control") -> str:
-    """Return the file of a law's parameters: what was found for each kind of actuation, on what, by which command."""
+    """Return the file of a law's parameters: the results for each kind of actuation, their rails, and the command."""
     lines = [f"# Parameters of {law}, written by `{command}`; in brackets two-state control at 10 and 15 %."]
     for (actuation, slip), result in results.items():
         lines += [
@@ -240,13 +240,12 @@ def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command
 
 
 def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
-    """Return a scenario under another law, which reads the slip or has it from the scenario's estimator."""
+    """Return a scenario with another law, which uses the slip as read or as estimated by the scenario's estimator."""
     change: dict[str, Any] = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
     return Scenario.model_validate(merged(scenario.resolved(), change))
 
 
 def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
-    """Return a scenario whose controller has other parameters."""
     return Scenario.model_validate(merged(scenario.resolved(), {"controller": {"parameters": dict(values)}}))
 
 

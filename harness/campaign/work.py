@@ -1,4 +1,4 @@
-"""The work of a study: cases run in processes or on a cluster, with progress, and every result kept by its content."""
+"""Run the cases of a study in processes or on a cluster, with progress, and cache every result by content."""
 
 import hashlib
 import json
@@ -29,56 +29,56 @@ C = TypeVar("C")
 R = TypeVar("R")
 
 KIND: Final = "studies"
-"""Shelf of the user's cache."""
+"""Folder of the results in the user's cache."""
 _NAME: Final = "result"
 
 
 class Work:
-    """Runs the cases of a study; `work` makes one.
+    """Runs the cases of a study; created by `work`.
 
     Attributes:
-        folder: For what the study writes.
-        count: Processes.
-        scheduler: Address of a Dask cluster in place of processes here, or None.
-        fresh: Whether to run also what has a result.
-        run_count: Cases that were run, because the cache had no result of them.
+        folder: Folder for the output of the study.
+        count: Number of processes.
+        scheduler: Address of a Dask cluster in place of local processes, or None.
+        fresh: Whether to run cases that have a result.
+        run_count: Number of cases that were run, because the cache had no result.
     """
 
     def __init__(
         self, bar: Progress, stack: ExitStack, study: str, folder: Path, count: int, scheduler: str | None, fresh: bool
     ) -> None:
-        """Run nothing yet; a pool of processes starts with the first case, and ends with `stack`."""
+        """Start without processes; the pool starts with the first case, and ends with `stack`."""
         self.folder, self.count, self.scheduler, self.fresh, self.run_count = folder, count, scheduler, fresh, 0
         self._bar, self._stack, self._study = bar, stack, study
         self._total = 0
         self._pool: tuple[Executor, Callable[[], None]] | None = None
 
     def notify(self, doing: str) -> None:
-        """Show what is being done."""
+        """Display the present activity."""
         self._bar.update(doing=doing)
 
     def expect(self, count: int) -> None:
-        """Show that there is so much more to do."""
+        """Increase the total number of cases by `count`."""
         self._total += count
         self._bar.update(total=self._total)
 
     def advance(self) -> None:
-        """Show that one more is done."""
+        """Count one more case as done."""
         self._bar.advance()
 
     def map(self, function: Callable[[C], R], cases: Iterable[C], *, keep: bool = True) -> list[R]:
-        """Return the result of each case; those that are not in the cache are made, in their order.
+        """Return the result of each case; those that are not in the cache are run, in their order.
 
-        The cache is searched for the same function and case, made by the same sources, packages and compilers. Results
-        are kept as they come, so that an interrupted study continues from there.
+        The cache is searched for the same function and case, computed by the same sources, packages and compilers.
+        Results are stored at once, so that an interrupted study continues from there.
 
         Args:
-            function: Of a module, or a `partial` of one; it runs in other processes.
-            cases: Of numbers, texts, arrays, dataclasses, tables and scenarios.
-            keep: False where a case names a user's code: what else that code depends on is unknown.
+            function: Function of a module, or a `partial` of one; it runs in other processes.
+            cases: Cases that consist of numbers, strings, arrays, dataclasses, tables and scenarios.
+            keep: Whether to cache results; False if a case names a user's code, whose dependencies are unknown.
 
         Raises:
-            RailgripError: The first that a case ends with.
+            RailgripError: The first error of a case.
         """
         order = list(cases)
         maker = made_by(self._study)
@@ -87,7 +87,8 @@ class Work:
         self.expect(len(case_of))
         results: dict[str, R] = {}
         for key in case_of if keep and not self.fresh else ():
-            # The cache holds what this user's own processes wrote: what is loaded into a process lies there, too.
+            # Unpickling is safe: the cache has only files of this user's processes, as for the libraries that are
+            # loaded from it.
             if (file := cache.find(KIND, key, _NAME)) is not None:
                 results[key] = pickle.loads(zlib.decompress(file.read_bytes()))
                 self.advance()
@@ -107,7 +108,7 @@ class Work:
         return [results[key] for key in keys]
 
     def timed(self, function: Callable[[C], R], cases: Sequence[C]) -> list[R]:
-        """Return the result of each case, which holds times: one by one, in this process, and never kept."""
+        """Return the result of each case with measured times: one by one, in this process, and never cached."""
         self.expect(len(cases))
         results: list[R] = []
         for case in cases:
@@ -123,13 +124,13 @@ class Work:
         on_complete: Callable[[int], None] = lambda number: None,
         is_any_outcome: bool = False,
     ) -> int:
-        """Run the stops of campaigns into their folders; complain of what went wrong, return the exit code for it.
+        """Run the stops of campaigns into their folders; print errors, and return the exit code.
 
         Args:
             runs: As for `run_campaigns`.
             runner: As there.
             on_complete: As there.
-            is_any_outcome: Whether a stop may end otherwise than its campaign expects.
+            is_any_outcome: Whether a stop may have another outcome than its campaign expects.
         """
         self.expect(sum(len(run.campaign.stops) for run in runs))
         fine: set[State] = {"found", "done", "unexpected"} if is_any_outcome else {"found", "done"}
@@ -156,7 +157,7 @@ class Work:
 
 
 def call(task: Callable[[], R]) -> R:
-    """Return the result of a `partial`: a function for `Work.map` where cases differ in theirs."""
+    """Return the result of a `partial`: a function for `Work.map` if each case has a different one."""
     return task()
 
 
@@ -164,7 +165,7 @@ def call(task: Callable[[], R]) -> R:
 def work(
     study: str, folder: Path = Path(), *, workers: int = 2, scheduler: str | None = None, fresh: bool = False
 ) -> Generator[Work]:
-    """Yield what runs the cases of a study, with progress; an exception ends what runs and leaves what is kept.
+    """Yield an object that runs the cases of a study, with progress; after an exception, stored results are kept.
 
     Raises:
         InputError: `scheduler` is not an address.

@@ -1,4 +1,4 @@
-"""Processes that simulate, judge and train, each on one core."""
+"""Pools of processes that simulate, evaluate and train, each on one core."""
 
 import multiprocessing
 import os
@@ -24,7 +24,7 @@ from railgrip.base.interrupted import Interrupted, ignore_sigint
 from railgrip.base.units import cut
 from railgrip.report.console import remark
 
-_TRIES: Final = 30  # to close FMUs and remove folders takes milliseconds, and few tasks wait in a queue
+_TRIES: Final = 30  # closing FMUs and removing folders takes milliseconds, and few tasks wait in a queue
 
 _THREADS: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
@@ -39,16 +39,17 @@ K = TypeVar("K")
 
 @contextmanager
 def workers(count: int, *, main: bool = True) -> Generator[Executor]:
-    """Yield a pool of `count` processes; when the block ends by an exception, they are ended at once.
+    """Yield a pool of `count` processes; if the block ends by an exception, they are ended at once.
 
-    A process that crashes fails its task with `pebble.ProcessExpired`, and another takes its place. Their linear
-    algebra has one thread each: matrices of a few dozen columns gain nothing from more, and threads that wait for each
-    other on a busy machine make it ten times slower. Their temporary files lie in a folder that goes with the pool,
-    however they ended. With `main` False a user's script is not run anew in each process; tasks are not of it then.
+    A process that crashes fails its task with `pebble.ProcessExpired`, and is replaced. Linear algebra uses one thread
+    per process: matrices of a few dozen columns gain nothing from more, and threads that wait for each other on a busy
+    machine make it ten times slower. Temporary files are in a folder that is removed with the pool, however the
+    processes ended. With `main` False a user's script is not run again in each process; tasks must then not be defined
+    in it.
     """
     with (
         scratch("workers") as folder,
-        # A process starts with `python -c`, which without PYTHONSAFEPATH looks for modules in the current folder.
+        # A process starts with `python -c`, which without PYTHONSAFEPATH searches the current folder for modules.
         environment({**dict.fromkeys(_THREADS, "1"), "TMPDIR": str(folder), "PYTHONSAFEPATH": "1"}),
         nullcontext() if main else _without_main(),
     ):
@@ -66,7 +67,7 @@ def workers(count: int, *, main: bool = True) -> Generator[Executor]:
 
 
 def require_address(scheduler: str) -> None:
-    """Refuse what cannot be the address of a Dask scheduler, before anything is run.
+    """Check that a text can be the address of a Dask scheduler, before anything is run.
 
     Raises:
         InputError: The text has no host or no port.
@@ -84,10 +85,10 @@ def require_address(scheduler: str) -> None:
 
 @contextmanager
 def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
-    """Yield the workers of a Dask cluster, such as "tcp://host:8786", and a check that there are some, for `ended`.
+    """Yield the workers of a Dask cluster, such as "tcp://host:8786", and a check for `ended` that workers exist.
 
-    A worker that is lost has its task done by another; one that loses several of them fails the task. Workers have one
-    thread each and the same version of this program. Tasks are cancelled by an exception.
+    A task of a lost worker is run again by another; a task that loses several workers fails. Workers must have one
+    thread each and the same version of this program. An exception cancels all tasks.
 
     Raises:
         InputError: Dask is not installed, no scheduler answers at the address, or a worker has more threads.
@@ -124,7 +125,7 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
                 remark(f"--scheduler {address}: has no worker; waiting {_WITHOUT_WORKERS:g} s for one")
 
         check()
-        # Tasks with equal arguments are separate stops: Dask would keep one for two equal ones.
+        # Tasks with equal arguments are separate stops: Dask would merge them.
         executor = client.get_executor(pure=False, retries=_RETRIES)
         try:
             yield executor, check
@@ -138,7 +139,7 @@ _SHARED: ContextVar[Executor | None] = ContextVar("_SHARED", default=None)
 
 @contextmanager
 def shared_pool(count: int) -> Generator[None]:
-    """Let every `pool` inside the block be the same `count` processes, which load their libraries once."""
+    """Let every `pool` in the block use the same `count` processes, which load their libraries only once."""
     with workers(count) as here:
         before = _SHARED.set(here)
         try:
@@ -149,7 +150,7 @@ def shared_pool(count: int) -> Generator[None]:
 
 @contextmanager
 def pool(count: int, scheduler: str | None) -> Generator[tuple[Executor, Callable[[], None]]]:
-    """Yield `count` processes here, or the workers of a Dask cluster, and a check for `ended`."""
+    """Yield `count` local processes, or the workers of a Dask cluster, and a check for `ended`."""
     if scheduler is not None:
         with cluster(scheduler) as far:
             yield far
@@ -161,10 +162,10 @@ def pool(count: int, scheduler: str | None) -> Generator[tuple[Executor, Callabl
 
 
 class _LastingLocks(SpawnContext):
-    """Spawns processes, because CasADi holds threads and a library reads the variables when it is loaded.
+    """Spawns processes, because CasADi has threads, and libraries read environment variables when they are loaded.
 
-    Its locks last until the pool has ended. Pebble drops its own before it ends the workers, and the name of a lock
-    goes with its last owner: a worker that had not come to open it by then would print a traceback.
+    Its locks exist until the pool has ended. Pebble drops its references before it ends the workers, and the name of a
+    lock is removed with its last owner: a worker that had not opened it yet would print a traceback.
     """
 
     def __init__(self) -> None:
@@ -181,7 +182,7 @@ class _Pool(Executor):
 
     def __init__(self, pool: pebble.ProcessPool) -> None:
         self._pool = pool
-        # Started by the first process otherwise, it would lift the mask on its way.
+        # Otherwise started by the first process, which would lift the signal mask.
         resource_tracker.ensure_running()
 
     def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
@@ -195,10 +196,10 @@ class _Pool(Executor):
 def ended(
     running: Mapping[Future[T], K], check: Callable[[], None] = lambda: None
 ) -> Iterator[tuple[K, T | RailgripError]]:
-    """Yield each task as it ends, and its result; an error where its process was lost.
+    """Yield each task and its result when it ends; an error if its process was lost.
 
     Args:
-        check: Called each second in which no task ends; may raise what makes waiting useless.
+        check: Called each second in which no task ends; may raise an error to stop waiting.
     """
     open_ = set(running)
     while open_:
@@ -213,7 +214,7 @@ def ended(
 
 
 def answer(call: Callable[[], T]) -> T | RailgripError:
-    """Return what a call returns, or the sentence for the user that it ends with; any other exception is raised."""
+    """Return the result of a call, or its error for the user; any other exception is raised."""
     try:
         return call()
     except Exception as problem:
@@ -225,7 +226,7 @@ def answer(call: Callable[[], T]) -> T | RailgripError:
 
 @contextmanager
 def _without_main() -> Generator[None]:
-    """Hide where the main module comes from: a spawned process would run it, and a script without a guard for ever."""
+    """Hide the origin of the main module: a spawned process would run it, and a script without a guard endlessly."""
     main = sys.modules["__main__"]
     attributes = {name: vars(main)[name] for name in ("__spec__", "__file__") if name in vars(main)}
     main.__spec__ = None
@@ -238,7 +239,7 @@ def _without_main() -> Generator[None]:
 
 @contextmanager
 def environment(values: Mapping[str, str]) -> Generator[None]:
-    """Set variables of the environment inside the block."""
+    """Set environment variables within the block."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:
@@ -252,26 +253,26 @@ def environment(values: Mapping[str, str]) -> Generator[None]:
 
 
 def _start_worker() -> None:
-    """End this process when the one that started it is gone, however that ended; called in its main thread.
+    """End this process when its parent has ended, for any reason; called in the main thread.
 
-    Workers hold both ends of their own queue: they would not notice, finish what lies in it, and then wait for ever.
-    What is being done is left as by an exception, so that no unpacked FMU stays behind.
+    Workers hold both ends of their queue, so they would not notice: they would finish the queued tasks and then wait
+    forever. The present task is ended by an exception, so that no unpacked FMU remains.
     """
     parent = multiprocessing.parent_process()
     assert parent is not None, "for a process that multiprocessing started"
 
     def leave(number: int, frame: FrameType | None) -> None:
-        raise Interrupted(signal.SIGTERM)  # SystemExit would be taken for a failure of a user's class
+        raise Interrupted(signal.SIGTERM)  # SystemExit would look like a failure of a user's class
 
     def wait() -> None:
         parent.join()
         for _ in range(_TRIES if os.name == "posix" else 0):
-            # The pool takes the exit for a failed task, and takes the next from its queue.
+            # The pool would treat the exception as a failed task, and take the next one from its queue.
             os.kill(os.getpid(), signal.SIGUSR1)
             time.sleep(0.1)
         os._exit(1)
 
-    # A pool that ends its workers means at once, be they in a loop in C.
+    # A pool that ends its workers requires them to end at once, even in a loop in C.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if os.name == "posix":
         signal.signal(signal.SIGUSR1, leave)

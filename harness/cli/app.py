@@ -1,4 +1,4 @@
-"""The program, its commands, and the arguments that several of them take.
+"""The program, its commands, and their common arguments.
 
 The module of a command is imported when the command is called: `--help` and shell completion import none of them.
 """
@@ -22,7 +22,7 @@ from railgrip.base.registry import Shelf, shelf
 from railgrip.report.console import complain, say, show_messages
 
 RUN_FAILED = 3
-"""Exit code of a run that ended badly; errors bring their own."""
+"""Exit code of a run that failed; errors define their own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class Command:
     """A command that is imported when it is called.
 
     Attributes:
-        place: module:object below `railgrip.cli`, a function or a group.
-        summary: The first line of its help.
+        place: module:object relative to `railgrip.cli`, a function or a group.
+        summary: First line of its help.
     """
 
     place: str
@@ -44,7 +44,7 @@ class Command:
 
 
 def command_of(name: str, target: Any) -> Any:
-    """Return the command of a function or of a group; it takes the global options behind its name, too."""
+    """Return the command of a function or of a group; it accepts the global options after its name, too."""
     if isinstance(target, typer.Typer):
         command = typer.main.get_command(target)
     else:
@@ -97,7 +97,7 @@ def _be_verbose(given: bool) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Completion:
-    """What a shell offers for an incomplete word; in place of click's class, which some releases of typer copy."""
+    """A completion offered by a shell; it replaces click's class, which some releases of typer copy."""
 
     value: str
     help: str
@@ -114,7 +114,7 @@ class Commands(TyperGroup):
     sections: ClassVar[Mapping[str, Mapping[str, Command]]] = {}
 
     def elsewhere(self) -> dict[str, str]:
-        """Return the whole words of commands of other groups that users may look for here, by name."""
+        """Return the full command lines of commands in other groups that users may search for here, by name."""
         return {}
 
     def _table(self) -> dict[str, Command]:
@@ -125,18 +125,18 @@ class Commands(TyperGroup):
         return list(self._table())
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Import a command; None if there is none of that name."""
+        """Import a command; return None for an unknown name."""
         command = self._table().get(cmd_name)
         return None if command is None else command.load(cmd_name)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the names with their summaries, section by section."""
+        """Write the names with their summaries, by section."""
         for heading, section in self.sections.items():
             with formatter.section(heading):
                 formatter.write_dl([(name, command.summary) for name, command in section.items()])
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Find the command that the arguments begin with; refuse an unknown name with the nearest one."""
+        """Find the command at the start of the arguments; for an unknown name suggest the nearest one."""
         if args[0] not in self._table() and not args[0].startswith("-"):
             commands = {name: f"{ctx.command_path} {name}" for name in self._table()} | self.elsewhere()
             near = nearest(args[0], commands)
@@ -145,7 +145,7 @@ class Commands(TyperGroup):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: Any) -> Any:
-        """Run a command; a value that is not one of a choice is refused with the nearest one."""
+        """Run a command; for a value that is not one of the choices suggest the nearest one."""
         try:
             return super().invoke(ctx)
         except typer.BadParameter as problem:
@@ -155,7 +155,7 @@ class Commands(TyperGroup):
             raise
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
-        """Complete the name of a command without importing any."""
+        """Complete the name of a command without importing commands."""
         if incomplete.startswith("-"):
             return super().shell_complete(ctx, incomplete)
         return [
@@ -287,7 +287,7 @@ Fresh = Annotated[bool, typer.Option(help="Run also what already has a result.")
 
 
 def fail(*sentences: str) -> NoReturn:
-    """Print why a run failed, and end with the exit code for that."""
+    """Print why a run failed, and exit with the code for failures."""
     for sentence in sentences:
         complain(sentence)
     raise typer.Exit(RUN_FAILED)

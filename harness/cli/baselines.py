@@ -1,4 +1,4 @@
-"""Accepted numbers: compared, moved, and written into the docs; how far distances spread."""
+"""Commands for accepted numbers: compare them, accept new ones, write them to the documentation, repeat stops."""
 
 from collections.abc import Sequence
 from fnmatch import fnmatch
@@ -59,7 +59,7 @@ def regress(
 
 
 def _regress_baseline(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
-    """Run what one baseline is of, show how its numbers changed, and return the exit code."""
+    """Run the campaign or study of one baseline, print how its numbers changed, and return the exit code."""
     baseline = load_baseline(path)
     if across_compilers:
         if baseline.campaign is None:
@@ -89,7 +89,7 @@ def accept(
         baseline, folder = load_baseline(path), out / path.stem
         findings = read_findings(folder) if baseline.campaign is None else findings_of(read_results(folder))
         after = accept_numbers(baseline, findings, reason)
-        # What kept to its tolerance may have become a range all the same.
+        # A number within its tolerance may still have become a range.
         changes = tuple(
             comparison
             for comparison in compare(baseline, findings)
@@ -144,7 +144,8 @@ def conditioning(
         fresh=fresh,
         import_from=import_from or (),
     )
-    # A repeat without standstill is a result, an endless distance; one that failed is none: nothing is written.
+    # A repeat without standstill counts as an infinite distance; a repeat that failed has no result, and nothing is
+    # written.
     results = conditioning_of(selection, repetitions, directory, relative)
     write_text(loaded.conditioning, text_of(results.model_copy(update={"stops": others | results.stops})))
     rows = [
@@ -197,7 +198,7 @@ def _repeated_before(path: Path, relative: float) -> dict[str, Repeated]:
 def _numbers_of(
     baseline: Baseline, path: Path, out: Path, workers: int, import_from: Sequence[Path]
 ) -> tuple[int, Findings]:
-    """Run what a baseline is of; return the exit code that it calls for, and its numbers."""
+    """Run the campaign or study of a baseline; return the exit code and its numbers."""
     if baseline.campaign is not None:
         runs = [CampaignRun(baseline.selection(load_campaign(path.parent / baseline.campaign)), out)]
         code = run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)

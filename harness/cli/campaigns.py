@@ -1,4 +1,4 @@
-"""Many stops: campaigns, their reports, and comparisons."""
+"""Commands for many stops: campaigns, their reports, and comparisons."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -63,7 +63,7 @@ def campaign(
     if against is not None:
         for loaded in campaigns:
             Reference.named(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
-    # Accepted distances are of the campaign as its file has it.
+    # Accepted distances apply to the campaign as its file defines it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
     folder = out if out is not None and len(files) == 1 else None
     runs = [CampaignRun(loaded, folder or (out or Path("build")) / loaded.name) for loaded in campaigns]
@@ -134,7 +134,7 @@ def report(
 
 
 def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> None:
-    """Print the table of pairs of variants, if one was named, and the result in a sentence."""
+    """Print the table of pairs of variants, if one was named, and a summary."""
     reference = reference_of(results, against)
     changes = () if reference is None else changes_against(reference, results.stops, rows)
     if reference is not None:
@@ -200,9 +200,9 @@ def run_campaigns(
     on_complete: Callable[[int, Callable[[str], None]], None] = lambda number, drawing: None,
     import_from: Sequence[Path] = (),
 ) -> int:
-    """Run campaigns with progress; return the exit code that their stops call for.
+    """Run campaigns with progress; return the exit code.
 
-    `on_complete` is called with the number of a campaign that is complete, and a function that shows progress.
+    `on_complete` is called with the number of a complete campaign, and a function that displays progress.
     """
     with work(", ".join(run.campaign.name for run in runs), workers=workers, scheduler=scheduler, fresh=fresh) as job:
 
@@ -216,4 +216,4 @@ def run_campaigns(
 _NOT_ON_SCREEN = frozenset(
     {"estimator", "repeated", "duration", "longest lock", "valve strokes", "air", "NIS", "outside ±2σ"}
 )
-"""Columns of the table that a screen has no room for."""
+"""Columns of the table that are omitted on a screen."""

@@ -1,6 +1,6 @@
-"""Whether this installation has what it needs.
+"""Check that this installation is complete.
 
-Each check imports what it looks at by itself: a package that is broken is then a problem among others.
+Each check does its own imports, so that a broken package is reported like any other problem.
 """
 
 import platform
@@ -27,12 +27,12 @@ from railgrip.report.table import Table
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a check has found.
+    """Result of a check.
 
     Attributes:
-        what: That was looked at.
-        found: In words.
-        remedy: What to do about a problem; empty where there is none.
+        what: Subject of the check.
+        found: Result in words.
+        remedy: Remedy for a problem; empty without a problem.
     """
 
     what: str
@@ -60,12 +60,12 @@ def doctor() -> None:
 
 
 def _findings_of(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:
-    """Return what a check finds; whatever it cannot go on with is a problem, too."""
+    """Return the findings of a check; an exception is reported as a problem."""
     try:
         return list(check())
     except RailgripError as problem:
         return [Finding(name, "fails", str(problem))]
-    except Exception as problem:  # a compiled package that does not load may raise anything
+    except Exception as problem:  # a compiled package that does not load may raise any exception
         words = f"{type(problem).__name__}: {problem}"
         return [Finding(name, words, "install railgrip anew: python -m pip install --force-reinstall railgrip")]
 

@@ -1,4 +1,4 @@
-"""Estimates from recordings, and the states that a recording determines."""
+"""Commands for recordings: estimates, and the states that a recording determines."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -235,13 +235,11 @@ def inspect(
 
 
 def _recording(specification: Specification, **source: Any) -> xarray.Dataset:
-    """Return the recording of an estimation, see `recording_of_estimation`."""
     with progress(f"{specification.name}: recording"):
         return recording_of_estimation(specification, **source)
 
 
 def _print_recording(recording: xarray.Dataset) -> None:
-    """Print what was repaired in a user's file."""
     for sentence in recording.attrs.get("flags", ()):
         say(f"{recording.attrs['name']}: {sentence}")
 
@@ -249,7 +247,7 @@ def _print_recording(recording: xarray.Dataset) -> None:
 def _show_parameters(specification: Specification, parameters: Sequence[ModelParameter], *, is_users: bool) -> None:
     """Print the parameters of a model with their origin, elements of an array in one row.
 
-    Defaults are remarked on if the recording is of a user's vehicle.
+    Defaults are mentioned if the recording is of a user's vehicle.
     """
     rows: dict[tuple[str, str], list[ModelParameter]] = {}
     for each in parameters:
@@ -290,7 +288,6 @@ def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> 
 
 
 def _known_states(recording: xarray.Dataset, estimates: xarray.Dataset) -> list[str]:
-    """Return the states whose true values the recording has."""
     return [str(state) for state in estimates["state"].values if knows(recording, str(state))]
 
 
@@ -324,7 +321,7 @@ def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgemen
 
 
 def _write_windows(windows: xarray.Dataset, path: Path) -> None:
-    """Write smallest singular values and deviations as CSV, a row a window."""
+    """Write smallest singular values and deviations as CSV, one row per window."""
     states = [str(state) for state in windows["state"].values]
     columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))

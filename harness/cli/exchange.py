@@ -1,4 +1,4 @@
-"""FMUs for other tools and of other tools: export the parts of a scenario, map a plant."""
+"""Commands for FMUs: export the parts of a scenario for other tools, and map foreign plants."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,7 +24,7 @@ from railgrip.simulate.roles import require_role, role_of
 from railgrip.simulate.ssp import write_ssp
 
 Part = Literal["onboard", "controller", "plant", "track", "sensors", "estimator"]
-"""What of a scenario leaves as an FMU."""
+"""Part of a scenario to export as an FMU."""
 
 
 def _fmi(version: int) -> int:
@@ -96,10 +96,10 @@ def export(
 
 
 def _targets(names: Sequence[str]) -> tuple[str, ...]:
-    """Return platforms by name, each once.
+    """Return platforms by name, without repetition.
 
     Raises:
-        InputError: There is no such platform.
+        InputError: A platform is unknown.
     """
     wanted = [each for name in names for each in name.split(",")]
     unknown = [name for name in wanted if name not in (*TARGETS, "all")]

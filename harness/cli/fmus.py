@@ -1,4 +1,4 @@
-"""FMUs of this project's Modelica classes, or of a class of the user's own: build, list and check."""
+"""Commands for the FMUs of built-in or user-defined Modelica classes: build, list and check."""
 
 import shutil
 from collections import Counter
@@ -91,7 +91,7 @@ def survey_command(
 ) -> None:
     """Open and step the FMUs of a folder; write a table.
 
-    Each FMU runs in a process of its own. The file gives the reason for each that does not step.
+    Each FMU runs in a separate process. The file gives the reason for each that does not step.
     """
     with progress("stepping"):
         rows = [*survey(folder)]
@@ -107,7 +107,7 @@ def survey_command(
 
 
 def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
-    """Return how many FMUs of each tool and interface step, and why others do not."""
+    """Return a table of the FMUs that step, by tool and interface, with the reasons of the others."""
     kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []
     for _, tool, interface in kinds:
@@ -130,7 +130,7 @@ def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
     interfaces: dict[str, Entry] = {}
     for artifact in build(() if update else names, compiler):
         complaints += [f"{artifact.name}.fmu: {problem}" for problem in validation_problems(artifact.path)]
-        # The lock file records the built-in compiler's view, whichever compiler made the FMU.
+        # The lock file has the built-in compiler's result, whichever compiler made the FMU.
         interfaces[artifact.name] = artifact.interface or translate(book[artifact.name])[1]
     if update:
         write_lock(book, interfaces)

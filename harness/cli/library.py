@@ -1,4 +1,4 @@
-"""What the library has by name, schemas of files, and files to begin with."""
+"""Commands for the library: names, schemas of files, and templates."""
 
 import json
 import re
@@ -53,7 +53,7 @@ def text_of_schema(kind: FileKind) -> str:
 
 
 def _estimation_schema() -> dict[str, Any]:
-    """Return the schema of an estimation, whose [noise] may name the file that holds it."""
+    """Return the schema of an estimation, whose [noise] may refer to another file."""
     schema = extending_schema(Specification, "estimation")
     file = {
         "type": "object",
@@ -76,7 +76,7 @@ _NEXT = {
     "controller": "python {file}",
     "estimator": "python {file}",
 }
-"""What to do with a new file, by its kind."""
+"""Next step for a new file, by its kind."""
 
 
 def new(
@@ -108,7 +108,7 @@ def new(
 
 
 def write_schema(kind: FileKind, file: Path) -> None:
-    """Write the schema that the first line of a new file names beside it, unless one is there."""
+    """Write the schema that the first line of a new file refers to, unless the file exists."""
     schema_file = file.with_name(f"{kind}.schema.json")
     if not schema_file.exists():
         write_text(schema_file, text_of_schema(kind) + "\n")

@@ -1,6 +1,6 @@
-"""The command line; a mistake of the user becomes a sentence and an exit code (`railgrip.report.console.answer`).
+"""The command line; a user's mistake ends in a message and an exit code (`railgrip.report.console.answer`).
 
-Exit 0 a result, 2 a wrong question, 3 a run that failed; each with a sentence on standard error.
+Exit codes are 0 for a result, 2 for invalid input, 3 for a run that failed, the last two with a message.
 """
 
 from railgrip.cli.app import app

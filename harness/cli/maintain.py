@@ -1,4 +1,4 @@
-"""Commands for those who change railgrip itself: baselines and searches."""
+"""Commands for developers of railgrip: baselines and searches."""
 
 from typing import ClassVar
 

@@ -1,4 +1,7 @@
-"""The instrumented car beside a trained estimator, and the condition of pads from stop to stop."""
+"""Commands for monitoring.
+
+An instrumented car with a trained estimator, and the condition of pads over several stops.
+"""
 
 from pathlib import Path
 from typing import Annotated

@@ -15,8 +15,8 @@ AsJson = Annotated[
 
 
 def print_json(value: Any) -> None:
-    """Print a value of lists, dictionaries, texts and numbers as JSON; numbers that are not finite are null.
+    """Print a value of lists, dictionaries, strings and numbers as JSON; numbers that are not finite are null.
 
-    Errors are not results: their sentences go to standard error, and standard output stays empty.
+    Errors are not results: their messages go to standard error, and standard output stays empty.
     """
     say(json.dumps(finite(value), indent=1, ensure_ascii=False, allow_nan=False))

@@ -1,4 +1,4 @@
-"""One stop."""
+"""Command for one stop."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -59,9 +59,9 @@ def run(
         if stop.outcome is not Outcome.STANDSTILL:
             raise typer.Exit(RUN_FAILED)
         return
-    # A plant from outside may not show its adhesion; then there is no share of it to tell.
+    # A foreign plant may not output its adhesion, and then has no utilisation.
     share = f", {used}" if (used := metrics.use_of_adhesion()) else ""
-    if metrics.utilisation > 1.001:  # physics allows it: the possible also ends at what the operator allows
+    if metrics.utilisation > 1.001:  # possible: the bound is also limited by the operator's limit
         share += (
             f" ([limits] alpha_max {scenario.limits.alpha_max:g} exceeded for {max(metrics.time_over_alpha_max):.2f} s)"
         )
@@ -77,8 +77,8 @@ def run(
 
 
 def runner(import_from: Sequence[Path] = ()) -> Runner:
-    """Return what runs a scenario; picklable."""
-    # Here, not above: CasADi and the FMU loader take a second, and a wrong scenario is refused without them.
+    """Return the function that runs a scenario; it can be pickled."""
+    # Imported here: CasADi and the FMU loader take a second, which a wrong scenario need not wait for.
     from railgrip.simulate.run import run_stop
 
     if not import_from:

@@ -1,4 +1,4 @@
-"""Searches of parameters: levels of scenarios, control laws, and noises of the field test's filter."""
+"""Commands that search parameters: levels of scenarios, control laws, and noises of the field test's filter."""
 
 import tomllib
 from collections.abc import Mapping
@@ -100,7 +100,7 @@ def tune_control(
 
 
 def _others(path: Path, optima: Mapping[tuple[str, SlipSource], Optimum]) -> str:
-    """Return the tables of a file of parameters that were not searched."""
+    """Return the tables in a file of parameters that were not searched."""
     sets = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     lines: list[str] = []
     for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in optima):

@@ -1,9 +1,9 @@
-"""Estimating from recordings: adhesion and pad friction from what was measured, on a simulated train or a real one.
+"""Estimate adhesion and pad friction from recordings of a simulated or real train.
 
-A *recording* is an xarray data set on one even time grid (`recording`). It comes from a stop of the loop or
-from a file, and carries what a prediction asks for under the prediction's own names: its inputs and its
-outputs, arrays as scalars `cylinder_pressure[1]`. What the plant knows and no filter may see stands beside them as
-`true_<state>`, for `judge` alone.
+A *recording* is an xarray data set on one even time grid (`recording`). It comes from a stop of the loop or from a
+file, and has the inputs and outputs of a prediction under the prediction's names, arrays as scalars
+`cylinder_pressure[1]`. True states of the plant, which the filter must not use, are in `true_<state>`, for `judge`
+only.
 
     from railgrip.trace.samples import recording_of
     from railgrip.estimation.run import Settings, estimate, prediction_of
@@ -25,8 +25,8 @@ outputs, arrays as scalars `cylinder_pressure[1]`. What the plant knows and no f
     estimates["mean"].sel(state="alpha")
     judge(recorded, estimates, "mu_b").rmse
 
-Names without index in `Settings` stand for every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a
-TOML file; `railgrip estimate FILE.toml` runs one, `railgrip observability FILE.toml` asks what
-such a recording can tell at all. A new kind of source is one more table in `spec` with a function that returns a
-recording, registered in `sources`.
+Names without index in `Settings` apply to every element (`w` for `w[1]` … `w[4]`). `spec` reads the same from a TOML
+file; `railgrip estimate FILE.toml` runs one, `railgrip observability FILE.toml` shows which states such a recording
+determines. A new kind of source is one more table in `spec` with a function that returns a recording, registered in
+`sources`.
 """

@@ -32,7 +32,7 @@ from railgrip.trace.samples import has_reading, period_of, samples
 Mask = NDArray[np.bool_]
 
 BRAKES: Final[Mapping[str, float]] = {"pad_force": 1.5e3, "cylinder_pressure": 2e4}
-"""Inputs that brake, and the value below which they do not [N, Pa], unless the estimation has a gate."""
+"""Inputs that brake, and the value below which they do not brake [N, Pa], unless the estimation has a gate."""
 APPLIED = 0.05
 """Share of the largest brake input above which the brake counts as applied."""
 SETTLING = 1.5
@@ -57,26 +57,26 @@ LATE = 0.15
 EARLY = 0.3
 """Lead with a warning [s]; a lead looks like slip and is only certain where it does not depend on the speed."""
 SLOWING = 0.3
-"""Deceleration from which on a delay can be seen [m/s2]."""
+"""Minimum deceleration at which a delay can be detected [m/s2]."""
 SMOOTHING = 0.5
 """Length of the moving mean over speeds, and of the parabola that gives their derivative [s]."""
 SCATTER = 0.2
 """Interquartile range of a lead over its median; slip by braking varies by more."""
 
 LOADING = 1.3
-"""Mass over that of the model, and the other way round."""
+"""Ratio of the mass to that of the model, in either direction."""
 FRICTION = (0.2, 0.55)
-"""Pad friction of any brake, mean of a stop."""
+"""Plausible range of the pad friction, averaged over a stop."""
 USUAL_FRICTION = 0.35
-"""Nominal friction of organic pads by UIC 541-3, for an estimation that starts with none."""
+"""Nominal friction of organic pads by UIC 541-3, for an estimation without an initial value."""
 GRADIENT = 25e-3
-"""Of a track whose force is not recorded; the steepest main lines have 27 per mille over some kilometres."""
+"""Gradient of a track whose force is not recorded; the steepest main lines have 27 per mille over some kilometres."""
 RESIDUAL = 5e-3
 """Gradient that corresponds to the error of a recorded or computed track force."""
 BEYOND = 2.0
-"""Factor outside the tolerance of the brake force from which a recording is refused."""
+"""Factor on the tolerance of the brake force beyond which a recording is refused."""
 EVALUATED = 4000
-"""Samples at which the model is evaluated, at most."""
+"""Maximum number of samples at which the model is evaluated."""
 
 _SPEEDS = ("m/s", "km/h", "mph", "km/min")
 _ROTATIONS = ("rad/s", "rev/min", "rev/s", "deg/s")
@@ -89,10 +89,10 @@ class Disagreement:
     """Signals of a recording that contradict each other or the model.
 
     Attributes:
-        kind: Which comparison failed.
+        kind: Comparison that failed.
         signals: Names of the signals concerned.
-        value: The ratio that was found; for `timing` the delay of the wheelsets at the end of the braking [s].
-        sentence: The same for a reader, with columns and probable cause.
+        value: The ratio found; for `timing` the delay of the wheelsets at the end of the braking [s].
+        sentence: Description for a reader, with columns and probable cause.
         is_impossible: Whether no vehicle has this value.
     """
 
@@ -106,7 +106,7 @@ class Disagreement:
 def require_agreement(
     specification: Specification, run: xarray.Dataset, braking: xarray.Dataset, file: str
 ) -> list[str]:
-    """Return a sentence for each comparison that fails; refuse a recording with values that no vehicle has.
+    """Return a sentence for each comparison that fails; raise an error for values that no vehicle has.
 
     With `contradictions = "warn"` in [data] nothing is refused.
 
@@ -114,7 +114,7 @@ def require_agreement(
         specification: The estimation that maps the columns.
         run: The whole recording.
         braking: The part that the filter uses, with its track force.
-        file: Name of the recording's file, to open sentences with.
+        file: Name of the recording's file, the opening words of messages.
 
     Raises:
         EstimationError: A comparison has a result that no vehicle has.
@@ -132,9 +132,9 @@ def require_agreement(
 def disagreements(
     specification: Specification, run: xarray.Dataset, braking: xarray.Dataset | None = None
 ) -> list[Disagreement]:
-    """Return what does not fit in a recording; arguments as for `require_agreement`.
+    """Return the contradictions in a recording; arguments as for `require_agreement`.
 
-    Comparisons whose signals or parameters are missing are left out.
+    Comparisons without the necessary signals or parameters are omitted.
     """
     comparison = _Comparison(specification, run)
     found = comparison.scales()
@@ -144,7 +144,7 @@ def disagreements(
 
 
 class _Comparison:
-    """The signals of a recording and the parameters of the model that they are compared by."""
+    """The signals of a recording, and the parameters of the model for the comparisons."""
 
     def __init__(self, specification: Specification, recording: xarray.Dataset) -> None:
         self._specification, self._recording = specification, recording
@@ -163,10 +163,10 @@ class _Comparison:
         }
         self._brakes = {name: values for name, values in signals.items() if _base(name) in BRAKES}
         self._ratio = dict[str, float]()
-        """r ω / v of each wheelset while nothing brakes."""
+        """r ω / v of each wheelset while no brake is applied."""
 
     def _signal(self, name: str) -> Vector | None:
-        """Return a signal in the unit of the model, interpolated where nothing was sampled."""
+        """Return a signal in the unit of the model, interpolated over missing samples."""
         unit_of_name = self._units.get(name)
         values = samples(self._recording, [name], None if unit_of_name is None else [unit_of_name])[:, 0]
         known = np.isfinite(values)
@@ -177,14 +177,13 @@ class _Comparison:
         return self._parameters.get("r_wheel", self._parameters.get(f"r_wheel[{index}"))
 
     def _rim(self, wheelset: str) -> Vector:
-        """Return r ω."""
         return (self._radius(wheelset) or np.nan) * self._wheels[wheelset]
 
     def _is_long(self, where: Mask) -> bool:
         return bool(where.sum() * self._period >= ENOUGH and where.sum() >= 10)
 
     def _applied(self) -> Mask:
-        """Return where a brake is applied."""
+        """Return a mask of the samples at which a brake is applied."""
         gate = self._specification.gate
         applied = np.zeros(self._time.size, dtype=np.bool_)
         for name, values in self._brakes.items():
@@ -195,7 +194,7 @@ class _Comparison:
         return applied
 
     def _released(self) -> Mask:
-        """Return where no brake has been applied for `SETTLING`."""
+        """Return a mask of the samples before which no brake has been applied for `SETTLING`."""
         count = round(SETTLING / self._period)
         kernel = np.zeros(2 * count + 1, dtype=np.bool_)
         kernel[count:] = True  # a true sample reaches to the samples after it
@@ -253,7 +252,7 @@ class _Comparison:
         )
 
     def _slowing(self) -> Vector:
-        """Return the deceleration; zero for a recording too short to be differentiated [m/s2]."""
+        """Return the deceleration [m/s2]; zero for a recording too short to be differentiated."""
         if self._speed is None or self._time.size < 2 * self._smoothed:
             return np.zeros(self._time.size)
         return -np.asarray(savgol_filter(self._speed, self._smoothed, 2, deriv=1, delta=self._period), dtype=np.float64)
@@ -272,18 +271,18 @@ class _Comparison:
         early: dict[str, float] = {}
         shifts: dict[str, Vector] = {}
         for name in self._wheels:
-            # Without a sample of free rolling the radius is known to ALIKE only.
+            # Without samples of free rolling the radius is known to ALIKE only.
             rim = self._rim(name) / self._ratio.get(name, 1.0 + ALIKE)
             shift = (uniform_filter1d(rim - speed, self._smoothed) / np.where(usable, slowing, 1.0))[usable]
             shifts[name] = shift
-            slowest = speed[usable] <= np.median(speed[usable])  # here a delay is the largest part of the speed
+            slowest = speed[usable] <= np.median(speed[usable])  # a delay has the largest relative effect here
             delay = float(np.median(shift[slowest]))
             if delay > LATE:
                 late[name] = delay
             elif name in self._ratio and (lead := _lead(speed[usable], shift)) is not None:
                 early[name] = lead
         found = [self._delay(names, delay, shifts, usable) for names, delay in _alike(late, 0.3)]
-        # What looks like a lead of some wheelsets is slip.
+        # An apparent lead of only some wheelsets is slip.
         if len(early) == len(self._wheels):
             found += [self._delay(names, lead, shifts, usable) for names, lead in _alike(early, 0.3)]
         return found
@@ -317,7 +316,7 @@ class _Comparison:
         rims = np.stack([self._rim(name) for name in self._wheels], axis=1)
         applied = self._applied()
         is_braked = self._is_long(applied)
-        if not is_braked:  # what slows the train all the same?
+        if not is_braked:  # which other force slows the train?
             applied = self._slowing() > 2.0 * GRADIENT * GRAVITY
         usable = applied & (self._speed > SLOWEST) & (rims > 0.05 * self._speed[:, None]).all(axis=1)
         # Both ends of a step must be usable.
@@ -375,7 +374,7 @@ class _Comparison:
         return values if len(values) == len(found) else None
 
     def _friction(self) -> Vector:
-        """Return the pad friction of each unit that the estimation starts with, or else the usual one."""
+        """Return the initial pad friction of each unit in the estimation, or else the usual one."""
         prediction = equations_for(self._specification)
         pads = [state for state in prediction.states if _base(state) == "mu_b"]
         mean = self._specification.start.mean
@@ -429,13 +428,13 @@ class _Comparison:
         return f"'{column}'" if column else ""
 
     def _units_for(self, factors: Mapping[str, float], ratio: float, tolerance: float, otherwise: str = "") -> str:
-        """Return which units of which columns would multiply their signals by these factors, as a question.
+        """Return a question that suggests units of columns which would multiply their signals by these factors.
 
         Args:
             factors: By signal; one of them would suffice.
-            ratio: That was found.
-            tolerance: Of the logarithm of a factor.
-            otherwise: Cause if no unit has the factor.
+            ratio: Ratio that was found.
+            tolerance: Tolerance of the logarithm of a factor.
+            otherwise: Cause, if no unit has the factor.
         """
         questions: list[str] = []
         for name, factor in factors.items():
@@ -456,7 +455,7 @@ def _base(name: str) -> str:
 
 
 def _alike(values: Mapping[str, float], difference: float = 0.08) -> list[tuple[list[str], float]]:
-    """Return names whose values differ by no more than a share, with the first value of each list."""
+    """Group names whose values differ by no more than a share; return them with the first value of each group."""
     groups: list[tuple[list[str], float]] = []
     for name, value in values.items():
         for names, first in groups:
@@ -478,9 +477,9 @@ def _line(x: Vector, y: Vector) -> tuple[float, float]:
 
 
 def _lead(speed: Vector, shift: Vector) -> float | None:
-    """Return by how much a wheelset is ahead of the speed, as a negative delay [s], or None if slip explains it.
+    """Return the lead of a wheelset over the speed as a negative delay [s], or None if slip explains it.
 
-    Slip of a braked wheelset vanishes with the speed or is irregular; a lead remains and is steady.
+    Slip of a braked wheelset vanishes with the speed or is irregular; a lead is constant.
     """
     if np.max(speed) < 3.0 * np.min(speed):
         return None

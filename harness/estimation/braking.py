@@ -1,4 +1,4 @@
-"""The braking in the recording of a run, with the track force from the train's own sensors."""
+"""The braking phase of a recorded run, with the track force from the train's own sensors."""
 
 from dataclasses import dataclass
 
@@ -17,16 +17,16 @@ FILLED = 2e4
 """Cylinder pressure [Pa] above which a brake counts as applied; an empty cylinder reads about 0.01 bar."""
 
 COASTING = 2.0
-"""Time after driving in which the force of the drive dies away [s]."""
+"""Time after driving in which the force of the drive decays [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Braking:
-    """A braking to be estimated.
+    """A braking phase for an estimation.
 
     Attributes:
-        recording: From the first sample of coasting to the last, with `track_force` beside the readings.
-        motion: Of the whole run.
+        recording: Samples from the first one of coasting to the last, with `track_force` in addition to the readings.
+        motion: Motion of the whole run.
         brake: Sample of `recording` at which braking begins.
     """
 
@@ -36,7 +36,7 @@ class Braking:
 
 
 def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
-    """Return the braking of a run.
+    """Return the braking phase of a run.
 
     Args:
         run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
@@ -54,7 +54,7 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     if not brakes.any():
         raise EstimationError(f"{who}: the train did not brake.")
     onset = int(np.argmax(brakes))
-    last = int(np.flatnonzero(np.append(True, driven(run)[:onset]))[-1])  # samples until driving ended
+    last = int(np.flatnonzero(np.append(True, driven(run)[:onset]))[-1])  # number of samples until driving ended
     first = last + round(COASTING / period) if last else 0
     if first >= onset:
         raise EstimationError(
@@ -70,12 +70,12 @@ def _motion(run: xarray.Dataset, course: CourseTable, who: str) -> Motion:
     if not sensors:
         raise EstimationError(f"{who} has no acceleration_along[1]; map one or more.")
     position = samples(run, ("latitude", "longitude", "height"), ("deg", "deg", "m"))
-    position[~np.isfinite(position).all(axis=1)] = np.nan  # an incomplete position is of no use
+    position[~np.isfinite(position).all(axis=1)] = np.nan  # an incomplete position is not usable
     fixes = np.flatnonzero(np.isfinite(position[:, 0]))
     if fixes.size == 0:
         raise EstimationError(f"{who}: GNSS gave no position at all.")
     latitude, longitude, height = position[fixes[fixes.size // 2]].tolist()
-    origin = Place(latitude=latitude, longitude=longitude, height=height)  # of the local frame
+    origin = Place(latitude=latitude, longitude=longitude, height=height)  # origin of the local frame
     return motion_of(
         period=period_of(run),
         speed=samples(run, ("speed",), ("m/s",))[:, 0],
@@ -88,10 +88,10 @@ def _motion(run: xarray.Dataset, course: CourseTable, who: str) -> Motion:
 
 
 def driven(run: xarray.Dataset) -> NDArray[np.bool_]:
-    """Return where the train is driven, shape (k,): by `driving` of a train's own file or the traction of a stop.
+    """Return a mask of the samples with driving, shape (k,): from `driving` of a user's file or the traction of a stop.
 
     Raises:
-        EstimationError: The recording has neither.
+        EstimationError: The recording has neither signal.
     """
     if "driver_demand" in run and not has_reading(run, "driving"):
         return run["traction"].values > 0.0 if "traction" in run else np.zeros(run.sizes["time"], dtype=bool)
@@ -99,9 +99,9 @@ def driven(run: xarray.Dataset) -> NDArray[np.bool_]:
 
 
 def braked(run: xarray.Dataset) -> NDArray[np.bool_]:
-    """Return where the train is braked, shape (k,): by `braking` of a train's own file or the demand of a stop.
+    """Return a mask of the samples with braking, shape (k,): from `braking` of a user's file or the demand of a stop.
 
-    Without either, where a cylinder holds more than `FILLED`.
+    Without either signal, the samples at which a cylinder pressure exceeds `FILLED`.
     """
     if has_reading(run, "braking"):
         return samples(run, ("braking",), ("1",))[:, 0] > 0.5

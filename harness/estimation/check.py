@@ -1,4 +1,4 @@
-"""Checks of an estimation against its model and train, before anything is simulated, read or compiled."""
+"""Check an estimation against its model and train, before anything is simulated, read or compiled."""
 
 from collections.abc import Callable
 from functools import partial
@@ -17,23 +17,23 @@ from railgrip.trace.read import TRUTH, require_signals
 from railgrip.trace.samples import dimension_of
 
 _ALWAYS = {"driving": "1", "braking": "1"}
-"""Signals that a file of a run must have at every sample, if it has them."""
+"""Signals of a run that must be complete if a file has them."""
 UNITS_OF_RUN = {"latitude": "deg", "longitude": "deg", "height": "m"} | _ALWAYS
 """Signals besides those of the model that [course] uses."""
 ACCELERATION = "acceleration_along"
-"""Of [course], too: any number of elements."""
+"""Further signal for [course], with any number of elements."""
 
 
 def require_consistent(specification: Specification, scenario: str | None = None) -> None:
-    """Refuse an estimation whose tables do not fit its model.
+    """Raise an error for an estimation whose tables do not fit its model.
 
     Args:
-        specification: The estimation.
+        scenario: Scenario whose stop will be the recording; None for another recording.
         scenario: Whose stop will be its recording; None for another recording.
 
     Raises:
-        EstimationError: Each problem in one line: unknown class, parameters, outputs or columns, noises or starts that
-            states lack, units of another dimension, masses and formations of different trains.
+        EstimationError: There are unknown classes, parameters, outputs or columns, states without noise or start, units
+            of another dimension, or masses and formations of different trains; one line per problem.
     """
     name, table = specification.name, specification.model
     outputs = None if table.outputs is None else tuple(table.outputs)
@@ -47,7 +47,7 @@ def require_consistent(specification: Specification, scenario: str | None = None
 
 
 def _problems(name: str, check: Callable[[], object]) -> list[str]:
-    """Return the lines of a refusal, each with the name of the estimation."""
+    """Return the lines of an error message, each with the name of the estimation."""
     try:
         check()
     except InputError as problem:
@@ -88,10 +88,10 @@ def _check_gate(specification: Specification, states: list[str], inputs: list[st
 
 
 def check_mass(specification: Specification) -> None:
-    """Compare the mass in [course] with that of the model, where both are of a train.
+    """Compare the mass in [course] with that of the model, if both describe a train.
 
     Raises:
-        EstimationError: They differ.
+        EstimationError: The masses differ.
     """
     values = {v.name: v.start for v in model_of(specification.model.class_).parameters} | parameters_for(specification)
     masses = [value for name, value in values.items() if name.partition("[")[0] == "m_wheelset"]
@@ -146,7 +146,7 @@ def _check_data(specification: Specification) -> None:
 def signals_of(specification: Specification) -> tuple[dict[str, str], list[str], list[str]]:
     """Return the units of all signals that [data] of an estimation may map, and the names of inputs and readings.
 
-    With [course] the run has what its motion is computed from, in place of the track force.
+    With [course] these include the signals for the motion, in place of the track force.
     """
     model = model_of(specification.model.class_)
     units = units_of(specification.model.class_)

@@ -1,4 +1,4 @@
-"""What a recording holds, and the [data] by which an estimation can read it."""
+"""Inspect a recording, and propose the table [data] by which an estimation reads it."""
 
 import json
 import re
@@ -48,31 +48,31 @@ _NAMES = {
     "wheel_torque": "torque moment",
     "deflection": "spring suspension federweg",
 }
-"""Other names of signals in recordings, beside those of plants."""
+"""Other names of signals in recordings, in addition to those of plants."""
 
 _FROM_ANOTHER = {
     "pad_force": 'a pressure becomes a force with unit = "bar", factor = "8 kN/bar", offset = -4.0, minimum = "0 N"; '
 }
-"""How a column of another quantity becomes the signal."""
+"""Remark on a column with another quantity than the signal."""
 _NOT_MEASURED = {"cmd", "command", "demand", "setpoint", "target", "soll", "init", "initial"}
-"""Words of names of columns with commands and initial values, which are not measured."""
+"""Words in names of columns with commands and initial values, which are not measurements."""
 _MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
-"""Readings that stand still exactly when a train does, or a wheelset is locked."""
+"""Readings that may be exactly constant: while a train is at rest, or a wheelset is locked."""
 _LEAST = 0.6
-"""Likeness of names below which a column is not recognised."""
+"""Similarity of names below which a column is not recognised."""
 _DEGREES = ("latitude", "longitude")
 _MOST_ACCELEROMETERS = 16
 _BRIDGED = 1.0
 """Longest gap of an input that a proposal interpolates over [s]."""
 _GAP = 2.5
-"""Periods without a sample that are a gap."""
+"""Number of periods without a sample that counts as a gap."""
 
 
 _Wanted = tuple[str, bool]
-"""Unit of a signal of the model, and whether the model cannot do without."""
+"""Unit of a signal of the model, and whether the model requires the signal."""
 
 _UNKNOWN = "?"
-"""What the reader of a proposal has to fill in."""
+"""Placeholder that the reader of a proposal has to replace."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,15 +80,15 @@ class Finding:
     """A column of a recording.
 
     Attributes:
-        name: In the file.
-        unit: That the file gives, in brackets or at the end of the name, or None.
+        name: Name in the file.
+        unit: Unit in the file, in brackets or at the end of the name, or None.
         samples: Number of its values.
         period: Median time between them [s].
-        begin: Instant of the first [s].
-        end: Instant of the last [s].
-        low: Least value, in its unit.
-        high: Largest value.
-        gaps: Instant and length of each time without a value for more than `_GAP` periods [s].
+        begin: Time of the first value [s].
+        end: Time of the last value [s].
+        low: Minimum, in its unit.
+        high: Maximum, in its unit.
+        gaps: Time and length of each interval without a value for more than `_GAP` periods [s].
     """
 
     name: str
@@ -104,15 +104,15 @@ class Finding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inspection:
-    """What a recording holds.
+    """The content of a recording.
 
     Attributes:
-        findings: Of each column of numbers.
-        texts: Columns that hold something else.
-        signals: Signal → column that was recognised as it.
-        proposal: An estimation as TOML that reads the recording.
-        unrecognised: Signals of the proposal whose column or unit its reader has to fill in.
-        parameters: Data of the vehicle that the model needs, with the values that it has without the reader's.
+        findings: Description of each column of numbers.
+        texts: Names of the other columns.
+        signals: Signal → column that was recognised.
+        proposal: Estimation as TOML that reads the recording.
+        unrecognised: Signals of the proposal whose column or unit the reader has to complete.
+        parameters: Vehicle data that the model needs, with their defaults.
     """
 
     findings: tuple[Finding, ...]
@@ -126,20 +126,20 @@ class Inspection:
 def inspect_recording(
     path: Path, estimation: Path, time: str | None = None, decimal: Literal[".", ","] | None = None
 ) -> Inspection:
-    """Return what a recording holds, with a proposal of how an estimation reads it.
+    """Return the content of a recording, and a proposal for an estimation that reads it.
 
     Args:
-        path: csv, parquet, mat or mf4.
-        estimation: File or name of the estimation whose signals are looked for.
-        time: Column of time; recognised when None.
-        decimal: Decimal sign of a csv file; found when None.
+        path: Recording: csv, parquet, mat or mf4.
+        estimation: File or name of the estimation whose signals are searched for.
+        time: Column of time; None to recognise it.
+        decimal: Decimal sign of a csv file; None to detect it.
 
     Raises:
         ScenarioError: The estimation cannot be read.
         EstimationError: The file cannot be read, no column of time is recognised, or no other has two numbers.
     """
     specification = load_specification(estimation)
-    # The proposal may lie elsewhere than where the command was given.
+    # The proposal may be in another folder than the current one.
     base = str(estimation.resolve()) if is_file(estimation) else str(estimation)
     clock, series, texts = _read(path, time, decimal)
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
@@ -239,7 +239,7 @@ def _clock(path: Path, file: Columns, time: str | None) -> TimeColumn:
 
 
 def _rises(values: Any) -> bool:
-    """Return whether a column has numbers that never fall, and nothing else."""
+    """Return whether a column has only numbers, and they never decrease."""
     return bool((np.diff(np.asarray(pd.to_numeric(pd.Series(values), errors="coerce"), dtype=float)) >= 0.0).all())
 
 
@@ -255,7 +255,7 @@ def _clock_line(clock: TimeColumn, path: Path) -> str:
 
 
 def _findings(name: str, series: Series) -> Iterator[Finding]:
-    """Yield what a column holds; nothing of one without two samples."""
+    """Yield the description of a column, if it has two samples or more."""
     there = np.isfinite(series.values) & np.isfinite(series.time)
     time, values = series.time[there], series.values[there]
     steps = np.diff(time)
@@ -276,7 +276,7 @@ def _findings(name: str, series: Series) -> Iterator[Finding]:
 
 
 def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
-    """Yield how gaps of inputs are treated: bridged, or left out with what lies beyond them."""
+    """Yield lines on gaps of inputs: short ones are bridged, and the part beyond a long one is cut off."""
     gaps = sorted(gap for finding in inputs for gap in finding.gaps)
     longest = max((length for _, length in gaps if length <= _BRIDGED), default=0.0)
     bridged = max(0.1, 5.0 * period, 1.01 * longest)
@@ -291,7 +291,7 @@ def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
 
 
 def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapping[str, _Wanted]) -> Finding:
-    """Return a column with the unit that it has as the signal it was recognised as."""
+    """Return a column with its unit as the signal that it was recognised as."""
     target = next((wanted[signal][0] for signal, other in recognised.items() if other is finding), "")
     return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
 
@@ -300,19 +300,19 @@ def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapp
 
 
 def _wanted(specification: Specification) -> dict[str, _Wanted]:
-    """Return the signals that an estimation may read, by name; of accelerometers along the track one for each."""
+    """Return the signals that an estimation may read, by name, with several accelerometers along the track."""
     units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
     wanted: dict[str, _Wanted] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
         wanted |= {name: (text, name != "braking") for name, text in UNITS_OF_RUN.items()}
         wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
         wanted["speed"] = "m/s", True
-        wanted.pop("acceleration", None)  # the filter takes the mean of those along the track
+        wanted.pop("acceleration", None)  # the filter uses the mean of those along the track
     return wanted
 
 
 def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> dict[str, Finding]:
-    """Return signal → column, by names, numbers in names and dimensions; each column once."""
+    """Return signal → column, matched by names, numbers in names and dimensions; each column is used once."""
     signals, stems = list(wanted), [_stem(finding.name) for finding in findings]
     from_zero = {stem for stem, number in stems if number == 0}
     places = [(stem, number if number is None else number + (stem in from_zero)) for stem, number in stems]
@@ -327,14 +327,14 @@ def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> d
 
 
 def _score(signal: str, target: str, stem: str, number: int | None, finding: Finding) -> float:
-    """Return how well a column suits a signal, 0 to 1; 0 for another dimension or another element of an array."""
+    """Return the score of a column for a signal, 0 to 1; 0 for another dimension or another element of an array."""
     base, _, index = signal.partition("[")
     numbers = (int(index[:-1]),) if index else (None, 1)
     if number not in numbers or not _may_be(finding, target):
         return 0.0
     words = (base, *OTHER_NAMES.get(base, "").split(), *_NAMES.get(base, "").split())
     parts = set(stem.split("_"))
-    if parts & _NOT_MEASURED and target != "1":  # that the train drives or brakes may well be recorded as a command
+    if parts & _NOT_MEASURED and target != "1":  # whether the train drives or brakes may be recorded as a command
         return 0.0
     score = max(likeness(stem, words), *(0.9 for word in words if set(word.split("_")) <= parts), 0.0)
     return score if _unit_of(finding, target) else 0.95 * score
@@ -348,7 +348,7 @@ def _stem(name: str) -> tuple[str, int | None]:
 
 
 def _may_be(finding: Finding, target: str) -> bool:
-    """Say whether the unit of a column does not speak against a signal."""
+    """Return whether the unit of a column is compatible with a signal."""
     if finding.unit is None:
         return True
     try:
@@ -359,7 +359,7 @@ def _may_be(finding: Finding, target: str) -> bool:
 
 
 def _unit_of(finding: Finding, target: str) -> str:
-    """Return the unit of a column as [data] wants it; empty where the file does not tell."""
+    """Return the unit of a column in the notation of [data]; empty if the file does not give one."""
     with suppress(UnitError):
         if finding.unit is not None:
             stated = unit(finding.unit)
@@ -371,7 +371,7 @@ def _unit_of(finding: Finding, target: str) -> str:
 
 
 def _columns(wanted: Mapping[str, _Wanted], recognised: Mapping[str, Finding]) -> tuple[list[str], list[str]]:
-    """Return the lines of [data.columns], and the signals that are left to their reader."""
+    """Return the lines of [data.columns], and the signals that the reader has to complete."""
     lines: list[str] = []
     unrecognised: list[str] = []
     for signal, (unit_of_signal, is_needed) in wanted.items():

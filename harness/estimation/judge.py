@@ -1,4 +1,4 @@
-"""Errors of an estimate against the known truth."""
+"""Errors of an estimate with respect to the known truth."""
 
 from dataclasses import dataclass
 
@@ -17,13 +17,13 @@ class Judgement:
 
     Attributes:
         samples: Number of samples judged.
-        rmse: Root of the mean square.
+        rmse: Root-mean-square error.
         constant: RMSE of the best constant, the mean of the truth; a useful filter is better.
-        bias: Mean.
-        largest: Largest magnitude.
+        bias: Mean error.
+        largest: Maximum magnitude of the error.
         nees: Mean of (error/sd)²: 1 for a consistent filter, more for an overconfident one.
         coverage: Share of samples within two standard deviations: 0.954 for a consistent filter.
-        sd: Median of the standard deviation claimed by the filter.
+        sd: Median of the filter's standard deviation.
     """
 
     samples: int
@@ -45,7 +45,7 @@ def errors(recording: xarray.Dataset, estimates: xarray.Dataset, state: str) -> 
     """Return estimate minus truth at every sample, shape (k,).
 
     Raises:
-        EstimationError: The recording has no truth of the state.
+        EstimationError: The recording lacks the true state.
     """
     return estimates["mean"].sel(state=state).values - truth_of(recording, state)
 
@@ -53,14 +53,14 @@ def errors(recording: xarray.Dataset, estimates: xarray.Dataset, state: str) -> 
 def judge(
     recording: xarray.Dataset, estimates: xarray.Dataset, state: str, where: NDArray[np.bool_] | None = None
 ) -> Judgement:
-    """Return the errors of an estimate against the truth and against its claimed deviation.
+    """Return the errors of an estimate with respect to the truth and to the filter's standard deviation.
 
     Args:
-        estimates: Of `estimate`, from that recording.
-        where: Samples to judge; all after the first when None.
+        estimates: Result of `estimate` for that recording.
+        where: Mask of the samples to judge; None for all after the first.
 
     Raises:
-        EstimationError: The recording has no truth of the state, or no sample is left to judge.
+        EstimationError: The recording lacks the true state, or no sample is left to judge.
     """
     error = errors(recording, estimates, state)
     sd = estimates["sd"].sel(state=state).values

@@ -10,12 +10,13 @@ with the readings
     accelerometers    a + b        mean of all; b is their bias and g sin β, which look like acceleration
     GNSS              s            length of the smoothed path plus the distance of a position ahead of it
 
-GNSS needs a path over distance, and the path needs a distance: the first pass goes without GNSS, the second with it.
+GNSS requires a path over distance, and the path requires a distance: the first pass is without GNSS, the second with
+it.
 
-The course follows equations (6) and (8) of Schwarz, Lüdicke and Heckmann: κ = Δφ/Δs, tan β = Δz/Δs. Its low-pass works
+The course follows equations (6) and (8) of Schwarz, Lüdicke and Heckmann: κ = Δφ/Δs, tan β = Δz/Δs. Its low-pass is
 over distance: north, east and height become smoothing splines, weighted by the distance between two samples, so that a
-metre counts the same at 5 and at 100 km/h. Away from its ends such a spline keeps 1/(1 + (L/l)⁴) of a wave of length
-l, half of a wave of the cut-off length L.
+metre has the same weight at 5 and at 100 km/h. Away from its ends such a spline keeps 1/(1 + (L/l)⁴) of a wave of
+length l, half of a wave of the cut-off length L.
 """
 
 from dataclasses import dataclass
@@ -29,20 +30,20 @@ from railgrip.estimation.spec import LowPass, Trust
 from railgrip.estimators.belief import Array
 
 GRID = 1.0
-"""Spacing of a course [m]; positions closer together are averaged."""
+"""Spacing of a course [m]; positions that are closer are averaged."""
 
 FEWEST = 5
-"""Points that a smoothing spline needs."""
+"""Minimum number of points for a smoothing spline."""
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """Track as it was recovered, on an even grid of distance.
+    """The reconstructed track, on an even grid of distance.
 
     Attributes:
-        distance: Shape (k,) [m].
+        distance: Distances, shape (k,) [m].
         horizontal: North and east, shape (k, 2) [m].
-        height: Shape (k,) [m].
+        height: Height, shape (k,) [m].
         heading: φ, continuous, clockwise from north [rad].
         curvature: κ [1/m], positive to the right in the direction of travel.
         slope: tan β, positive uphill in the direction of travel.
@@ -56,12 +57,12 @@ class Course:
     slope: Array
 
     def length_to(self, distance: ArrayLike) -> Array:
-        """Return the length of the recovered path up to measured distances [m]."""
+        """Return the length of the reconstructed path up to measured distances [m]."""
         steps = np.linalg.norm(np.diff(self.horizontal, axis=0), axis=1)
         return np.interp(np.asarray(distance), self.distance, np.concatenate([[0.0], np.cumsum(steps)]))
 
     def ahead(self, distance: Array, horizontal: Array) -> Array:
-        """Return by how much positions lie ahead of their distance, along the path [m], shape (k,)."""
+        """Return the lead of positions over their distance, along the path [m], shape (k,)."""
         heading = np.interp(distance, self.distance, self.heading)
         north, east = (np.interp(distance, self.distance, column) for column in self.horizontal.T)
         return (horizontal[:, 0] - north) * np.cos(heading) + (horizontal[:, 1] - east) * np.sin(heading)
@@ -71,9 +72,9 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
     """Return the course of a track from positions along it.
 
     Args:
-        distance: Travelled until then, never falling, shape (k,) [m].
-        horizontal: North and east there, shape (k, 2) [m].
-        height: There, shape (k,) [m].
+        distance: Distance travelled at each position, never decreasing, shape (k,) [m].
+        horizontal: North and east of each position, shape (k, 2) [m].
+        height: Height of each position, shape (k,) [m].
 
     Raises:
         EstimationError: The positions span less than the base of the differences and five metres.
@@ -92,7 +93,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
     up = make_smoothing_spline(at, positions[:, 2], w=weight, lam=rise)
     grid = np.arange(at[0], at[-1], GRID)
     half = 0.5 * low_pass.base
-    # At the ends the base is cut, not moved.
+    # At the ends the base is shortened, not shifted.
     behind, before = np.maximum(grid - half, at[0]), np.minimum(grid + half, at[-1])
 
     def heading(s: Array) -> Array:
@@ -110,7 +111,6 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
 
 
 def _means_by_metre(distance: Array, values: Array) -> tuple[Array, Array]:
-    """Return means of distance and values over each metre in which there is a sample."""
     cell = np.floor((distance - distance[0]) / GRID).astype(int)
     _, which, count = np.unique(cell, return_inverse=True, return_counts=True)
     at = np.bincount(which, distance) / count
@@ -122,10 +122,10 @@ class Motion:
     """Motion of a train at every sample.
 
     Attributes:
-        distance: Since the first sample [m], never falling, shape (k,).
-        speed: [m/s].
+        distance: Distance since the first sample [m], never decreasing, shape (k,).
+        speed: Speed [m/s], shape (k,).
         scale: Scale error of the speed sensor.
-        course: Of the track, over `distance`.
+        course: Course of the track, over `distance`.
     """
 
     distance: Array
@@ -147,11 +147,11 @@ def motion_of(
     """Return motion and course from readings on one even grid.
 
     Args:
-        period: Of the grid [s].
+        period: Period of the grid [s].
         speed: Reading of the optical sensor, shape (k,) [m/s].
         accelerations: Readings of all accelerometers along the vehicle, shape (k, sensors) [m/s2].
         horizontal: North and east by GNSS, NaN without a position, shape (k, 2) [m].
-        height: By GNSS, NaN likewise, shape (k,) [m].
+        height: Height by GNSS, NaN without a position, shape (k,) [m].
 
     Raises:
         EstimationError: The train hardly moved.
@@ -179,7 +179,7 @@ def motion_of(
 def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: Trust) -> Array:
     """Return smoothed states, shape (k, 5).
 
-    Their covariance is not returned: the receiver's error wanders, but the smoother takes it as white.
+    Their covariance is not returned: the receiver's error is correlated, but the smoother assumes it to be white.
     """
     T = period
     F = np.eye(5)
@@ -192,7 +192,7 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
     Q = np.zeros((5, 5))
     Q[:3, :3] = jerk
     Q[3, 3] = trust.drift**2 * T
-    # A floor: with a constant state the covariance of the smoother is singular but for rounding.
+    # A lower bound: with a constant state the covariance of the smoother is singular except for rounding.
     Q[4, 4] = (1e-6) ** 2 * T
     observation = np.zeros((speed.size, 3, 5))
     observation[:, 0, 1], observation[:, 0, 4] = 1.0, np.nan_to_num(speed)

@@ -11,22 +11,21 @@ from railgrip.estimators.observability import Observability, along, observabilit
 from railgrip.trace.samples import knows, period_of, samples, truth_of, with_signals
 
 Point = tuple[str, float, Observability]
-"""A sample with its rank: the reason for choosing it, its time [s], and rank, order and undetermined states."""
+"""A sample with its rank: the reason for its choice, its time [s], and rank, order and undetermined states."""
 
 
 def observe(specification: Specification, recording: xarray.Dataset) -> tuple[list[Point], xarray.Dataset]:
     """Return points and windows of the observability of the states along their true values.
 
-    Points have the largest input that opens the gate, and the same with that input at zero. Windows have `smallest`
-    (time), the smallest singular value of the scaled observability Gramian of the window that begins there,
-    `deviation` (time, state), the standard deviation that the window alone gives a state, in its unit, and `singular`
+    Points are the sample with the largest input that opens the gate, and the same with that input at zero. Windows have
+    `smallest` (time), the smallest singular value of the scaled observability Gramian of the window that begins there,
+    `deviation` (time, state), the standard deviation of a state from that window alone, in its unit, and `singular`
     (time, state), the square of scale over deviation, 0 for a state without information.
 
-    Inputs below the threshold of a gate count as zero, as in the filter: they are noise of a released load cell.
+    Inputs below the threshold of a gate are set to zero, as in the filter: they are noise of a released load cell.
 
     Raises:
-        EstimationError: The file has no [observability], the recording has no true states, or it is shorter than a
-            window.
+        EstimationError: The file has no [observability], the recording lacks true states, or is shorter than a window.
     """
     table = specification.observability
     if table is None:

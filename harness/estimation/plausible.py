@@ -1,6 +1,6 @@
-"""Bounds of plausible signals and estimates; values beyond suggest a wrong unit, sign or column.
+"""Bounds of plausible signals and estimates; values outside suggest a wrong unit, sign or column.
 
-Bounds are wide on purpose: no train is beyond them. They are keyed by the name of a signal without index, in SI units.
+The bounds are wide, so that every train is inside. Their keys are names of signals without index; units are SI.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,7 +17,7 @@ from railgrip.trace.samples import reading_of, unit_of
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """Least and greatest value of a quantity, and the reason for them."""
+    """Minimum and maximum of a quantity, with the reason."""
 
     low: float
     high: float
@@ -47,11 +47,11 @@ STATES: Final[Mapping[str, Bounds]] = {"v": _SPEED, "w": _ROTATION, "mu_b": _FRI
 """States of the prediction models."""
 
 TOLERATED: Final = 0.01
-"""Share of samples beyond the bounds that a few outliers of a sensor may take."""
+"""Share of samples outside the bounds that outliers of a sensor may explain."""
 
 
 def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str]:
-    """Return a sentence for each signal that is beyond its bounds in more than `TOLERATED` of its samples."""
+    """Return a sentence for each signal that is outside its bounds in more than `TOLERATED` of its samples."""
     sentences: list[str] = []
     for name in names:
         bounds, values = SIGNALS.get(_family(name)), reading_of(recording, name)
@@ -65,7 +65,7 @@ def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str
 
 
 def strange_estimates(estimates: xarray.Dataset) -> list[str]:
-    """Return a sentence for each state that is beyond its bounds by 2σ in more than `TOLERATED` of its samples."""
+    """Return a sentence for each state that is outside its bounds by 2σ in more than `TOLERATED` of its samples."""
     sentences: list[str] = []
     for state in map(str, estimates["state"].values):
         bounds = STATES.get(_family(state))

@@ -1,4 +1,4 @@
-"""A filter over a recording: mean and deviation of every state, and innovations, at every sample."""
+"""Run a filter over a recording: mean and standard deviation of every state, and innovations, at every sample."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ Kind = Literal["fmu", "compiled"]
 """Form of the prediction in a filter: its FMU through FMI 2.0, or the equations of its class as C in the filter."""
 
 READ_STATES = {"v": "speed", "w": "wheelset_speed"}
-"""States that are read directly; where `start` leaves them out they begin at the first reading."""
+"""States that are measured directly; if `start` omits them they are initialised with the first reading."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,10 +42,10 @@ class Settings:
         readings: Variance of each reading.
         start: Mean of each state at the first sample; those in `READ_STATES` may be left out.
         start_deviation: Standard deviation of each state at the first sample.
-        gate: States to hold constant and when, or None.
+        gate: States to hold constant, with the condition, or None.
         outlier_limit: Number of standard deviations beyond which readings are rejected; None uses all.
-        between: Inputs between two samples: `held` at the earlier one, as a digital controller holds its commands, or
-            the `mean` of both, for measured inputs that change all the time.
+        between: Inputs between two samples: `held` at the earlier one, for commands of a digital controller, or the
+            `mean` of both, for measured inputs that vary continuously.
     """
 
     process: Mapping[str, float]
@@ -63,19 +63,19 @@ def prediction_of(
     outputs: Sequence[str] | None = None,
     kind: Kind = "fmu",
 ) -> PredictionInC:
-    """Return the prediction of a class of RailBraking.Predictions, its other parameters at their defaults.
+    """Return the prediction of a class of RailBraking.Predictions; parameters that are not given have their defaults.
 
-    An FMU is built when it is not up to date; only one thread may use it at a time.
+    An FMU is built if it is out of date; only one thread may use it at a time.
 
     Args:
-        model: Such as `RollerRigPrediction`, or a full class name.
-        parameters: By name, SI.
-        outputs: Expected readings, in that order, `wheelset_speed` for all its elements; all when None.
+        model: Name such as `RollerRigPrediction`, or a full class name.
+        parameters: Values by name, SI.
+        outputs: Expected readings, in that order, `wheelset_speed` for all its elements; None for all outputs.
         kind: Form of the prediction.
 
     Raises:
-        EstimationError: There is no such parameter or output.
-        railgrip.base.errors.InputError: There is no such class.
+        EstimationError: A parameter or output does not exist.
+        railgrip.base.errors.InputError: The class does not exist.
     """
     equations = equations_of(model, parameters, outputs)
     if kind == "compiled":
@@ -93,7 +93,7 @@ def prediction_of(
 def equations_of(
     model: str, parameters: Mapping[str, float] | None = None, outputs: Sequence[str] | None = None
 ) -> CasadiPrediction:
-    """Return the same prediction as equations, which may be differentiated further and shared by threads."""
+    """Return the prediction as equations, which can be differentiated further and shared by threads."""
     source = model_of(model, None if outputs is None else tuple(outputs))
     values = dict(parameters or {})
     defaults = {variable.name: variable.start for variable in source.parameters}
@@ -108,7 +108,7 @@ def equations_of(
 
 @cache
 def _file_of(model: str) -> Path:
-    """Return the FMU of a class of RailBraking.Predictions, built when it is not up to date."""
+    """Return the FMU of a class of RailBraking.Predictions, built if it is out of date."""
     name = model.rpartition(".")[2]
     entry = read_recipes().recipes.get(name)
     if entry is not None and entry.class_name in (model, f"RailBraking.Predictions.{model}"):
@@ -117,7 +117,7 @@ def _file_of(model: str) -> Path:
 
 
 def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
-    """Return a model with only some of its outputs, for fewer sensors."""
+    """Return a model with a selection of its outputs, for fewer sensors."""
     names = [variable.name for variable in source.outputs]
     places = [i for output in outputs for i, name in enumerate(names) if output in (name, name.partition("[")[0])]
     missing = [output for output in outputs if not any(output in (n, n.partition("[")[0]) for n in names)]
@@ -133,10 +133,10 @@ def _showing(source: Model, model: str, outputs: Sequence[str]) -> Model:
 
 @cache
 def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
-    """Return a class of RailBraking.Predictions as functions, with all outputs or some; translated once in a process.
+    """Return a class of RailBraking.Predictions as functions, with all outputs or some; cached in the process.
 
     Raises:
-        EstimationError: There is no such class or output.
+        EstimationError: The class or an output does not exist.
     """
     if outputs is not None:
         return _showing(model_of(model), model, outputs)
@@ -150,7 +150,7 @@ def model_of(model: str, outputs: tuple[str, ...] | None = None) -> Model:
 
 
 def start_by_reading(states: Sequence[str], outputs: Sequence[str]) -> dict[str, str]:
-    """Return state → reading for the states that begin at their first reading where nothing is said of them."""
+    """Return state → reading for the states that may be initialised with their first reading."""
     readings = {
         state: READ_STATES.get(state.partition("[")[0], "") + state[len(state.partition("[")[0]) :] for state in states
     }
@@ -168,10 +168,10 @@ class FilterData:
     """A recording as the arrays of a filter, for k samples after the first.
 
     Attributes:
-        inputs: Over the period that ends at each sample, shape (k, inputs).
-        readings: At each sample, NaN where missing, shape (k, outputs).
-        mean, variance: Of the states at the first sample, each of shape (states,).
-        period: Between samples [s].
+        inputs: Inputs over the period that ends at each sample, shape (k, inputs).
+        readings: Readings at each sample, NaN where missing, shape (k, outputs).
+        mean, variance: Mean and variance of the states at the first sample, each of shape (states,).
+        period: Time between samples [s].
     """
 
     inputs: Matrix
@@ -203,20 +203,20 @@ def estimate(
     *,
     units: Mapping[str, str] | None = None,
 ) -> xarray.Dataset:
-    """Return the beliefs of a filter at every sample of a recording.
+    """Return the estimates of a filter at every sample of a recording.
 
     Args:
         recording: A trace whose readings are the prediction's inputs and outputs; its truth is not used.
         settings: Noises, start and gate.
-        units: Of inputs and outputs, to which those of the recording are converted where given.
+        units: Units of inputs and outputs, to which those of the recording are converted.
 
     Returns:
-        `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time)
-        with its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` is empty
-        for a sound filter. Otherwise it states why and from when on its beliefs are meaningless: the filter diverged,
-        and later values are NaN, or it is lost (`railgrip.estimators.consistency.loss_step`).
-        `nis_ratio` is the median of NIS over its expected one, NaN without readings. `warnings` has a line for each
-        disagreement between signals of the recording.
+        `mean` and `sd` (time, state), `innovation` (time, output) as reading minus expected reading, `nis` (time) with
+        its degrees of freedom `readings` (time). The first sample is the start. The attribute `ended` is empty for a
+        valid filter. Otherwise it states why and from when on its estimates are invalid: the filter diverged, and later
+        values are NaN, or it is lost (`railgrip.estimators.consistency.loss_step`). `nis_ratio` is the median of NIS
+        over its expected one, NaN without readings. `warnings` has a line for each disagreement between signals of the
+        recording.
 
     Raises:
         EstimationError: A signal is missing or in another unit, the grid is uneven, or an input is NaN.
@@ -257,16 +257,16 @@ def estimate(
 
 
 def _follow(filter_: CompiledFilter, first: Estimate, data: FilterData) -> tuple[FilterRecord, str]:
-    """Return the beliefs from `first` on, and why the filter diverged after the last of them, or nothing."""
+    """Return the estimates from `first` on, and the reason if the filter diverged after the last of them, else ''."""
     try:
         return filter_.follow(first, data.inputs, data.readings), ""
     except FilterDiverged as problem:
-        # The beliefs before that are sound.
+        # The estimates before that are valid.
         return filter_.follow(first, data.inputs[: problem.after], data.readings[: problem.after]), problem.why
 
 
 def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) -> str:
-    """Return why and when beliefs became meaningless, or nothing; `readings` are those of the steps."""
+    """Return why and when estimates became invalid, else ''; `readings` are those of the steps."""
     lost = loss_step(beliefs.squared_innovation, beliefs.degrees, np.isfinite(readings).sum(axis=1))
     if lost is not None:
         return (
@@ -277,7 +277,7 @@ def _end(beliefs: FilterRecord, problem: str, readings: Matrix, time: Vector) ->
 
 
 def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping[str, str], between: str) -> Matrix:
-    """Return for each sample but the first the inputs of the period that ends there, shape (k, inputs)."""
+    """Return for each sample except the first the inputs of the period that ends there, shape (k, inputs)."""
     names = prediction.inputs
     columns = samples(recording, names, [units.get(name) for name in names])
     for name, values in zip(names, columns.T, strict=True):
@@ -291,7 +291,7 @@ def _inputs(recording: xarray.Dataset, prediction: PredictionInC, units: Mapping
 
 
 def by_name(what: str, values: Mapping[str, float], names: Sequence[str]) -> Matrix:
-    """Return the value of each name, by itself or by the name before its index.
+    """Return the value of each name, given under that name or under the name without its index.
 
     Raises:
         EstimationError: A name has no value, or a value has no name.

@@ -1,10 +1,10 @@
-"""Recordings of an estimation: a stop of its scenario or a user's file, with the track force that [course] computes.
+"""Recordings for an estimation: a stop of its scenario or a user's file, with the track force computed by [course].
 
-To compute the track force, [course] needs a run with `speed` (optical or radar), `acceleration_along[1]` … (any
+To compute the track force, [course] requires a run with `speed` (optical or radar), `acceleration_along[1]` … (any
 number, each including g sin β), `latitude`, `longitude`, `height` (NaN between the samples of the receiver), wheelset
-speeds, cylinder pressures, `driving` (0 or 1: the filter knows no traction and begins without it) and, optionally,
-`braking`; without it braking begins where a cylinder fills. The trace of a stop has `traction` and `driver_demand`
-instead. The result begins with the coasting before the brake and has `track_force` beside the readings.
+speeds, cylinder pressures, `driving` (0 or 1: the filter does not model traction and starts after it) and, optionally,
+`braking`; without it braking begins when a cylinder fills. The trace of a stop has `traction` and `driver_demand`
+instead. The result begins with the coasting before the brake and has `track_force` in addition to the readings.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,19 +42,19 @@ def recording_of_estimation(
 ) -> xarray.Dataset:
     """Return the recording of an estimation.
 
-    Its attribute `flags` has a sentence for each repair of a user's file, `warnings` one for each comparison in which
-    its signals disagree (`railgrip.estimation.agreement`).
+    Its attribute `flags` has a sentence for each repair of a user's file, `warnings` one for each failed comparison of
+    its signals (`railgrip.estimation.agreement`).
 
     Args:
-        data: A trace, or a file read by [data]; a stop of the scenario of [source] when None.
-        scenario: In place of that of [source].
-        seed: In place of that of [source].
+        data: A trace, or a file read by [data]; None for a stop of the scenario of [source].
+        scenario: Replaces that of [source].
+        seed: Replaces that of [source].
         import_from: Folders of classes that the scenario names.
 
     Raises:
-        EstimationError: There is no scenario or file, it cannot be estimated from, or its signals contradict each other
-            as on no vehicle.
-        ScenarioError: There is no such scenario, or it fails.
+        EstimationError: The scenario or file is missing or not suitable, or its signals contradict each other more than
+            on any vehicle.
+        ScenarioError: The scenario does not exist, or its stop fails.
     """
     if data is not None:
         require_consistent(specification)
@@ -122,19 +122,19 @@ def recording_of_stop(
 ) -> xarray.Dataset:
     """Return the recording of a stop.
 
-    It has the signals of the plant under their names, an element of an array as `name[i]`, and `wheel_torque`, the
-    known resistance of bearings and rolling, negative because it drives a wheelset backwards. The true adhesion is that
-    of the whole train, ΣF_x/ΣF_z.
+    It has the signals of the plant under their names, elements of arrays as `name[i]`, and `wheel_torque`, the known
+    resistance of bearings and rolling, negative because it opposes the rotation. The true adhesion is that of the whole
+    train, ΣF_x/ΣF_z.
 
     Args:
-        scenario: Name or file.
-        seed: Of the scenario and the noise; None for the scenario's own.
-        noise: Signal → standard deviation of its reading, white from sample to sample; other signals are not read.
-            When empty the sensors of the scenario read: the trace of the stop is the recording.
+        scenario: Name or file of the scenario.
+        seed: Seed of the scenario and the noise; None for the scenario's own.
+        noise: Signal → standard deviation of its reading, white from sample to sample; other signals are not read. If
+            empty, the sensors of the scenario are used: the trace of the stop is the recording.
         import_from: Folders of classes that the scenario names.
 
     Raises:
-        ScenarioError: There is no such scenario, it fails, or its plant does not have a signal to be read.
+        ScenarioError: The scenario does not exist, its stop fails, or its plant lacks a signal to be read.
     """
     stop_scenario = load(Path(scenario), [] if seed is None else [f"seed={seed}"])
     trace = stop_read(stop_scenario, import_from=import_from)
@@ -147,7 +147,7 @@ def recording_of_stop(
     columns: dict[str, tuple[Vector, str]] = {}
     for name, deviation in deviations.items():
         for key, (values, unit) in _elements(trace, name, name).items():
-            # One stream for each signal: the noise of one does not depend on which others are read.
+            # One stream for each signal: its noise does not depend on which others are read.
             white = generator(stop_scenario.seed, f"instruments.{key}").standard_normal(values.size)
             columns[key] = values + deviation * white, unit
     columns |= _elements(trace, "track_force", "track_force")

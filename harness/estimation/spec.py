@@ -1,4 +1,4 @@
-"""An estimation as a TOML file: model, noises, start, gate and where the recording comes from.
+"""An estimation as a TOML file: model, noises, start, gate and source of the recording.
 
 extends = "rig_own"                         # optional: keys that are missing here come from that estimation
 name = "rig-slide"
@@ -82,7 +82,10 @@ class Trust(Table):
 
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
 """For a train at 5 to 30 m/s with a carrier-phase receiver at 10 Hz: transition curves and roundings are 50 to 100 m
-long, shorter waves are noise of the receiver. An estimate, not fitted to any case."""
+long, shorter waves are noise of the receiver.
+
+The values are estimates, not fitted to any case.
+"""
 
 TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
 """Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is a gradient that
@@ -90,7 +93,7 @@ changes by 5 ‰ in 5 s, `jerk` a brake applied within a second."""
 
 
 class ModelTable(Table):
-    """The prediction, and its parameters where they differ from the defaults."""
+    """The prediction model, and its parameters that differ from the defaults."""
 
     class_: str = Field(
         alias="class",
@@ -115,7 +118,7 @@ class NoiseTable(Table):
 
 
 class StartTable(Table):
-    """The belief at the first sample."""
+    """The estimate at the first sample."""
 
     mean: dict[str, Number] = Field(
         default_factory=dict, description="of each state; a state that is read may be left out"
@@ -149,7 +152,7 @@ class CourseTable(Table):
 
 
 class SourceTable(Table):
-    """A scenario whose stop is the recording; without a seed it is the scenario's own."""
+    """A scenario whose stop is the recording; the seed defaults to the scenario's."""
 
     scenario: str = Field(description="name in the library or path of the scenario")
     seed: Seed | None = Field(default=None, description="of the stop, in place of the scenario's")
@@ -159,7 +162,7 @@ class SourceTable(Table):
 
 
 class Specification(Table):
-    """Everything that decides an estimation."""
+    """All inputs of an estimation."""
 
     name: Name = Field(description="of the estimation, and of the folder of its results")
     description: str = Field(default="", description="in a sentence")
@@ -184,7 +187,7 @@ class Specification(Table):
 
     @property
     def origins(self) -> dict[str, str]:
-        """Where each of [model.parameters] was given, as `given in run.toml` or `--set`, by name."""
+        """Origin of each entry in [model.parameters], as `given in run.toml` or `--set`, by name."""
         return self._origins
 
     @model_validator(mode="after")
@@ -194,10 +197,10 @@ class Specification(Table):
         return self
 
     def simulated(self) -> SourceTable:
-        """Return what the recording is simulated from.
+        """Return the scenario from which the recording is simulated.
 
         Raises:
-            EstimationError: It comes from a trace or a file.
+            EstimationError: The recording is not simulated.
         """
         if self.source is None:
             raise EstimationError(f"{self.name}: has no [source]; name the trace or file to read with --data FILE.")
@@ -207,18 +210,18 @@ class Specification(Table):
 LIBRARY = Path(__file__).parent / "library"
 
 DEFAULT = "library default"
-"""Origin of a parameter that no file and no option gives."""
+"""Origin of a parameter that neither a file nor an option sets."""
 
 
 def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] = ()) -> Specification:
-    """Return the estimation of a TOML file, or of the package by its name, with overrides on top.
+    """Return the estimation of a TOML file, or of the library by its name, with overrides applied last.
 
     Args:
-        path: Of the file.
-        overrides: Texts such as "start.speed=100 km/h", or values by key.
+        path: Path or name of the file.
+        overrides: Strings such as "start.speed=100 km/h", or values by key.
 
     Raises:
-        ScenarioError: The file is missing, not TOML, or not an estimation; each problem in one sentence.
+        ScenarioError: The file is missing, not TOML, or not an estimation; one sentence per problem.
     """
     path = located(path, "estimations")
     tables = _tables_in(path, ())
@@ -227,7 +230,7 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     specification = validated(
         Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers
     )
-    # The uppermost layer decides, so it is written last.
+    # The uppermost layer takes precedence, so it is written last.
     for origin, table in reversed([("--set", tables.layers[0][1]), *files]):
         model = table.get("model")
         given = model.get("parameters") if isinstance(model, Mapping) else None
@@ -236,7 +239,7 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
 
 
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
-    """Return the tables of a file, laid over those of the estimation that its `extends` names."""
+    """Return the tables of a file, merged with those of the estimation that its `extends` names."""
     table = read_toml(path)
     require_kind(table, "estimation", path)
     noise = table.get("noise")
@@ -248,7 +251,7 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
     base = located(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
     require_straight(base, (*chain, path), path.name)
     below = _tables_in(base, (*chain, path))
-    # A map of columns belongs to one recording.
+    # A map of columns applies to one recording only.
     inherited = {
         key: value for key, value in below.table.items() if key not in ("data" if "data" in table else "", "name")
     }
@@ -256,7 +259,6 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
 
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:
-    """Return the [noise] of the file that a [noise] names."""
     if set(noise) != {"file"} or not isinstance(noise["file"], str):
         raise EstimationError(f"{path.name}: [noise] file stands for the whole table; write nothing beside its name.")
     other = path.parent / noise["file"]
@@ -270,14 +272,17 @@ def prediction_for(specification: Specification) -> PredictionInC:
     """Return the prediction of an estimation, its parameters converted to the units of the model.
 
     Raises:
-        ScenarioError: There is no such parameter, or its unit has another dimension.
+        ScenarioError: A parameter does not exist, or its unit has another dimension.
     """
     model = specification.model
     return prediction_of(model.class_, parameters_for(specification), model.outputs, model.kind)
 
 
 def equations_for(specification: Specification) -> CasadiPrediction:
-    """Return the same as equations, which may be differentiated further and shared by threads; errors likewise."""
+    """Return the prediction as equations, which can be differentiated further and shared by threads.
+
+    Errors likewise.
+    """
     model = specification.model
     return equations_of(model.class_, parameters_for(specification), model.outputs)
 
@@ -286,7 +291,7 @@ def parameters_for(specification: Specification) -> dict[str, float]:
     """Return [model.parameters] of an estimation in the units of the model.
 
     Raises:
-        EstimationError: There is no such parameter, or its unit has another dimension.
+        EstimationError: A parameter does not exist, or its unit has another dimension.
     """
     model = specification.model
     variables = model_of(model.class_).parameters
@@ -300,11 +305,11 @@ class ModelParameter:
     """A parameter of the model with the value that the filter uses.
 
     Attributes:
-        name: Of the model, an element of an array as `J[1]`.
-        value: In `unit`.
-        unit: As Modelica writes it; "1" for a ratio.
-        origin: `given in FILE` or `--set`, or `DEFAULT` where nothing else was given.
-        description: From the model.
+        name: Name in the model, for an element of an array as `J[1]`.
+        value: Value in `unit`.
+        unit: Unit in Modelica's notation; "1" for a ratio.
+        origin: `given in FILE` or `--set`, else `DEFAULT`.
+        description: Description in the model.
     """
 
     name: str
@@ -315,7 +320,7 @@ class ModelParameter:
 
     @property
     def is_default(self) -> bool:
-        """Whether it is an untouched default of the library."""
+        """Whether it is an unchanged default of the library."""
         return self.origin == DEFAULT
 
 
@@ -343,10 +348,10 @@ def settings_for(specification: Specification, period: float) -> Settings:
     """Return the settings of an estimation on a grid of `period` [s].
 
     Raises:
-        ScenarioError: The threshold of the gate is in another unit than its inputs.
+        ScenarioError: The threshold of the gate has another dimension than its inputs.
     """
     noise, gate = specification.noise, specification.gate
-    # A table of papers of what one step adds depends on its period: half the period is twice the noise a second.
+    # Published noises per step depend on the period: half the period means twice the noise per second.
     step = period if noise.kind == "per_step" else 1.0
     return Settings(
         process={name: variance / step for name, variance in noise.process.items()},
@@ -360,7 +365,7 @@ def settings_for(specification: Specification, period: float) -> Settings:
 
 
 def estimate_of(specification: Specification, recording: xarray.Dataset) -> xarray.Dataset:
-    """Return the beliefs of the filter of an estimation at every sample of a recording; see `run.estimate`.
+    """Return the estimates of an estimation's filter at every sample of a recording; see `run.estimate`.
 
     The attribute `parameters` is JSON: name, value, unit and origin of each parameter of the model.
 

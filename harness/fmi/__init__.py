@@ -1,8 +1,8 @@
-"""The only package that touches an FMU: describes it, maps its names and units to ours, and steps it.
+"""Read FMUs, map their names and units to the harness, and step them; no other package accesses an FMU.
 
-`describe` reads a file into a value, `bind` ties our signals to its variables, and then a plant is stepped
-(`open_plant`; `CoSimulation` where it is Co-Simulation by FMI 2.0 in this process) or a prediction is evaluated
-(`FmuPrediction`). A wrong question is an `FmuError`; an FMU that fails while it runs is a `PlantFailed`.
+`describe` reads a file into a value, and `bind` ties signals of the harness to its variables. Then a plant is stepped
+(`open_plant`; `CoSimulation` for Co-Simulation by FMI 2.0 in this process) or a prediction is evaluated
+(`FmuPrediction`). A wrong request raises `FmuError`; an FMU that fails while it runs raises `PlantFailed`.
 """
 
 from railgrip.fmi.cosimulation import CoSimulation

@@ -1,6 +1,6 @@
-"""The zip archive that an FMU is: looked through before anything in it is unpacked or parsed.
+"""Check the zip archive of an FMU before anything in it is unpacked or parsed.
 
-What an archive says of its sizes binds whoever reads it: Python's zipfile never gives more than the size declared.
+The declared sizes can be trusted: Python's zipfile never returns more bytes than an archive declares.
 """
 
 import hashlib
@@ -17,23 +17,23 @@ from railgrip.base.limits import MIB, FmuLimits
 DESCRIPTION = "modelDescription.xml"
 _SYSTEM = "SystemStructure.ssd"  # SSP 1.0
 _HARMLESS = 16 * MIB
-"""Bytes up to which nobody minds how well they were packed."""
+"""Size in bytes below which the compression ratio is not checked."""
 _DEPTH = 64
-"""Most elements inside each other; FMI itself needs six, annotations of tools may hold more."""
+"""Maximum depth of nested elements; FMI itself needs six, annotations of tools may be deeper."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Outline:
-    """What a first look through modelDescription.xml shows.
+    """Result of a first pass over modelDescription.xml.
 
     Attributes:
-        version: Of FMI, as the file says; None when it does not.
-        tool: That made it, as the file says; '' when it does not.
-        step: Communication step that it suggests [s], as written; '' when it suggests none.
-        variables: How many there are.
+        version: FMI version in the file, or None.
+        tool: Generation tool in the file, or ''.
+        step: Suggested communication step [s], as written, or ''.
+        variables: Number of variables.
         references: Value references of all variables, as written.
         relative: Names of Real variables that are differences; FMPy does not see that attribute.
-        indices: Variables that ModelStructure names, with the line; by number, in FMI 3.0 by value reference.
+        indices: Variables that ModelStructure references, with the line; by number, in FMI 3.0 by value reference.
     """
 
     version: str | None
@@ -52,10 +52,10 @@ def digest(path: Path) -> str:
 
 
 def members(path: Path, limits: FmuLimits) -> frozenset[str]:
-    """Return the names of all files in an archive once it has been found harmless and undamaged.
+    """Return the names of all files in an archive after checking it.
 
     Raises:
-        FmuError: It is no archive, damaged, larger than allowed, or has an entry that would land elsewhere.
+        FmuError: The file is not an archive, is damaged, exceeds a limit, or has an entry with an unsafe path.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -105,10 +105,10 @@ def _require_harmless(path: Path, entries: list[zipfile.ZipInfo], limits: FmuLim
 
 
 def outline(path: Path, limits: FmuLimits) -> Outline:
-    """Look through modelDescription.xml, piece by piece, before anybody builds a tree of it.
+    """Parse modelDescription.xml as a stream, before a tree of it is built.
 
     Raises:
-        FmuError: It is no XML, has a document type, or more variables or depth than allowed.
+        FmuError: The file is not XML, has a document type, or exceeds a limit of variables or depth.
     """
     head: dict[str, str] = {}
     step = ""
@@ -153,7 +153,7 @@ def outline(path: Path, limits: FmuLimits) -> Outline:
             while piece := stream.read(1 << 16):
                 parser.Parse(piece, False)
             parser.Parse(b"", True)
-    except (expat.ExpatError, LookupError) as error:  # LookupError: it names an encoding that nobody knows
+    except (expat.ExpatError, LookupError) as error:  # LookupError: the XML names an unknown encoding
         raise FmuError(f"{path}: {DESCRIPTION} is not XML: {error}.") from error
     return Outline(
         version=head.get("fmiVersion"),

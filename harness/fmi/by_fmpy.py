@@ -22,13 +22,13 @@ from railgrip.fmi.plant import LoadedPlant
 Vector = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-6
-"""Relative error of a step of CVODE, that of the plants of this project; the absolute one is that times nominals."""
+"""Relative error of a step of CVODE, as in the built-in plants; the absolute error is that times nominal values."""
 _MOST_STEPS: Final = 5000  # of CVODE between two communication points
 _DISCARD: Final = 2  # status of FMI
 
 
 class _Block:
-    """The variables of a channel as one call of FMPy carries them: arrays of FMI 3.0 with all of their elements."""
+    """The variables of a channel for one call of FMPy, with all elements of FMI 3.0 arrays."""
 
     def __init__(self, channel: Channel, description: Description) -> None:
         variables = {v.reference: v for v in description.variables.values() if v.carrier == channel.carrier}
@@ -50,7 +50,7 @@ class _Block:
 
 
 class _ByFmpy(LoadedPlant):
-    """What all plants that are stepped through FMPy share."""
+    """Common base of the plants that are stepped through FMPy."""
 
     def _prepare(self, instance: Instance) -> None:
         self._senders, self._receivers = (
@@ -113,9 +113,9 @@ class SlaveOfFmi3(_ByFmpy):
 
 
 class IntegratedModel(_ByFmpy):
-    """A Model Exchange FMU in this process, which CVODE integrates, with state, time and step events.
+    """A Model Exchange FMU in this process, integrated by CVODE, with state, time and step events.
 
-    A change of the inputs is an event: they are set in event mode, and CVODE starts anew.
+    A change of the inputs is an event: they are set in event mode, and CVODE restarts.
     """
 
     _way: ClassVar[Way] = "model exchange"
@@ -147,7 +147,7 @@ class IntegratedModel(_ByFmpy):
                 self._event(instance, time)
 
     def _integrated(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
-        """Return whether a state event ended the integration, and when."""
+        """Return whether a state event ended the integration, and its time."""
         self._solver.failure = None
         try:
             is_event, _, time = self._solver.step(time, until)
@@ -158,7 +158,7 @@ class IntegratedModel(_ByFmpy):
         return is_event, time
 
     def _event(self, instance: Instance, time: float, inputs: Vector | None = None) -> None:
-        """Go through event mode, with inputs that have changed, and start the solver anew."""
+        """Run event mode, with inputs that have changed, and restart the solver."""
         with instance.calling(time, "at an event") as fmu:
             fmu.enterEventMode()
             if inputs is not None:
@@ -168,26 +168,26 @@ class IntegratedModel(_ByFmpy):
 
 
 def loaded_plant(description: Description) -> type[CoSimulation | SlaveOfFmi3 | IntegratedModel]:
-    """Return the class that steps an FMU in this process: Co-Simulation where it offers both."""
+    """Return the class that steps an FMU in this process; Co-Simulation is preferred if the FMU offers both."""
     if description.co_simulation is None:
         return IntegratedModel
     return CoSimulation if description.fmi == 2 else SlaveOfFmi3
 
 
 class _HeldInputs:
-    """Inputs as CVodeSolver wants them; they are held, and set at events."""
+    """Inputs in the interface of CVodeSolver; they are held, and set at events only."""
 
     def apply(self, time: float) -> None:
-        """Do nothing."""
+        """Do nothing: the inputs are held."""
 
 
 def _solver(instance: Instance, period: float, begin: float) -> Any:
     """Return FMPy's interface to CVODE for an FMU in continuous-time mode.
 
     Raises:
-        FmuError: FMPy has no CVODE for this platform.
+        FmuError: FMPy does not include CVODE for this platform.
     """
-    # FMPy ships CVODE for some platforms only, and loads it with this module.
+    # FMPy includes CVODE for some platforms only, and loads it with this module.
     try:
         sundials: Any = import_module("fmpy.sundials")
     except (OSError, AttributeError) as error:
@@ -199,15 +199,15 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
     class Solver(sundials.CVodeSolver):
         """CVODE, which stops when an FMI function fails or returns NaN.
 
-        FMPy's callbacks would continue with the last values; CVODE takes an event indicator that is NaN for one that
-        has not changed its sign.
+        FMPy's callbacks would continue with the last values; CVODE treats an event indicator of NaN as unchanged in
+        sign.
         """
 
         failure: FMICallException | PlantFailed | None = None
 
         def __init__(self, **arguments: Any) -> None:
             super().__init__(**arguments)
-            # SUNDIALS would print what becomes a sentence here.
+            # SUNDIALS would print what is raised as an exception here.
             sundials.sundials_core.SUNContext_ClearErrHandlers(self.sunctx)
             sundials.SUNContext_PushErrHandler(self.sunctx, self.ehfun_, None)
 
@@ -221,7 +221,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             return self._guarded(partial(super().g, time, states, indicators, data), time, call, indicators, self.nz)
 
         def _guarded(self, function: Callable[[], int], time: float, call: str, pointer: Any, size: int) -> int:
-            """Return what CVODE takes for success, a step that is too long, or the end."""
+            """Return CVODE's code for success, a recoverable error (the step is too long), or a fatal one."""
             try:
                 status = function()
             except FMICallException as error:
@@ -249,7 +249,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             set_time=fmu.setTime,
             input=_HeldInputs(),
             startTime=begin,
-            # State events are looked for at least once in each period.
+            # State events are searched for at least once in each period.
             maxStep=period,
             relativeTolerance=TOLERANCE,
             maxNumSteps=_MOST_STEPS,
@@ -257,7 +257,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
 
 
 def _read_nominals(fmu: Any, pointer: Any, size: int) -> None:
-    """Write the nominal values of the states to a pointer; 1 where the FMU has none that is usable."""
+    """Write the nominal values of the states to a pointer; 1 for values that are not finite and positive."""
     fmu.getNominalsOfContinuousStates(pointer, size)
     values = np.ctypeslib.as_array(pointer, (size,))
     values[~(np.isfinite(values) & (values > 0))] = 1.0

@@ -1,8 +1,7 @@
-"""The other end of an isolated plant: owns the FMU and answers one request at a time.
+"""The child process of an isolated plant: it owns the FMU and answers one request at a time.
 
-An FMU may write on the line whatever it likes, so that what comes back is never more than numbers and text: vectors of
-doubles, a failure as JSON. What is sent to here comes from this program, and is pickled where
-it is a question once asked.
+An FMU may write anything to the socket, so answers are numbers and text only: vectors of doubles, and failures as JSON.
+Requests come from this program, so the request to open a plant may be pickled.
 """
 
 import json
@@ -42,12 +41,12 @@ def send(line: socket.socket, kind: Request | int, payload: bytes) -> None:
 
 
 def receive(line: socket.socket) -> tuple[int, bytes]:
-    """Return the next message; the two ends take turns, so there is never more than one on the line.
+    """Return the next message; the two ends take turns, so at most one message is in transit.
 
     Raises:
-        ConnectionError: The other end is gone.
-        ValueError: What it sends is no message.
-        TimeoutError: The line has a timeout and nothing came.
+        ConnectionError: The other end closed the line.
+        ValueError: The bytes are not a message.
+        TimeoutError: The line has a timeout and no message came.
     """
     buffer = b""
     size = _HEAD.size
@@ -66,7 +65,7 @@ def receive(line: socket.socket) -> tuple[int, bytes]:
 
 
 def serve(line: socket.socket) -> None:
-    """Answer requests until the line ends; then free the FMU."""
+    """Answer requests until the line is closed; then free the FMU."""
     with ExitStack() as stack:
         plant: LoadedPlant | None = None
         while True:
@@ -84,10 +83,10 @@ def serve(line: socket.socket) -> None:
                     raise RuntimeError("the first request opens the plant")
                 else:
                     answer = getattr(plant, request)(np.frombuffer(payload)).tobytes()
-            # Whatever it is belongs to the parent, which raises it where the question was asked.
+            # Any exception is sent to the parent, which raises it in the caller.
             except PlantFailed as failed:
                 failure = failed.failure
-                assert not isinstance(failure, str)  # plain text is of plants in Python, which run in no child
+                assert not isinstance(failure, str)  # plain text comes from plants in Python only
                 send(line, FAILED, json.dumps(asdict(failure)).encode())
             except FmuError as error:
                 send(line, REFUSED, str(error).encode())
@@ -98,13 +97,13 @@ def serve(line: socket.socket) -> None:
 
 
 def serve_on(number: int, messages: int) -> None:
-    """Say that this process is ready, and serve on the socket of a file descriptor.
+    """Report that this process is ready, and serve on the socket of a file descriptor.
 
     An FMU that logs more messages than allowed ends the process with `TALKATIVE`, one that closes the socket with
     `UNREACHABLE`.
     """
     limit_messages(messages, lambda: os._exit(TALKATIVE))
-    # Whoever asked may be gone before the answer; then nobody wants it.
+    # The parent may have exited before the answer, which then has no receiver.
     try:
         with socket.socket(fileno=number) as line, suppress(ConnectionError):
             send(line, ANSWER, b"")

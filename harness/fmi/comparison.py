@@ -1,4 +1,4 @@
-"""The same steps by other ways: FMPy's own interfaces, and a loop in C; what ours is measured against."""
+"""The same steps by other means, FMPy's interfaces and a loop in C, for comparison of speed."""
 
 import ctypes
 import time
@@ -38,14 +38,14 @@ int steps(Exchange *set, Step *step, Exchange *get, void *fmu, const unsigned *t
 
 
 def validation_problems(file: Path) -> list[str]:
-    """Return what FMPy finds that is not as the FMI standard wants it in an FMU."""
+    """Return the violations of the FMI standard that FMPy finds in an FMU."""
     return [str(problem) for problem in validate_fmu(str(file))]
 
 
 def seconds_of_ours(
     description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
 ) -> tuple[float, Vector]:
-    """Return the time of `count` steps through `CoSimulation`, and the last outputs."""
+    """Return the time [s] of `count` steps through `CoSimulation`, and the last outputs."""
     with CoSimulation(description, binding, period=period, parameters={}) as plant:
         last = plant.start(inputs)
         step = plant.step
@@ -58,7 +58,7 @@ def seconds_of_ours(
 def seconds_of_fmpy(
     description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
 ) -> tuple[float, Vector]:
-    """Return the time of `count` steps through FMPy's FMU2Slave, and the last outputs."""
+    """Return the time [s] of `count` steps through FMPy's FMU2Slave, and the last outputs."""
     channels_in, channels_out = _only_real(description, binding)
     with unpack(description) as folder:
         slave: Any = FMU2Slave(
@@ -89,11 +89,11 @@ def seconds_of_fmpy(
 def seconds_in_c(
     description: Description, binding: Binding, inputs: Vector, *, period: float, count: int
 ) -> tuple[float, Vector]:
-    """Return the time of the processor [s] for `count` steps in a loop in C, and the last outputs.
+    """Return the processor time [s] of `count` steps in a loop in C, and the last outputs.
 
     Args:
-        binding: All Real.
-        inputs: Held throughout.
+        binding: Binding with Real variables only.
+        inputs: Inputs, held constant.
     """
     channels_in, channels_out = _only_real(description, binding)
     library = ctypes.CDLL(str(shared_library({"steps.c": C_LOOP}, "steps", flags=("-fvisibility=default",))))
@@ -128,7 +128,7 @@ def _pointer_and_size(references: NDArray[np.uint32]) -> tuple[ctypes.c_void_p, 
 
 
 def _only_real(description: Description, binding: Binding) -> tuple[Channel, Channel]:
-    """Return the one channel of each side; the other ways are written for Real variables without conversion."""
+    """Return the single channel of each side; the other means support only Real variables without conversion."""
     channels = (*binding.inputs.channels, *binding.outputs.channels)
     if [c.carrier for c in channels] != ["Real", "Real"] or any(np.any(c.gain != 1) for c in channels):
         raise FmuError(f"{description.file}: compared are FMUs with Real inputs and outputs in SI.")

@@ -1,7 +1,7 @@
-"""Steps a co-simulation FMU 2.0 with as little as possible between the caller's numbers and the FMU's.
+"""Steps a co-simulation FMU 2.0 with minimal overhead between the caller's numbers and the FMU's.
 
-A vector of our inputs goes in and a vector of our outputs comes out, both in SI and in the order of the
-binding; conversions are applied only where the FMU's units differ. All buffers and addresses are made once.
+The input and output vectors are in SI and in the order of the binding; values are converted only where the FMU's units
+differ. All buffers and addresses are created once.
 """
 
 import ctypes
@@ -24,19 +24,19 @@ _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
 _SET, _STEP, _GET = 1, 2, 4
 _FINE, _SETTING, _STEPPING, _GETTING, _NOT_FINITE = range(5)
-"""What `cross` of `kernel/set_step_get.c` returns."""
+"""Return values of `cross` in `kernel/set_step_get.c`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CInterface:
-    """A communication step of a plant as C sees it.
+    """Interface of a plant's communication step for C.
 
     Attributes:
-        cross: Address of `int cross(void *plan, int what, double time)`, as `kernel/set_step_get.c` has it.
+        cross: Address of `int cross(void *plan, int what, double time)` in `kernel/set_step_get.c`.
         plan: Address of its first argument.
-        inputs: Read by it, shape (Layout.inputs,).
-        outputs: Written by it: those that the plant has.
-        present: Their places among all outputs.
+        inputs: Input vector of the step, shape (Layout.inputs,).
+        outputs: Output vector of the step, with the outputs that the plant has.
+        present: Positions of these outputs among all outputs.
     """
 
     cross: int
@@ -50,7 +50,7 @@ class CInterface:
 def _cross() -> Any:
     """Return the library's function for calls from Python.
 
-    It keeps the interpreter lock: handing it over and back would cost as much as the rest of the call.
+    It keeps the interpreter lock: releasing and acquiring it would cost as much as the rest of the call.
     """
     cross = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).cross
     cross.argtypes, cross.restype = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double], ctypes.c_int
@@ -61,10 +61,10 @@ class CoSimulation(LoadedPlant):
     """A co-simulation FMU 2.0 in this process, stepped in C."""
 
     def _prepare(self, instance: Instance) -> None:
-        """Make the buffers; compile the step, once on a machine.
+        """Allocate the buffers; compile the step, once on a machine.
 
         Raises:
-            railgrip.base.errors.CompilerMissing: There is no C compiler.
+            railgrip.base.errors.CompilerMissing: No C compiler was found.
         """
         sending, receiving = self._binding.inputs, self._binding.outputs
         self._inputs, self._outputs = np.zeros(sending.size), np.zeros(self._places.size)
@@ -85,7 +85,7 @@ class CoSimulation(LoadedPlant):
         self._cross, self._address = _cross(), ctypes.c_void_p(self._struct.address)
 
     def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
-        """Write a channel whose values stand at `positions` into its struct."""
+        """Write a channel to its struct; its values are at `positions` in the vector."""
         is_integer = channel.carrier != "Real"
         buffer = np.zeros(len(channel.references), dtype=np.intc if is_integer else np.float64)
         places = np.ascontiguousarray(positions, dtype=np.longlong)
@@ -111,7 +111,7 @@ class CoSimulation(LoadedPlant):
         Raises:
             PlantFailed: The FMU did not return OK, or an output is not finite.
         """
-        # Once per simulated millisecond: each line here is a measurable part of a stop.
+        # Called once per simulated millisecond: each line here takes a measurable share of a stop.
         if not self._ready:
             raise self._not_ready()
         self._inputs[:] = inputs
@@ -125,7 +125,7 @@ class CoSimulation(LoadedPlant):
         """Hold each row of inputs, shape (k, nu), over one period; return the outputs that the FMU has, shape (k, ny).
 
         Raises:
-            FmuError: The shape is another one, or a value is not a finite number.
+            FmuError: The shape is wrong, or a value is not finite.
             PlantFailed: As `step`.
         """
         if not self._ready:
@@ -145,7 +145,7 @@ class CoSimulation(LoadedPlant):
         return outputs
 
     def c_interface(self) -> CInterface:
-        """Return what a loop in C steps this plant by; it then reports to `note_steps`."""
+        """Return the interface by which a loop in C steps this plant; the loop then reports to `note_steps`."""
         if not self._ready:
             raise self._not_ready()
         return CInterface(
@@ -157,17 +157,17 @@ class CoSimulation(LoadedPlant):
         )
 
     def note_steps(self, steps: int, outcome: int) -> None:
-        """Take note of steps done by `c_interface`, and of what `cross` returned at last, 0 for success.
+        """Record steps taken through `c_interface`, and the last return value of `cross`, 0 for success.
 
         Raises:
-            PlantFailed: They ended early.
+            PlantFailed: The steps ended early.
         """
         self.sample += steps
         self.sample += outcome in (_GETTING, _NOT_FINITE)  # the step itself succeeded
         self._require_fine(outcome)
 
     def _require_fine(self, outcome: int) -> None:
-        """Raise the failure that ended a communication step early, if one did."""
+        """Raise the failure that ended a communication step early, if there was one."""
         if outcome == _FINE:
             return
         instance, plan = self._open(), self._struct.pointer

@@ -1,4 +1,4 @@
-"""What an FMU file says about itself, read once and checked, as a frozen value."""
+"""The description of an FMU file, read once, checked, and returned as a frozen value."""
 
 import math
 import re
@@ -21,9 +21,9 @@ from railgrip.base.units import BASE, Exponents, Unit, unit
 from railgrip.fmi.archive import DESCRIPTION, Outline, copy_of_description, digest, members, outline
 
 PLATFORM: Final = cast(str, fmpy.platform)
-"""FMI 2.0's name of this platform, the folder of the binaries that this machine loads."""
+"""Name of this platform in FMI 2.0: the folder of the binaries that this machine loads."""
 PLATFORMS: Final[dict[int, str]] = {2: PLATFORM, 3: fmpy.platform_tuple}
-"""That folder by version of FMI."""
+"""Folder of the binaries by FMI version."""
 
 Version = Literal[2, 3]
 Kind = Literal["Real", "Integer", "Boolean", "String", "Enumeration", "Binary"]
@@ -34,7 +34,7 @@ _KINDS: Final[dict[str, Kind]] = {
     "Real": "Real", "Float32": "Real", "Float64": "Real", "Boolean": "Boolean", "String": "String",
     "Enumeration": "Enumeration", "Binary": "Binary",
 }  # fmt: skip
-"""Kinds of FMI's types; all others are integers."""
+"""Kinds of the FMI types; all others are integers."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -42,22 +42,21 @@ class Variable:
     """One scalar variable of an FMU, or one element of an array of FMI 3.0.
 
     Attributes:
-        name: As in the FMU, `brake[2].torque`; of an element `slip[2]` or `stiffness[1,3]`.
+        name: Name in the FMU, `brake[2].torque`; of an element `slip[2]` or `stiffness[1,3]`.
         reference: FMI value reference, the same for all elements of an array.
-        kind: What it holds.
-        carrier: Type in the names of the functions that set and get it: Real, or Float64.
-        element: Place in its array, row by row, from 0; 0 for a scalar.
+        kind: Kind of value.
+        carrier: Type in the names of its get and set functions: Real, or Float64.
+        element: Position in its array, row by row, from 0; 0 for a scalar.
         elements: Size of its array; 1 for a scalar.
-        causality: What it is to whoever runs the FMU.
-        settable: It may be given a value before initialisation.
-        unit: None when the FMU does not say.
-        unit_name: The unit as the FMU names it, '' when it does not; kept when `unit` is None because the
-            FMU names a unit and leaves out what it means.
-        relative: A difference, to which a unit's offset does not apply.
-        start: Start value as the FMU writes it, or None.
-        minimum: Least value allowed, in its own unit.
-        maximum: Largest value allowed, in its own unit.
-        description: One line by its author.
+        causality: Causality by FMI.
+        settable: Whether a value may be set before initialisation.
+        unit: Unit, or None if the FMU declares none or does not define it.
+        unit_name: Name of the unit in the FMU, '' without one; also given if the FMU names a unit without a definition.
+        relative: Whether it is a difference, to which a unit's offset does not apply.
+        start: Start value as written in the FMU, or None.
+        minimum: Minimum, in its own unit.
+        maximum: Maximum, in its own unit.
+        description: Description by its author, one line.
     """
 
     name: str
@@ -79,15 +78,15 @@ class Variable:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interface:
-    """One of the two ways to run an FMU, and what it can do that way.
+    """One of the two interfaces of an FMU, and its capabilities.
 
     Attributes:
-        identifier: Of its library.
-        directional_derivatives: It offers them by FMI 2.0.
-        completed_steps: A solver has to call completedIntegratorStep after each of its steps.
-        fixed_step: Internal step of a co-simulation of FMI 3.0 [s], of which a communication step is a whole multiple;
-            None when it has none.
-        needs_tool: It runs only where the tool that made it is installed.
+        identifier: Name of its library.
+        directional_derivatives: Whether it provides them by FMI 2.0.
+        completed_steps: Whether a solver has to call completedIntegratorStep after each of its steps.
+        fixed_step: Internal step of a co-simulation of FMI 3.0 [s], of which a communication step is a whole multiple,
+            or None.
+        needs_tool: Whether it runs only if the tool that made it is installed.
     """
 
     identifier: str
@@ -99,25 +98,25 @@ class Interface:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Description:
-    """An FMU as it describes itself.
+    """The description of an FMU.
 
     Attributes:
-        file: Where it is.
+        file: Path of the FMU.
         fmi: Major version of FMI.
         digest: SHA-256 of the file, hexadecimal.
         model: Name of the model inside.
-        guid: Identifies the model; the binary checks it.
-        generator: Tool that made it.
-        variables: By name, in the FMU's order.
+        guid: Identifier of the model, which the binary checks.
+        generator: Tool that made the FMU.
+        variables: Variables by name, in the FMU's order.
         states: Continuous states, in the order of fmi2GetContinuousStates.
-        derivatives: Their derivatives, same order.
-        dependencies: The states and inputs on which a derivative or output depends, where ModelStructure of FMI 2.0
-            says so.
-        event_indicators: How many.
-        log_categories: Names it can log under.
-        co_simulation: None when not offered.
-        model_exchange: None when not offered.
-        blemishes: What is not as FMI wants it, but changes no result, as a clause; '' when nothing is.
+        derivatives: Their derivatives, in the same order.
+        dependencies: The states and inputs on which a derivative or output depends, as far as ModelStructure of FMI 2.0
+            declares them.
+        event_indicators: Number of event indicators.
+        log_categories: Names of its log categories.
+        co_simulation: Interface for Co-Simulation, or None.
+        model_exchange: Interface for Model Exchange, or None.
+        blemishes: Violations of FMI that do not affect results, as a clause, or ''.
     """
 
     file: Path
@@ -141,14 +140,14 @@ class Description:
         return tuple(v.name for v in self.variables.values() if v.causality == causality)
 
     def variable(self, name: str, wanted_by: str) -> Variable:
-        """Return the variable called `name`.
+        """Return the variable with a name.
 
         Args:
-            name: In the FMU.
-            wanted_by: Who asks, to open the sentence with.
+            name: Name in the FMU.
+            wanted_by: Opening words of the message: who requires the variable.
 
         Raises:
-            FmuError: There is none; the sentence names the nearest ones.
+            FmuError: The FMU lacks it; the message suggests similar names.
         """
         variable = self.variables.get(name)
         if variable is not None:
@@ -157,7 +156,7 @@ class Description:
         raise FmuError(f"{wanted_by}: {self.file.name} has no variable '{name}'{hint}")
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle what was read: the read-only view of the variables itself does not pickle."""
+        """Pickle the fields: the read-only view of the variables cannot be pickled."""
         content = {field.name: getattr(self, field.name) for field in fields(self)}
         return _restore, (content | {"variables": dict(self.variables)},)
 
@@ -168,11 +167,11 @@ def _restore(content: dict[str, Any]) -> Description:
 
 
 def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
-    """Read an FMU's own description.
+    """Read the description of an FMU.
 
     Raises:
-        FmuError: It is missing, not an FMU, beyond the limits, neither FMI 2.0 nor 3.0, has clocks, no binary for this
-            platform, or its description can be understood in two ways or none.
+        FmuError: The file is missing, not an FMU, beyond the limits, neither FMI 2.0 nor 3.0, uses clocks, lacks a
+            binary for this platform, or its description is ambiguous or invalid.
     """
     path = Path(file)
     try:
@@ -191,14 +190,14 @@ def describe(file: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
         if isinstance(error, FmuError):
             raise
-        # What the schema would not have let through, in an FMU that is read all the same.
+        # Variables that the schema would have rejected, in an FMU that is accepted nevertheless.
         raise FmuError(f"{path}: {blemishes or f'{DESCRIPTION} cannot be understood'}: {error}.") from error
     _require_binary(description, inside)
     return description
 
 
 def _version(path: Path, first: Outline) -> Version:
-    """Return the major version of FMI; `FmuError` for one that is not run."""
+    """Return the major version of FMI; raise `FmuError` for unsupported versions."""
     if first.version == "2.0":
         return 2
     if first.version and re.fullmatch(r"3\.0(\.\d+)?", first.version):
@@ -208,7 +207,7 @@ def _version(path: Path, first: Outline) -> Version:
 
 
 def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
-    """Refuse a ModelStructure that names variables which are not there; FMPy would take others, or stumble."""
+    """Raise an error if ModelStructure references unknown variables; FMPy would use others, or crash."""
     for number, line in first.indices:
         if fmi == 2 and not (number.isdecimal() and 1 <= int(number[:9]) <= first.variables):
             raise FmuError(
@@ -223,9 +222,9 @@ def _require_known_unknowns(path: Path, fmi: Version, first: Outline) -> None:
 
 
 def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
-    """Return what is not valid in a description, as a clause, and the description by FMPy.
+    """Return the violations of the schema, as a clause, and the description by FMPy.
 
-    FMPy is shown that file alone: of an archive it would read more XML, which has not been checked.
+    FMPy gets that file alone: from an archive it would read further XML, which has not been checked.
     """
     with scratch("fmu") as folder, postponed():
         file = str(copy_of_description(path, folder))
@@ -238,13 +237,13 @@ def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
 
 
 def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tuple[str, ModelDescription]:
-    """Return what is not valid, as a clause, and the description all the same, where it has only one meaning.
+    """Return the violations of the schema, as a clause, and the description if it is unambiguous.
 
-    Other tools' FMUs often run well in spite of a missing start value or an attribute that FMI does not know. Where a
-    blemish is about a unit, whoever uses that variable is told when it is bound.
+    FMUs of other tools often run well in spite of a missing start value or an attribute that FMI does not define. A
+    violation that concerns a unit is reported when the variable is bound.
 
     Raises:
-        FmuError: It cannot be understood, or two variables share a name.
+        FmuError: The description cannot be parsed, or two variables share a name.
     """
     more = f" (and {len(problems) - 3} more)" if len(problems) > 3 else ""
     clause = f"{DESCRIPTION} is not valid FMI {fmi}.0: {'; '.join(p.rstrip('.') for p in problems[:3])}{more}"
@@ -254,7 +253,7 @@ def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tupl
         xml: Any = read
         names = [v.name for v in xml.modelVariables]
         complete = xml.guid and all(names) and len(set(names)) == len(names)
-    except Exception as error:  # without its schema FMPy stumbles in as many ways as there are mistakes
+    except Exception as error:  # without its schema FMPy fails in as many ways as there are mistakes
         raise FmuError(refusal) from error
     if not complete:
         raise FmuError(refusal)
@@ -262,14 +261,14 @@ def _leniently(path: Path, fmi: Version, file: str, problems: list[str]) -> tupl
 
 
 def _require_binary(description: Description, inside: frozenset[str]) -> None:
-    """Refuse an FMU whose shared library for this platform is missing."""
+    """Raise an error for an FMU without a shared library for this platform."""
     suffix = fmpy.sharedLibraryExtension
     for interface in (description.co_simulation, description.model_exchange):
         if interface is None:
             continue
         binary = f"binaries/{PLATFORMS[description.fmi]}/{interface.identifier}{suffix}"
         if binary not in inside:
-            # Files: folders, which may be empty, are not among them.
+            # Only files are listed: folders, which may be empty, do not count.
             others = sorted({m.split("/")[1] for m in inside if m.startswith("binaries/") and m.count("/") > 1})
             platforms = f"it has binaries for {', '.join(others)}" if others else "it has no binaries at all"
             raise FmuError(
@@ -332,7 +331,7 @@ def _description(
 
 
 def _require_steppable(path: Path, xml: Any) -> None:
-    """Refuse an FMU that is run by clocks."""
+    """Raise an error for an FMU with clocks."""
     clocks = [entry.name for entry in xml.modelVariables if entry.type == "Clock"]
     if clocks:
         raise FmuError(
@@ -360,11 +359,12 @@ def _unit(path: Path, element: Any) -> Unit | None:
 
 
 def _with_angle(angle_unit: Unit) -> Unit:
-    """Return a unit with the radian that its name has and its definition leaves out.
+    """Return a unit with the radian that its name includes and its definition omits.
 
-    To FMI the radian is a base unit, to SI it is one: OpenModelica writes "rad/s" as one over the second. The name
-    is believed where both differ in nothing else, so that a frequency does not become an angular velocity. So is a
-    name that counts revolutions or degrees where the definition has the factor of the radian, or of the count.
+    In FMI the radian is a base unit, in SI it is one: OpenModelica writes "rad/s" as one over the second. The name is
+    used if it differs from the definition in nothing else, so that a frequency does not become an angular velocity. A
+    name that counts revolutions or degrees is used likewise if the definition has the factor of the radian, or of the
+    count.
     """
     try:
         registry_unit = unit(angle_unit.name)
@@ -376,14 +376,14 @@ def _with_angle(angle_unit: Unit) -> Unit:
 _REFERENCES = 1 << 32
 """Value references are unsigned integers of 32 bits (FMI 2.0.4, §2.1.2)."""
 _REAL = re.compile(r"\s*([+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?INF)\s*", re.ASCII)
-"""A number as XML Schema writes it, but for NaN, which is neither a bound nor a start."""
+"""A number in the format of XML Schema, except NaN, which is valid neither as a bound nor as a start value."""
 
 
 def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> float | None:
-    """Return a value of a variable's start, min or max as a number; None when there is none.
+    """Return a variable's start, min or max as a number, or None.
 
     Raises:
-        FmuError: It is no value of the variable's type.
+        FmuError: The text is not a value of the variable's type.
     """
     kind = _KINDS.get(element.type, "Integer")
     if text is None or kind in ("String", "Binary"):
@@ -407,7 +407,7 @@ def _value_of(path: Path, element: Any, attribute: str, text: str | None) -> flo
 def _elements(
     path: Path, fmi: Version, element: Any, units: Mapping[str, Unit | None], relatives: frozenset[str]
 ) -> Iterator[Variable]:
-    """Yield a variable, or the elements of an array in the order in which FMI 3.0 carries them."""
+    """Yield a variable, or the elements of an array in the order of FMI 3.0."""
     is_text = element.type in ("String", "Binary")
     texts = [element.start] if element.start is None or is_text or not element.shape else element.start.split()
     first = _variable(path, fmi, element, units, relatives, texts)
@@ -460,7 +460,7 @@ def _variable(
         elements=1,
         causality=element.causality,
         # FMI 2.0.4, §2.2.7: only exact or approximate start values may be changed, constants never. Structural
-        # parameters of FMI 3.0 would take another mode, and decide how many variables there are.
+        # parameters of FMI 3.0 would require another mode, and determine the number of variables.
         settable=element.initial in ("exact", "approx")
         and element.variability != "constant"
         and element.causality != "structuralParameter"
@@ -476,7 +476,7 @@ def _variable(
 
 
 def _interface(path: Path, element: Any) -> Interface | None:
-    """Return an interface of an FMU; None when it is not offered.
+    """Return an interface of an FMU, or None if it is not offered.
 
     Raises:
         FmuError: Its internal step is not a positive time.

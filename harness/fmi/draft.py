@@ -1,4 +1,4 @@
-"""A draft of [vehicle.map] for a plant from outside, by names, units, causality and sizes of arrays."""
+"""Draft [vehicle.map] for a foreign plant by names, units, causality and sizes of arrays."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -37,9 +37,9 @@ OTHER_NAMES = {
     "driver_demand": "driver driver_pressure driver_brake_demand",
     "pad_friction": "mu_b mu_pad pad_mu",
 }
-"""Other words for our signals."""
+"""Other words for signals of the harness."""
 _OPPOSITE = ("retardation", "deceleration", "drag", "resistance")
-"""Names that count the other way round than ours."""
+"""Names of quantities with the opposite sign."""
 _LEAST = 0.6
 _PLACES = (
     ("front", "lead", "leading", "first", "head"), ("middle", "mid", "centre", "center"),
@@ -51,12 +51,12 @@ _RANK = {word: rank for rank, words in enumerate(_PLACES) for word in words}
 
 @dataclass(frozen=True, slots=True)
 class Array:
-    """Variables of an FMU that are one quantity.
+    """Variables of an FMU that form one quantity.
 
     Attributes:
-        variables: In the order of groups or wheelsets; one for a scalar.
-        entry: How a mapping names them: a pattern with {i}, a name, or a list.
-        name: What they have in common.
+        variables: Variables in the order of groups or wheelsets; one for a scalar.
+        entry: Their entry in a mapping: a pattern with {i}, a name, or a list.
+        name: Their common name.
         is_scalar: Whether it is a variable without an index.
     """
 
@@ -69,11 +69,12 @@ class Array:
 def drafted(
     description: Description, signals: Mapping[str, tuple[Signal, Causality]]
 ) -> dict[str, str | tuple[str, ...]]:
-    """Return our name → variable, pattern or list of an FMU; best names first, each used once, and none without any.
+    """Return signal → variable, pattern or list of an FMU, each of which is used once; signals without a match are
+    omitted.
 
     Args:
-        description: Of the FMU.
-        signals: Our signals and what the FMU calls such variables.
+        description: Description of the FMU.
+        signals: Signals of the harness, and the causality of such variables in the FMU.
     """
     arrays = list(arrays_of(description))
     names = list(signals)
@@ -90,7 +91,7 @@ def drafted(
 
 
 def sizes_of(description: Description, causality: Causality) -> tuple[int, ...]:
-    """Return the sizes of the arrays of an FMU, the most frequent first."""
+    """Return the sizes of the arrays of an FMU, starting with the most frequent one."""
     sizes = [
         len(a.variables) for a in arrays_of(description) if not a.is_scalar and a.variables[0].causality == causality
     ]
@@ -103,7 +104,7 @@ def _signed(array: Array, signal: str) -> str | tuple[str, ...]:
 
 
 def arrays_of(description: Description) -> Iterator[Array]:
-    """Yield scalars and arrays: `name[1]`, `name_1`, `name1`, `axle1.name`, from 0 as well, and `front.name`."""
+    """Yield scalars and arrays: `name[1]`, `name_1`, `name1`, `axle1.name`, also counted from 0, and `front.name`."""
     numbered: dict[str, dict[int, Variable]] = {}
     placed: dict[str, list[tuple[str, Variable]]] = {}
     for variable in description.variables.values():
@@ -148,7 +149,7 @@ def bare_name(name: str) -> str:
 
 
 def _score(signal: Signal, causality: Causality, array: Array) -> float:
-    """Return how alike the names are, 0 to 1; 0 when size, causality or dimension differ."""
+    """Return the similarity of the names, 0 to 1; 0 if size, causality or dimension differ."""
     first, count = array.variables[0], len(array.variables)
     fits = first.settable and first.causality != "input" if causality == "parameter" else first.causality == causality
     is_uniform = all(variable.causality == first.causality for variable in array.variables)
@@ -167,5 +168,5 @@ def _score(signal: Signal, causality: Causality, array: Array) -> float:
 
 
 def likeness(name: str, words: Sequence[str]) -> float:
-    """Return how alike a name and the nearest of some words are, 0 to 1."""
+    """Return the similarity of a name and the nearest of some words, 0 to 1."""
     return max(SequenceMatcher(None, name, word).ratio() for word in words)

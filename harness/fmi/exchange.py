@@ -1,8 +1,8 @@
-"""A Model Exchange FMU as a pure function of state and input: what a filter predicts with.
+"""A Model Exchange FMU as a pure function of state and input, for the prediction of a filter.
 
-The FMU is initialised once and then only evaluated, at time zero: a prediction model is autonomous, smooth
-and without events, and one that has events is refused. Its Jacobians come from fmi2GetDirectionalDerivative
-where the FMU offers it, else from central differences. `kernel/model_exchange.c` makes the calls.
+The FMU is initialised once and then only evaluated, at time zero: a prediction model is autonomous, smooth and without
+events; one with events is refused. Its Jacobians come from fmi2GetDirectionalDerivative if the FMU provides it, else
+from central differences. `kernel/model_exchange.c` makes the calls.
 """
 
 import ctypes
@@ -45,7 +45,7 @@ _VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
 def _functions() -> ctypes.PyDLL:
     """Return the library's functions for calls from Python.
 
-    They keep the interpreter lock: handing it over and back would cost as much as an evaluation.
+    They keep the interpreter lock: releasing and acquiring it would cost as much as an evaluation.
     """
     library = ctypes.PyDLL(str(kernel_library(*_KERNEL).path))
     for function in (library.derivative, library.output):
@@ -56,8 +56,8 @@ def _functions() -> ctypes.PyDLL:
 def column_groups(pattern: Pattern, columns: int) -> list[list[int]]:
     """Return the columns of a sparse matrix in groups of which no two columns have an entry in one row.
 
-    One directional derivative gives all entries of a group. Columns without entries are left out; the fullest come
-    first, each into the first group that has room.
+    One directional derivative gives all entries of a group. Columns without entries are omitted; the others are sorted
+    by their number of entries, and each goes to the first group without a conflict.
 
     Source: Curtis, Powell and Reid, On the estimation of sparse Jacobian matrices (1974).
     """
@@ -76,12 +76,12 @@ def column_groups(pattern: Pattern, columns: int) -> list[list[int]]:
 
 
 class FmuPrediction:
-    """The Prediction protocol of the estimators, by a Model Exchange FMU in this process; used inside `with`.
+    """Implements the Prediction protocol of the estimators by a Model Exchange FMU in this process; used inside `with`.
 
-    States, inputs and outputs are in the order asked for, whatever order the compiler of the FMU chose.
+    States, inputs and outputs are in the requested order, whatever order the compiler of the FMU chose.
 
     Attributes:
-        parameters: For a filter in C: the addresses of what evaluates the FMU; see estimators/kernel/addressed.h.
+        parameters: For a filter in C: the addresses for evaluating the FMU; see estimators/kernel/addressed.h.
     """
 
     def __init__(
@@ -93,18 +93,18 @@ class FmuPrediction:
         inputs: Sequence[str],
         outputs: Sequence[str],
     ) -> None:
-        """Check the question; nothing is loaded before `with`.
+        """Check the arguments; nothing is loaded before `with`.
 
         Args:
-            description: Of the FMU; variables in SI.
+            description: Description of the FMU; variables in SI.
             parameters: Values by FMU variable.
-            states: All of the FMU's states, in the order wanted.
-            inputs: All of its inputs, in the order wanted.
-            outputs: What the filter reads, in the order wanted.
+            states: All states of the FMU, in the requested order.
+            inputs: All inputs of the FMU, in the requested order.
+            outputs: Outputs that the filter reads, in the requested order.
 
         Raises:
-            FmuError: A parameter is wrong, the FMU has other states, lacks a variable or has one that is not Real, has
-                events, or is not in SI.
+            FmuError: A parameter is wrong, or the FMU has other states, lacks a variable or has one that is not Real,
+                has events, or is not in SI.
         """
         if description.fmi != 2:
             raise FmuError(
@@ -145,7 +145,6 @@ class FmuPrediction:
         self._instance: Instance | None = None
 
     def __enter__(self) -> Self:
-        """Unpack, load, instantiate, set the parameters and initialise."""
         with ExitStack() as stack:
             folder = stack.enter_context(unpack(self._description))
             instance = Instance(self._description, "model exchange", folder, name="prediction")
@@ -165,7 +164,7 @@ class FmuPrediction:
         return self
 
     def opened(self) -> Self:
-        """Return it open without `with`; it is closed when nothing refers to it any more, at the latest at exit."""
+        """Open the FMU without `with`; it is closed with the last reference to this object, or at exit."""
         self.__enter__()
         finalize(self, self._stack.close)
         return self
@@ -173,23 +172,25 @@ class FmuPrediction:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Free everything, whatever happened."""
         self._instance = None
         self._stack.close()
 
     @property
     def file(self) -> Path:
-        """The FMU."""
+        """Path of the FMU."""
         return self._description.file
 
     @property
     def has_directional_derivatives(self) -> bool:
-        """Whether the FMU gives its Jacobians; without, they are central differences."""
+        """Whether the FMU provides its Jacobians; otherwise they are central differences."""
         interface = self._description.model_exchange
         return interface is not None and interface.directional_derivatives
 
     def _pattern(self, unknowns: Sequence[str]) -> Pattern:
-        """Return which states each unknown depends on, as the FMU's ModelStructure says; on all where it is silent."""
+        """Return the states on which each unknown depends by the FMU's ModelStructure.
+
+        All states if that is not declared.
+        """
         known = self._description.dependencies
         return tuple(
             tuple(i for i, state in enumerate(self.states) if name not in known or state in known[name])
@@ -197,13 +198,13 @@ class FmuPrediction:
         )
 
     def _prepare(self, instance: Instance) -> None:
-        """Make the buffers and addresses of an evaluation."""
+        """Allocate the buffers and collect the addresses of an evaluation."""
         n = len(self.states)
         self._keep: list[Any] = [instance]
         _, inputs, outputs = self._references
         theirs = {name: place for place, name in enumerate(self._description.states)}
         places = np.array([theirs[name] for name in self.states], dtype=np.longlong)
-        # Without states OpenModelica's FMUs write into the first element all the same.
+        # Without states OpenModelica's FMUs still write to the first element.
         nominal = self._read(instance, "fmi2GetNominalsOfContinuousStates") if n else np.zeros(0)
         nominal = np.where(np.isfinite(nominal) & (nominal > 0), nominal, 1.0)
         unknowns = _references(self._description.variables[name] for name in self._derivatives)
@@ -226,7 +227,7 @@ class FmuPrediction:
         self.parameters[:] = np.array([*addresses, self._address], dtype=np.uint64).view(np.float64)
 
     def _jacobian(self, pattern: Pattern, unknowns: NDArray[np.uint32]) -> Struct:
-        """Return a Jacobian's groups."""
+        """Return a Jacobian's column groups as a struct."""
         n, groups = len(self.states), column_groups(pattern, len(self.states))
         starts = np.cumsum([0, *map(len, pattern)])
         entries = [
@@ -250,17 +251,17 @@ class FmuPrediction:
         )  # fmt: skip
 
     def _read(self, instance: Instance, call: str) -> Vector:
-        """Return a value of each state, shape (n,)."""
+        """Call an FMI function that returns a value of each state, and return them, shape (n,)."""
         values = np.zeros(len(self.states))
         instance.call(call, values.ctypes.data_as(ctypes.POINTER(ctypes.c_double)), values.size, time=0.0)
         return values[[self._description.states.index(name) for name in self.states]]
 
     @property
     def start(self) -> Vector:
-        """The FMU's own initial state, shape (n,).
+        """Initial state of the FMU, shape (n,).
 
         Raises:
-            PlantFailed: A value is not a finite number.
+            PlantFailed: A value is not finite.
         """
         instance = self._open()
         states = self._read(instance, "fmi2GetContinuousStates")
@@ -270,7 +271,7 @@ class FmuPrediction:
         return states
 
     def in_c(self) -> ModelInC:
-        """Return the C by which a filter evaluates this FMU, valid inside `with`."""
+        """Return the C code by which a filter evaluates this FMU, valid inside `with`."""
         return ModelInC(
             derivative_pattern=self._derivative_pattern,
             output_pattern=self._output_pattern,
@@ -281,7 +282,7 @@ class FmuPrediction:
         )
 
     def failure(self) -> str:
-        """Return why the last evaluation did not succeed."""
+        """Return the reason why the last evaluation failed; '' if it did not."""
         try:
             self._require_fine(self._plan.call)
         except PlantFailed as error:
@@ -297,15 +298,15 @@ class FmuPrediction:
         return self._evaluated("derivative", x, u, None)
 
     def output(self, x: Vector, u: Vector) -> Vector:
-        """Return y at (x, u), shape (m,); `PlantFailed` where there is none."""
+        """Return y at (x, u), shape (m,); raise `PlantFailed` if it cannot be evaluated."""
         return self._evaluated("output", x, u, None)
 
     def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
-        """Return d(dx/dt)/dx at (x, u), shape (n, n); `PlantFailed` where there is none."""
+        """Return d(dx/dt)/dx at (x, u), shape (n, n); raise `PlantFailed` if it cannot be evaluated."""
         return self._differentiated("derivative", x, u, self._derivative_pattern)
 
     def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
-        """Return dy/dx at (x, u), shape (m, n); `PlantFailed` where there is none."""
+        """Return dy/dx at (x, u), shape (m, n); raise `PlantFailed` if it cannot be evaluated."""
         return self._differentiated("output", x, u, self._output_pattern)
 
     def _differentiated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, pattern: Pattern) -> Matrix:
@@ -334,7 +335,7 @@ class FmuPrediction:
         return value
 
     def _require_fine(self, code: int) -> None:
-        """Raise the failure that ended an evaluation, if one did."""
+        """Raise the failure that ended an evaluation, if there was one."""
         if not code:
             return
         instance = self._open()

@@ -1,7 +1,7 @@
-"""One instance of an FMU: unpacked, loaded, instantiated, and put away again whatever happened.
+"""One instance of an FMU: loaded, instantiated, and freed in any case.
 
-FMPy unpacks, loads and declares the functions of the shared library; from there on they are called directly,
-because FMPy's wrapper around each call costs more than the physics behind it.
+FMPy unpacks, loads and declares the functions of the shared library; after that they are called directly, because
+FMPy's wrapper around each call costs more than the physics behind it.
 """
 
 import ctypes
@@ -41,10 +41,10 @@ _CLASSES: Final = {
     (2, "co-simulation"): FMU2Slave, (2, "model exchange"): FMU2Model,
     (3, "co-simulation"): FMU3Slave, (3, "model exchange"): FMU3Model,
 }  # fmt: skip
-"""FMPy's interface by version of FMI and way to run it."""
+"""Class of FMPy by FMI version and interface."""
 
 OK_OR_WARNING: Final = (0, 1)
-"""The status after which results are valid; a number that is none of FMI's is an error."""
+"""Status after which results are valid; a number that FMI does not define is an error."""
 _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "pending"}
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
@@ -62,13 +62,13 @@ _LONGEST_MESSAGE: Final = 2000  # characters that are kept
 
 
 def limit_messages(most: int, end: Callable[[], object]) -> None:
-    """Call `end` when the FMUs of this process have logged more messages than allowed."""
+    """Call `end` when the FMUs of this process have logged more than `most` messages."""
     global _quota
     _quota = most, end
 
 
 def _hear(environment: int | None, name: bytes, status: int, category: bytes, message: bytes) -> None:
-    """Keep what an FMU says under the environment it was given at instantiation."""
+    """Store a message of an FMU in the log of the environment from its instantiation."""
     global _heard
     _heard += 1
     if _quota is not None and _heard > _quota[0]:
@@ -80,8 +80,8 @@ def _hear(environment: int | None, name: bytes, status: int, category: bytes, me
         )
 
 
-# FMPy's proxy expands the printf arguments in C and then calls the logger it was last given, process-wide: so
-# there is one logger for all instances, and the environment tells them apart.
+# FMPy's proxy expands the printf arguments in C and then calls the logger that was set last, process-wide. So all
+# instances share one logger, and the environment identifies the instance.
 _LOGGER = fmi2CallbackLoggerTYPE(_hear)
 
 
@@ -105,7 +105,7 @@ def unpack(description: Description) -> Generator[Path]:
     """Yield a temporary folder with the FMU's files, removed at the end.
 
     Raises:
-        FmuError: The file changed since it was described, or cannot be unpacked.
+        FmuError: The file has changed since it was described, or cannot be unpacked.
     """
     here = f"binaries/{PLATFORMS[description.fmi]}/"
     with scratch("fmu") as folder:
@@ -129,10 +129,10 @@ _SOLVER_LINES: Final = re.compile(rb"^LOG_SOLVER .*\n(?:\|.*\n)*", re.MULTILINE)
 
 @contextmanager
 def _without_solver_lines(description: Description) -> Generator[None]:
-    """Keep out of the standard output what an FMU of OpenModelica says of its solver while that is set up.
+    """Remove the solver messages of OpenModelica FMUs from standard output during initialisation.
 
-    It prints a dozen lines with printf, whatever logging it was asked for (fmu_read_flags.c of its FMI export), some
-    versions in fmi2Instantiate, some at initialisation. All else that it prints comes through.
+    Such an FMU prints a dozen lines with printf, whatever logging is set (fmu_read_flags.c of its FMI export), some
+    versions in fmi2Instantiate, some at initialisation. All other output is passed on.
     """
     if "OpenModelica" not in description.generator:
         yield
@@ -154,26 +154,26 @@ def _without_solver_lines(description: Description) -> Generator[None]:
 
 
 class Instance:
-    """A live FMU. The one object here whose state changes under our hands.
+    """A running FMU, the only object of this package with hidden state.
 
-    After fmi2Error only freeing is legal, after fmi2Fatal nothing is (FMI 2.0.4, §2.1.3); `close` obeys.
+    After fmi2Error only freeing is legal, after fmi2Fatal no call at all (FMI 2.0.4, §2.1.3); `close` complies.
     """
 
     def __init__(self, description: Description, way: Way, folder: Path, *, name: str) -> None:
-        """Load and instantiate.
+        """Load and instantiate the FMU.
 
         Args:
-            folder: Where it is unpacked.
-            name: Of the instance, shown in its messages.
+            folder: Folder of the unpacked FMU.
+            name: Name of the instance, used in its messages.
 
         Raises:
             FmuError: The FMU does not offer this interface, or its library does not load here.
-            PlantFailed: It refused to be instantiated.
+            PlantFailed: The FMU could not be instantiated.
         """
         self.description = description
         interface = _interface(description, way)
         try:
-            # FMPy loads from the folder of the library, and stays there when loading fails.
+            # FMPy changes to the folder of the library, and does not return when loading fails.
             with chdir(Path.cwd()):
                 instance: Any = _CLASSES[description.fmi, way](
                     guid=description.guid,
@@ -199,7 +199,7 @@ class Instance:
                     instance.instantiate(callbacks=_callbacks(self._environment), loggingOn=True)
                 else:
                     instance.instantiate(logMessage=self._hear, loggingOn=True)
-            except Exception:  # FMPy raises bare Exception when there is no component
+            except Exception:  # FMPy raises bare Exception if instantiation fails
                 self.component = 0
             else:
                 self.component = cast(int, instance.component)
@@ -215,26 +215,26 @@ class Instance:
             instance.setDebugLogging(bool(categories), categories)
 
     def _hear(self, _: object, status: int, category: bytes, message: bytes) -> None:
-        """Keep what an FMU of FMI 3.0 says."""
+        """Store a message of an FMI 3.0 FMU."""
         _hear(self._environment, b"", status, category, message)
 
     def address(self, name: str) -> int:
-        """Return where an FMI function is, for a caller in C."""
+        """Return the address of an FMI function, for a caller in C."""
         return _address(getattr(self._library, name))
 
     def call(self, name: str, *arguments: Any, time: float, doing: str = "") -> None:
-        """Call an FMI function of this instance off the hot path.
+        """Call an FMI function of this instance, outside the stepping loop.
 
         Raises:
-            PlantFailed: It returned anything but OK or a warning.
+            PlantFailed: The status is neither OK nor a warning.
         """
         self.check(getattr(self._library, name)(self.component, *arguments), name, time, doing)
 
     def check(self, status: int, name: str, time: float, doing: str = "") -> None:
-        """Accept OK and warnings.
+        """Check a status: OK and warnings pass.
 
         Raises:
-            PlantFailed: Any other status.
+            PlantFailed: The status is another one.
         """
         if status in OK_OR_WARNING:
             return
@@ -252,7 +252,7 @@ class Instance:
         """Yield FMPy's interface of this instance, for calls of FMI functions.
 
         Raises:
-            PlantFailed: One of them returned anything but OK or a warning.
+            PlantFailed: The status of a call is neither OK nor a warning.
         """
         try:
             yield self.fmpy
@@ -260,7 +260,7 @@ class Instance:
             self.check(error.status, error.function, time, doing)
 
     def failure(self, reason: Reason, call: str, time: float, *, variable: str = "", doing: str = "") -> Failure:
-        """Return a failure of this FMU with what it said about it."""
+        """Return a failure of this FMU with the messages that it logged."""
         worst = [f"{_STATUS_NAMES[min(max(s, 0), 5)]}: {m}" for s, m in self._log if s != 0]
         return Failure(
             file=self.description.file.name,
@@ -273,7 +273,7 @@ class Instance:
         )
 
     def _discard(self, failure: Failure) -> Failure:
-        """Ask a slave that discarded a step how far it came and whether it wanted to end."""
+        """Complete the failure of a discarded step: the last successful time, and whether the FMU requested the end."""
         termination, last_time = ctypes.c_int(0), ctypes.c_double(0.0)
         knows_end = self._library.fmi2GetBooleanStatus(self.component, _TERMINATED, ctypes.byref(termination))
         knows_time = self._library.fmi2GetRealStatus(self.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_time))
@@ -290,7 +290,7 @@ class Instance:
                 getattr(fmu, f"set{a.carrier}")(a.references, a.values)
 
     def enter_initialization(self, begin: float = 0.0) -> None:
-        """Set the experiment up and enter initialisation mode; it begins at a time [s]."""
+        """Set up the experiment and enter initialisation mode at time `begin` [s]."""
         with _without_solver_lines(self.description), self.calling(begin) as fmu:
             if self.description.fmi == 2:
                 fmu.setupExperiment(startTime=begin)
@@ -299,16 +299,17 @@ class Instance:
                 fmu.enterInitializationMode(startTime=begin)
 
     def exit_initialization(self) -> None:
-        """Leave initialisation mode; the simulation runs."""
+        """Leave initialisation mode."""
         with self.calling(0.0) as fmu:
             fmu.exitInitializationMode()
         self._running = True
 
     def settle(self, time: float) -> float | None:
-        """Iterate an event of Model Exchange, enter continuous time and return when the next time event is, if ever.
+        """Iterate an event of Model Exchange, enter continuous time and return the time of the next time event, or
+        None.
 
         Raises:
-            PlantFailed: The FMU requests the end, never settles, or sets its next event in the past or at NaN.
+            PlantFailed: The FMU requests the end, does not converge, or sets its next event in the past or at NaN.
         """
         with self.calling(time, "at an event") as fmu:
             update = fmu.newDiscreteStates if self.description.fmi == 2 else fmu.updateDiscreteStates
@@ -325,10 +326,10 @@ class Instance:
         raise PlantFailed(self.failure("not_integrated", "", time, doing="its events never settle"))
 
     def close(self) -> None:
-        """Terminate, free and unload, as far as the last status allows; safe to call twice."""
+        """Terminate, free and unload, as far as the last status allows; may be called twice."""
         _logs.pop(self._environment, None)
         if self._defect == "fatal":
-            # Nothing of this FMU may be called any more; its library stays loaded until the process ends.
+            # No function of this FMU may be called any more; its library stays loaded until the process ends.
             self.component = 0
             return
         if self.component:
@@ -345,7 +346,7 @@ class Instance:
 _PROBLEMS: Final = frozenset(
     {"logStatusWarning", "logStatusDiscard", "logStatusError", "logStatusFatal", "logStatusPending"}
 )
-"""Standard log categories (FMI 2.0.4, §2.2.4) that are worth the cost of listening."""
+"""Standard log categories (FMI 2.0.4, §2.2.4) that are worth the cost of logging."""
 
 
 def _interface(description: Description, way: Way) -> Interface:

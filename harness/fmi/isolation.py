@@ -1,8 +1,7 @@
-"""A plant or controller in a process of its own, so that a crash or an endless loop in it ends in a sentence.
+"""Run a plant or controller in a separate process, so that a crash or an endless loop in it ends in an error message.
 
-An FMU is native code by whoever made it. One that this project built from its own sources is loaded into this
-process; one that a user brings is not, unless the scenario says that it may be. The price is two hand-overs
-between processes for each step.
+An FMU is native code by an unknown author. One that was built here from Modelica sources is loaded into this process; a
+user's FMU is not, unless the scenario declares trust. Isolation costs two context switches for each step.
 """
 
 import json
@@ -42,19 +41,19 @@ Vector = NDArray[np.float64]
 
 KEEPER: Final = Path(__file__).with_name("keeper.py")
 _FAILURE: Final = TypeAdapter(Failure)
-_READY: Final = 120.0  # s; a new interpreter on a busy machine, with its imports: nothing of the FMU runs yet
+_READY: Final = 120.0  # s; start of an interpreter with its imports on a busy machine, before any code of the FMU runs
 _SHORTEST: Final = 1e-3  # s; a timeout of 0 would not wait at all
-_GOODBYE: Final = 2.0  # s for processes to go once they are killed
+_GOODBYE: Final = 2.0  # s for processes to end once they are killed
 _TOKEN: Final = "RAILGRIP_ISOLATED"
-"""Environment variable by which a process is known as started by an FMU, whatever it did to be nobody's child."""
+"""Environment variable that identifies processes started by an FMU, even after they have detached from their parent."""
 
 
 @dataclass(slots=True)
 class _Account:
-    """Use of the budget by the FMUs of one run.
+    """Share of the budget that the FMUs of one run have used.
 
     Attributes:
-        seconds: Real time of their calls [s].
+        seconds: Wall-clock time of their calls [s].
         printed: Their output [bytes].
     """
 
@@ -67,7 +66,7 @@ _SHARED: Final = ContextVar[_Account | None]("account of the run", default=None)
 
 @contextmanager
 def shared_budget() -> Generator[None]:
-    """Let the FMUs that are opened within share one budget of time and output, as a stop and its trial runs do."""
+    """Let the FMUs opened in the block share one budget of time and output, as a stop and its trial runs do."""
     token = _SHARED.set(_SHARED.get() or _Account())
     try:
         yield
@@ -90,15 +89,15 @@ class IsolatedCoSimulation(SteppedPlant):
         table: str = "[vehicle]",
         notify: Callable[[str], None] = lambda sentence: None,
     ) -> None:
-        """Check the question; no process is started before `with`.
+        """Check the arguments; no process is started before `with`.
 
         Args:
             begin: Time of the FMU at the start [s].
-            notify: Gets a sentence for the user when the FMU crashes as it is terminated or freed.
-            table: Of the scenario, where it can be trusted; for sentences.
+            notify: Called with a sentence for the user if the FMU crashes while it is terminated or freed.
+            table: Table of the scenario with the key `trust`; for messages.
 
         Raises:
-            FmuError: A parameter is wrong, or a time is not positive, or this system has no such processes.
+            FmuError: A parameter is wrong, a time is not positive, or the system does not support isolation.
         """
         if os.name != "posix":
             raise FmuError(
@@ -117,7 +116,7 @@ class IsolatedCoSimulation(SteppedPlant):
         self._hurry = False
 
     def __enter__(self) -> Self:
-        """Unpack the FMU here, so that its files go even if the child does not survive; start the child."""
+        """Unpack the FMU in this process, so that its files are removed even if the child crashes; start the child."""
         with ExitStack() as stack:
             folder = stack.enter_context(unpack(self._description))
             ours, theirs = socket.socketpair()
@@ -125,12 +124,12 @@ class IsolatedCoSimulation(SteppedPlant):
             life, its_life = socket.socketpair()
             stack.callback(life.close)
             with theirs, its_life, ignore_sigint():
-                # Isolated, -I: neither the current folder nor PYTHONPATH decides what is imported.
+                # Isolated, -I: neither the current folder nor PYTHONPATH affects imports.
                 self._process = subprocess.Popen(
                     [sys.executable, "-I", str(KEEPER), str(theirs.fileno()), str(its_life.fileno()), self._how()],
                     pass_fds=[theirs.fileno(), its_life.fileno()],
                     stdin=subprocess.DEVNULL,
-                    stdout=2,  # what the FMU prints is no result
+                    stdout=2,  # output of the FMU must not mix with results
                     start_new_session=True,
                     env={**os.environ, "OPENBLAS_NUM_THREADS": "1", _TOKEN: self._token},
                 )
@@ -143,7 +142,10 @@ class IsolatedCoSimulation(SteppedPlant):
         return self
 
     def _how(self) -> str:
-        """Return limits, and where to import from: after Python's own folders this program's, never the current one."""
+        """Return limits and import path of the child as JSON.
+
+        This program after Python's folders, never the current folder.
+        """
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         output = max(self._limits.output_mib * MIB - self._account.printed, 0)
         how = {"path": [*path, str(Path(__file__).parents[2])], "limits": self._limits.model_dump(), "output": output}
@@ -152,8 +154,8 @@ class IsolatedCoSimulation(SteppedPlant):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Let the child free the FMU, end it if it does not, and remove the files."""
-        self._hurry = self._hurry or kind is not None  # whoever breaks off does not wait for a step to end
+        """Let the child free the FMU, kill it if it does not, and remove the files."""
+        self._hurry = self._hurry or kind is not None  # on an error, do not wait for a step to end
         self._stack.close()
 
     def _end(self) -> None:
@@ -161,22 +163,22 @@ class IsolatedCoSimulation(SteppedPlant):
         self._process = self._line = self._life = None
         if process is None or line is None or life is None:
             return
-        line.close()  # the child takes the end of the line for goodbye
+        line.close()  # the child frees the FMU and exits when the line closes
         if not self._hurry and self._failure is None:
             with suppress(subprocess.TimeoutExpired):
                 process.wait(timeout=self._patience)
             self._report_bad_end(process, life)
-        life.close()  # and its keeper the end of this one for the order to end everything
+        life.close()  # the keeper kills the remaining processes when this line closes
         try:
             process.wait(timeout=_GOODBYE)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        if process.returncode:  # whoever killed the keeper may have left something behind
+        if process.returncode:  # a keeper that was killed may have left processes behind
             _sweep(self._token)
 
     def _report_bad_end(self, process: subprocess.Popen[bytes], life: socket.socket) -> None:
-        """Tell the user when the FMU could not be terminated and freed; results are not touched by that."""
+        """Notify the user if the FMU could not be terminated and freed, which does not affect results."""
         words = f"it did not return within {self._patience:g} s"
         if process.poll() is not None:
             report = self._report_on(life)
@@ -216,14 +218,14 @@ class IsolatedCoSimulation(SteppedPlant):
 
         Raises:
             PlantFailed: The FMU failed, the child died, or it did not answer in time.
-            FmuError: The child found the question wrong.
+            FmuError: The child found an error in the request.
         """
         if self._failure is not None:
             raise self._failure
         line = self._line
         if line is None:
             raise RuntimeError("an IsolatedCoSimulation is used inside 'with'")
-        with suppress(OSError):  # nobody is there any more: what was last said may still be read
+        with suppress(OSError):  # if the child has exited, its last message may still be read
             send(line, request, payload)
         return self._receive(self._patience)
 
@@ -232,7 +234,7 @@ class IsolatedCoSimulation(SteppedPlant):
         assert line is not None
         left = self._limits.budget - self._account.seconds
         timeout, since = min(timeout, max(left, _SHORTEST)), perf_counter()
-        if line.gettimeout() != timeout:  # changing it is a call to the system, twice for each step
+        if line.gettimeout() != timeout:  # setting it is a system call, twice per step
             line.settimeout(timeout)
         try:
             kind, answer = receive(line)
@@ -266,13 +268,12 @@ class IsolatedCoSimulation(SteppedPlant):
         return self._failure
 
     def _last_words(self) -> tuple[Reason, str]:
-        """Return how the FMU's process ended."""
         assert self._life is not None
         report = self._report_on(self._life)
         return self._how_it_ended(*report) if report else ("crash", "its process is gone, and the one that watched it")
 
     def _report_on(self, life: socket.socket) -> tuple[int, int] | None:
-        """Return wait status and maximum memory [KiB] of the ended process of the FMU; None without a report."""
+        """Return wait status and maximum memory [KiB] of the FMU's process after its end; None without a report."""
         report = _report_on(life)
         if report is None:
             return None
@@ -281,7 +282,6 @@ class IsolatedCoSimulation(SteppedPlant):
         return status, most
 
     def _how_it_ended(self, status: int, most: int) -> tuple[Reason, str]:
-        """Return the reason and the sentence for the end of the FMU's process."""
         limits, code = self._limits, os.waitstatus_to_exitcode(status)
         if self._account.printed > limits.output_mib * MIB:
             return "excess", f"it printed more than {_limit('output_mib', limits.output_mib)}"
@@ -300,7 +300,7 @@ class IsolatedCoSimulation(SteppedPlant):
 
 
 def _report_on(life: socket.socket) -> tuple[int, int, int] | None:
-    """Return what the keeper reports, once the FMU's process has ended; None when it does not."""
+    """Return the keeper's report after the end of the FMU's process, or None."""
     life.settimeout(_GOODBYE)
     report = b""
     with suppress(OSError):
@@ -313,7 +313,7 @@ def _limit(key: str, value: float, unit: str = "") -> str:
 
 
 def _sweep(token: str) -> None:
-    """End every process that an FMU left behind, known by its environment; on Linux only."""
+    """Kill every process that an FMU left behind, identified by its environment; on Linux only."""
     mark = f"{_TOKEN}={token}".encode()
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
@@ -333,13 +333,13 @@ def open_plant(
     limits: FmuLimits = FMU_LIMITS,
     table: str = "[vehicle]",
 ) -> LoadedPlant | IsolatedCoSimulation:
-    """Return a plant to use in `with`: in this process when it is trusted, else in one of its own.
+    """Return a plant to use in `with`: in this process if it is trusted, else in a separate one.
 
     Args:
         begin: Time of the FMU at the start [s].
-        trusted: This project built it, or the scenario vouches for it.
-        notify: Gets a sentence for the user when the FMU is isolated; the caller shows it once.
-        table: Of the scenario, where it can be trusted; for sentences.
+        trusted: Whether it was built here, or the scenario declares trust.
+        notify: Called with a sentence for the user if the FMU is isolated; the caller displays it once.
+        table: Table of the scenario with the key `trust`; for messages.
 
     Raises:
         FmuError: A parameter is wrong, or a time is not positive.
@@ -362,7 +362,7 @@ def open_plant(
 
 
 def notice(description: Description, table: str) -> str:
-    """Return the sentence that tells a user why their FMU runs slower than it could, and the table to change that."""
+    """Return the notice that an FMU is isolated and therefore slower, with the table in which to declare trust."""
     return (
         f"{description.file.name} comes from outside and runs in a process of its own, so that a "
         f"crash in it cannot take the stop along; set trust = true under {table} to load it into this one, "

@@ -1,8 +1,8 @@
-"""The process between this program and a foreign FMU: starts the FMU's, and ends whatever comes of it.
+"""The process between this program and a foreign FMU: it starts the FMU's process, and kills all of its descendants.
 
-It is started as a file in an isolated interpreter: nothing is imported from the current folder. It needs the
-standard library only. The FMU's process is forked from it and has a session of its own. On Linux processes that
-lose their parent come back to this one: an FMU that forks, or leaves its session, leaves nobody behind.
+It is started as a file in an isolated interpreter: nothing is imported from the current folder. It needs the standard
+library only. The FMU's process is forked from it and has a separate session. On Linux orphaned processes are reparented
+to this one, so an FMU that forks, or leaves its session, leaves no process behind.
 """
 
 import ctypes
@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, Final
 
 REPORT: Final = struct.Struct("<iqq")
-"""Wait status of the FMU's process, the most memory it had [KiB], the bytes that it printed; sent on the life line."""
+"""Wait status of the FMU's process, its maximum memory [KiB], the bytes that it printed; sent on the life line."""
 
 _LINUX: Final = sys.platform == "linux"
 _PARENT_DEATH_SIGNAL: Final = 1  # prctl(2)
@@ -25,7 +25,10 @@ _CHILD_SUBREAPER: Final = 36
 
 
 def main() -> None:
-    """Serve on two sockets, the line and the life line; the third argument says how, as JSON."""
+    """Serve on two sockets, the line and the life line.
+
+    The third argument has the limits and the import path as JSON.
+    """
     line, life, how = int(sys.argv[1]), int(sys.argv[2]), json.loads(sys.argv[3])
     if _LINUX:
         ctypes.CDLL(None).prctl(_CHILD_SUBREAPER, 1)
@@ -48,7 +51,7 @@ def main() -> None:
     output = _Output(printed, how["output"])
     ended = _supervise(server, life, wakeup, output)
     with suppress(ProcessLookupError, PermissionError):
-        os.killpg(server, signal.SIGKILL)  # its session, at one stroke
+        os.killpg(server, signal.SIGKILL)  # kills the whole session at once
     _, status, usage = os.wait4(server, 0)
     _end_the_rest()
     output.forward()
@@ -58,17 +61,17 @@ def main() -> None:
 
 
 class _Output:
-    """What the FMU's process prints: forwarded to standard error, and counted.
+    """Output of the FMU's process: forwarded to standard error, and counted.
 
     Attributes:
-        size: Bytes so far; more than allowed are not forwarded.
+        size: Bytes so far; those beyond the limit are not forwarded.
     """
 
     def __init__(self, source: int, most: int) -> None:
         self.source, self.most, self.size = source, most, 0
 
     def forward(self) -> bool:
-        """Forward what is there; return whether more may come."""
+        """Forward the available output; return whether more may come."""
         while self.size <= self.most:
             try:
                 piece = os.read(self.source, 1 << 16)
@@ -83,10 +86,9 @@ class _Output:
 
 
 def _serve(line: int, how: dict[str, Any]) -> None:
-    """Become the FMU's process."""
     signal.set_wakeup_fd(-1)
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
-    os.setsid()  # Ctrl-C goes to others; the program decides what becomes of the plant
+    os.setsid()  # Ctrl-C does not reach the FMU; the program decides when the plant ends
     if _LINUX:
         ctypes.CDLL(None).prctl(_PARENT_DEATH_SIGNAL, int(signal.SIGKILL))
     _limit(how["limits"])
@@ -104,18 +106,18 @@ def _limit(limits: dict[str, int]) -> None:
         (resource.RLIMIT_AS, limits["memory_mib"] << 20),
         (resource.RLIMIT_NOFILE, limits["open_files"]),
         (resource.RLIMIT_FSIZE, limits["output_mib"] << 20),
-        # Of all the user's processes and threads, so that those there are already are added.
+        # The limit counts all processes and threads of the user, so existing ones are added.
         *(((resource.RLIMIT_NPROC, limits["processes"] + _tasks()),) if _LINUX else ()),
         (resource.RLIMIT_CORE, 0),
     ):
         _, most = resource.getrlimit(what)
         value = limit if most == resource.RLIM_INFINITY else min(limit, most)
-        with suppress(OSError, ValueError):  # a system that does not know this limit
+        with suppress(OSError, ValueError):  # not every system has this limit
             resource.setrlimit(what, (value, value))
 
 
 def _tasks() -> int:
-    """Return how many processes and threads this user has."""
+    """Return the number of processes and threads of this user."""
     count = 0
     for process in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
@@ -125,10 +127,10 @@ def _tasks() -> int:
 
 
 def _supervise(server: int, life: int, wakeup: int, output: _Output) -> bool:
-    """Wait until the FMU's process has ended or printed too much, or the program wants an end.
+    """Wait until the FMU's process has ended or printed too much, or the program requests the end.
 
     Returns:
-        Whether the program is still there and gets a report.
+        Whether the program is still running and gets a report.
     """
     sources = [life, wakeup, output.source]
     while True:
@@ -139,7 +141,7 @@ def _supervise(server: int, life: int, wakeup: int, output: _Output) -> bool:
                 return True
         with suppress(BlockingIOError):
             os.read(wakeup, 512)
-        # Looked at before it is reaped: until then nobody else can be given its number.
+        # Checked before the process is reaped: until then its number cannot be reused.
         while status := os.waitid(os.P_ALL, 0, os.WEXITED | os.WNOHANG | os.WNOWAIT):
             if status.si_pid == server:
                 return True
@@ -149,7 +151,7 @@ def _supervise(server: int, life: int, wakeup: int, output: _Output) -> bool:
 
 
 def _end_the_rest() -> None:
-    """End what left the session; on Linux it has come back to this process."""
+    """Kill the processes that left the session; on Linux they have been reparented to this one."""
     with suppress(ChildProcessError):
         while True:
             for child in _children():
@@ -162,7 +164,7 @@ def _children() -> list[int]:
     children: list[int] = []
     for process in Path("/proc").glob("[0-9]*") if _LINUX else ():
         with suppress(OSError):
-            # pid (name) state parent …; a name may hold blanks and brackets.
+            # pid (name) state parent …; a name may contain blanks and brackets.
             if int((process / "stat").read_bytes().rpartition(b")")[2].split()[1]) == os.getpid():
                 children.append(int(process.name))
     return children

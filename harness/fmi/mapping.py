@@ -1,4 +1,4 @@
-"""Ties our signals to an FMU's variables: other names, other units, other signs, checked once.
+"""Tie signals of the harness to an FMU's variables: other names, units and signs, checked once.
 
 The table of a scenario reads
 
@@ -9,10 +9,10 @@ The table of a scenario reads
     mu0 = { variable = "rail[{i}].grip", scale = 0.01 }
     cylinder_pressure = { variable = "p[{i}]", unit = "bar" }   # the FMU does not say its unit
 
-and a signal that the table leaves out has the same name in the FMU. Elements of an array may be called `n[1]`, `n_1`
-or `n1` there, and a single one `n`. Units are converted from what the FMU declares; `scale` multiplies the rest
-(ours = scale · theirs, both in SI). A `unit` is given only where the FMU has none, or where it leaves out what turns:
-`1/min` of a speed may be `rev/min` or `rad/min`.
+A signal that the table omits has the same name in the FMU. Elements of an array may be named `n[1]`, `n_1` or `n1`
+there, and a single one `n`. Units are converted from those that the FMU declares; `scale` multiplies the rest (value =
+scale · FMU value, both in SI). A `unit` is given only if the FMU declares none, or omits the unit of rotation: `1/min`
+of a speed may be `rev/min` or `rad/min`.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -30,13 +30,13 @@ from railgrip.fmi.description import Causality, Description, Variable
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signal:
-    """A quantity at the interface between the harness and a plant, as the harness sees it.
+    """A quantity at the interface between the harness and a plant, as the harness defines it.
 
     Attributes:
-        name: Ours.
-        unit: In Modelica's syntax; SI.
+        name: Name in the harness.
+        unit: SI unit in Modelica's syntax.
         size: Number of elements, 0 for a scalar.
-        needed: Whoever lacks it cannot take part; otherwise it may be absent.
+        needed: Whether the FMU must have it.
     """
 
     name: str
@@ -57,13 +57,13 @@ class Channel:
     """The variables of one FMI type on one side, ready for a single call.
 
     Attributes:
-        carrier: Which pair of fmi2Get…/fmi2Set… functions, or of those of FMI 3.0; enumerations travel as integers.
+        carrier: FMI type in the names of fmi2Get…/fmi2Set…, or of FMI 3.0's; enumerations travel as integers.
         references: Value references, shape (n,), uint32.
-        elements: Place of each in its array of FMI 3.0, shape (n,); 0 for scalars.
-        positions: Where each belongs in our vector, shape (n,).
-        gain: Of the conversion in the direction of travel, shape (n,).
-        shift: Added after the gain, shape (n,).
-        variables: Names in the FMU, for sentences.
+        elements: Position of each in its array of FMI 3.0, shape (n,); 0 for scalars.
+        positions: Position of each in the harness's vector, shape (n,).
+        gain: Factor of the conversion in the direction of travel, shape (n,).
+        shift: Offset, added after the gain, shape (n,).
+        variables: Names in the FMU, for messages.
     """
 
     carrier: str
@@ -77,14 +77,14 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Side:
-    """All signals that travel one way, laid out in one vector.
+    """All signals of one direction, laid out in one vector.
 
-    The layout does not depend on the FMU: what an FMU lacks is NaN among outputs and is ignored among inputs.
+    The layout does not depend on the FMU: outputs that an FMU lacks are NaN, and inputs that it lacks are ignored.
 
     Attributes:
-        layout: Where each signal is in the vector.
-        elements: Scalar names of ours, in the order of the vector.
-        absent: Signals that are not needed and that the FMU does not have.
+        layout: Position of each signal in the vector.
+        elements: Scalar names in the harness, in the order of the vector.
+        absent: Optional signals that the FMU lacks.
         channels: One per FMI type in use.
     """
 
@@ -99,7 +99,7 @@ class Side:
         return len(self.elements)
 
     def ties(self) -> dict[str, tuple[str, float, float]]:
-        """Return by our name of an element the FMU's variable, and gain and shift on the way."""
+        """Return, by element name in the harness, the FMU's variable with gain and shift."""
         return {
             self.elements[position]: (variable, float(gain), float(shift))
             for channel in self.channels
@@ -111,13 +111,13 @@ class Side:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Binding:
-    """An FMU as the harness sees it.
+    """An FMU tied to the signals of the harness.
 
     Attributes:
-        inputs: What we send, converted to what the FMU wants.
-        outputs: What the FMU shows, converted to ours.
-        unused: Inputs of the FMU that nothing drives; they keep their start values.
-        parameters: Our scalar parameter name → FMU variable, gain and shift towards it.
+        inputs: Signals that the harness sends, converted to the FMU's units.
+        outputs: Signals that the harness reads, converted from the FMU's units.
+        unused: Inputs of the FMU without a source; they keep their start values.
+        parameters: Parameter name in the harness → FMU variable, gain and shift towards it.
     """
 
     inputs: Side
@@ -129,7 +129,7 @@ class Binding:
         """Return parameter values under the FMU's names and in its units.
 
         Args:
-            values: By our scalar names, SI; all of them among `parameters`.
+            values: Values by scalar name in the harness, SI; all names are in `parameters`.
         """
         result: dict[str, float] = {}
         for name, value in values.items():
@@ -140,7 +140,7 @@ class Binding:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Target:
-    """One element of a mapping entry: which variable, and how it differs."""
+    """One element of a mapping entry: the variable, and how it differs."""
 
     variable: str
     scale: float
@@ -156,18 +156,18 @@ def bind(
     table: Mapping[str, object] | None = None,
     where: str = "mapping",
 ) -> Binding:
-    """Tie our signals to the variables of an FMU.
+    """Tie signals of the harness to the variables of an FMU.
 
     Args:
-        inputs: What we can send, in the order of the input vector.
-        outputs: What we can read, in the order of the output vector.
-        parameters: What we set before initialisation under our own names.
-        table: Our name → FMU variable, as above.
-        where: File and table, to open sentences with: 'city.toml: [vehicle.map]'.
+        inputs: Signals that can be sent, in the order of the input vector.
+        outputs: Signals that can be read, in the order of the output vector.
+        parameters: Parameters set before initialisation under their names in the harness.
+        table: Name in the harness → FMU variable, as above.
+        where: File and table, the opening words of messages: 'city.toml: [vehicle.map]'.
 
     Raises:
-        FmuError: The table names no signal or no variable, a variable is of the wrong kind, a unit has the
-            wrong dimension, or a needed signal is missing.
+        FmuError: The table has an unknown signal or variable, a variable is of the wrong kind, a unit has the wrong
+            dimension, or a needed signal is missing.
     """
     entries = dict(table or {})
     our_names = {s.name for s in (*inputs, *outputs, *parameters)}
@@ -215,7 +215,7 @@ def _side(
             if spelled is not None:
                 targets, lack = tuple(_Target(variable=name, scale=1.0, stated_unit=None) for name in spelled), []
         if lack and signal.name not in entries:
-            # An array of which some elements exist is a mistake, not an absence.
+            # An array of which only some elements exist is a mistake, not an absence.
             if signal.needed or len(lack) < len(targets):
                 missing += lack
             else:
@@ -248,7 +248,7 @@ def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
 
 
 def side_of(variables: Sequence[Variable]) -> Side:
-    """Return variables of an FMU under their own names and in their own units."""
+    """Return variables of an FMU as a side with their names and units in the FMU."""
     rows: dict[str, list[tuple[int, Variable, float, float]]] = {}
     for position, variable in enumerate(variables):
         rows.setdefault(variable.carrier, []).append((position, variable, 1.0, 0.0))
@@ -302,7 +302,8 @@ def _tie(
     ours = unit(signal.unit)
     theirs = _unit_of(variable, target, ours, file, f"{where} {element}")
     try:
-        # ours = scale · (theirs in our unit) + shift; into the FMU the same line is solved for theirs.
+        # value = scale · (FMU value in the harness's unit) + shift; into the FMU the equation is solved for the FMU
+        # value.
         gain, shift = conversion(theirs, ours, difference=variable.relative)
     except UnitError as error:
         way = "sends" if into_fmu else "reads"
@@ -346,7 +347,7 @@ def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: st
                 f"{who}: {file} gives '{variable.name}' the unit '{variable.unit_name}' without defining it, "
                 f"and {error}"
             ) from error
-    if ours.dimension == "1":  # a number, an index or a truth value needs no unit
+    if ours.dimension == "1":  # a number, an index or a boolean needs no unit
         return unit("1")
     raise FmuError(
         f"{who}: {file} does not say the unit of '{variable.name}'; state it in the mapping, "
@@ -355,7 +356,7 @@ def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: st
 
 
 def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
-    """Return one target per element of a signal, from its entry or from its own name."""
+    """Return one target per element of a signal, from its entry or from its name."""
     who = f"{where} {signal.name}"
     entry = entries.get(signal.name)
     if entry is None:
@@ -404,7 +405,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
 
 
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
-    """Return the sentence that lists everything missing at once, so that one correction suffices."""
+    """Return a sentence that lists all missing signals at once, so that one correction suffices."""
     candidates = description.names(causality)
     lines = [f"'{name}'{_near(name, candidates, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""

@@ -1,4 +1,4 @@
-"""Parameter values of an FMU, checked against what it declares before any of them is set.
+"""Check parameter values of an FMU against its declarations before any of them is set.
 
 Values are in the unit that the FMU declares for the variable, as in every FMI tool; a parameter that the
 harness itself sets in SI goes through `Binding.translate` first.
@@ -14,12 +14,12 @@ from railgrip.fmi.description import Description, Variable
 
 Scalar = float | int | bool | str
 Values = Mapping[str, object]
-"""Name → number, truth value, text, or a (nested) list of them for an array `name[i]` or `name[i,j]`."""
+"""Name → number, boolean, string, or a (nested) list of them for an array `name[i]` or `name[i,j]`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assignment:
-    """Checked values of one FMI type, for one call; arrays of FMI 3.0 are there with all their elements."""
+    """Checked values of one FMI type, for one call; arrays of FMI 3.0 are complete."""
 
     carrier: str
     references: tuple[int, ...]
@@ -30,8 +30,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
     """Check parameter values and sort them by FMI type.
 
     Raises:
-        FmuError: A name that the FMU does not have, a variable that cannot be set, a value of the wrong type
-            or outside its bounds.
+        FmuError: The FMU lacks a name, a variable cannot be set, or a value has the wrong type or is out of bounds.
     """
     by_type: dict[str, dict[int, list[Scalar]]] = {}
     for name, value in _flat(values):
@@ -56,7 +55,7 @@ def assignments(description: Description, values: Values) -> tuple[Assignment, .
 
 
 def start_values(description: Description, variable: Variable) -> list[Scalar]:
-    """Return the start values of all elements of a variable's array; zeros where it has none, one for a scalar."""
+    """Return the start values of all elements of a variable's array, zeros for missing ones; one value for a scalar."""
     plain: dict[str, Callable[[str], Scalar]] = {
         "Real": float, "Boolean": lambda text: text in ("true", "1"), "String": str, "Binary": str,
     }  # fmt: skip
@@ -87,7 +86,7 @@ def _elements(name: str, values: Sequence[object], at: tuple[int, ...]) -> Itera
 
 
 def _check(variable: Variable, value: object, file: str) -> Scalar:
-    """Return the value in the FMU's type."""
+    """Return the value converted to the FMU's type."""
     who = f"parameters: '{variable.name}' of {file}"
     if variable.kind == "String":
         if not isinstance(value, str):

@@ -1,4 +1,4 @@
-"""A plant that is an FMU: its life from `with` over start and steps to the first failure, however it is stepped."""
+"""A plant that is an FMU: its life cycle from `with` over start and steps to the first failure."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Generator
@@ -21,7 +21,7 @@ Vector = NDArray[np.float64]
 
 
 class SteppedPlant:
-    """A plant that is stepped by an FMU, wherever that FMU runs: its step count, time and first failure.
+    """Base of plants that are stepped by an FMU in any process: step count, time and first failure.
 
     Attributes:
         sample: Number of steps since the start; −1 before `start`.
@@ -66,7 +66,7 @@ class LoadedPlant(SteppedPlant, ABC):
             while moving:
                 outputs = plant.step(inputs)
 
-    Vectors are those of `binding.inputs` and `binding.outputs`. After a failed call the instance cannot be used again.
+    Vectors have the layout of `binding.inputs` and `binding.outputs`. After a failed call the instance cannot be used.
     """
 
     _way: ClassVar[Way] = "co-simulation"
@@ -96,13 +96,12 @@ class LoadedPlant(SteppedPlant, ABC):
         self._folder = folder
         self._instance: Instance | None = None
         self._ready = False  # started, not failed, not closed
-        # Outputs that the FMU has, by their places among all of the binding's.
+        # Positions of the outputs that the FMU has among all of the binding's.
         channels = binding.outputs.channels
         self._places = np.sort(np.concatenate([[], *(c.positions for c in channels)])).astype(np.intp)
         self._blank = np.full(binding.outputs.size, np.nan)
 
     def __enter__(self) -> Self:
-        """Unpack, load, instantiate and set the parameters."""
         with ExitStack() as stack:
             folder = self._folder or stack.enter_context(unpack(self._description))
             instance = Instance(self._description, self._way, folder, name="plant")
@@ -116,7 +115,6 @@ class LoadedPlant(SteppedPlant, ABC):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
-        """Free everything, whatever happened."""
         self._instance = None
         self._ready = False
         self._stack.close()
@@ -151,14 +149,13 @@ class LoadedPlant(SteppedPlant, ABC):
 
     @abstractmethod
     def _prepare(self, instance: Instance) -> None:
-        """Make what every step needs."""
+        """Prepare buffers that every step uses."""
 
     @abstractmethod
     def _send(self, inputs: Vector) -> None:
         """Set the inputs."""
 
     def _begin(self, instance: Instance) -> None:
-        """Leave initialisation mode."""
         instance.exit_initialization()
 
     @abstractmethod
@@ -176,7 +173,7 @@ class LoadedPlant(SteppedPlant, ABC):
         return self._failure or RuntimeError(f"a {type(self).__name__} is started before it is stepped, inside 'with'")
 
     def _spread(self, outputs: Vector) -> Vector:
-        """Return the vector of all signals, NaN where the FMU has none."""
+        """Return the vector of all signals, NaN for those that the FMU lacks."""
         if outputs.size == self._blank.size:
             return outputs.copy()
         everything = self._blank.copy()
@@ -184,13 +181,13 @@ class LoadedPlant(SteppedPlant, ABC):
         return everything
 
     def _not_finite(self, instance: Instance, place: int, value: float) -> PlantFailed:
-        """Return the failure of the output at a place among those that the FMU has."""
+        """Return the failure for an output that is not finite; `place` counts the outputs that the FMU has."""
         name = self._binding.outputs.elements[self._places[place]]
         return PlantFailed(instance.failure("not_finite", "", self.time, variable=name, doing=f"{value}"))
 
     @contextmanager
     def _remembering(self) -> Generator[None]:
-        """Keep a failure that passes: the plant is spent and repeats it from then on."""
+        """Store a failure raised in the block: the plant is unusable and repeats it from then on."""
         try:
             yield
         except PlantFailed as error:

@@ -1,4 +1,4 @@
-"""Which FMUs of a folder open and step here, and why the others do not: each in a process of its own."""
+"""Try to open and step each FMU of a folder, each in a separate process, and collect the reasons of failures."""
 
 import re
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ from railgrip.fmi.isolation import IsolatedCoSimulation
 from railgrip.fmi.mapping import Binding, side_of
 
 STEPS: Final = 20
-_STEP: Final = 1e-3  # s, where the FMU suggests none
+_STEP: Final = 1e-3  # s, if the FMU suggests none
 _NUMBERS: Final = ("Real", "Integer", "Boolean", "Enumeration")
 _LIMITS: Final = FmuLimits(patience=60.0, memory_mib=4096)
 _REFUSALS: Final = {
@@ -29,20 +29,20 @@ _REFUSALS: Final = {
     r"is not valid FMI|cannot be understood|ModelStructure|in modelDescription.xml": "a description that is not valid",
     r"does not load": "a binary that does not load",
 }  # fmt: skip
-"""Sentences of refusals → what they have in common."""
+"""Patterns of refusals → their common reason."""
 _AFTER_NAME: Final = re.compile(r"\s*(?:Version|\(|:|,|\s-\s|\bv?\d+\.\d|(?<=[a-z])\d)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surveyed:
-    """What became of an FMU by one of its interfaces.
+    """Result for one interface of an FMU.
 
     Attributes:
-        file: Below the folder.
-        tool: That made it, without version.
-        interface: Version of FMI, with CS or ME where it is run.
-        reason: Why it did not step, in a few words; '' where it did.
-        sentence: The same as a user reads it.
+        file: Path relative to the folder.
+        tool: Tool that made it, without version.
+        interface: FMI version, with CS or ME if it was run.
+        reason: Reason why it did not step, in a few words; '' on success.
+        sentence: The same as the message for a user.
     """
 
     file: Path
@@ -53,7 +53,7 @@ class Surveyed:
 
 
 def survey(folder: Path) -> Iterator[Surveyed]:
-    """Open each FMU of a folder, set nothing, step it by each of its interfaces and yield what came of that."""
+    """Open each FMU of a folder without setting parameters, step it by each of its interfaces and yield the results."""
     for file in sorted(folder.rglob("*.fmu")):
         yield from _surveyed(file, file.relative_to(folder))
 
@@ -64,7 +64,7 @@ def _surveyed(file: Path, name: Path) -> Iterator[Surveyed]:
         first = outline(file, _LIMITS)
         tool, version, step = _tool(first.tool), first.version or "", first.step
     except (FmuError, BadZipFile, OSError, KeyError, ValueError, RuntimeError):
-        pass  # `describe` says it
+        pass  # `describe` reports it
     try:
         description = describe(file, _LIMITS)
     except FmuError as error:
@@ -90,7 +90,7 @@ def _reason(error: FmuError) -> str:
 
 
 def _step(description: Description, suggested: str) -> None:
-    """Step an FMU with all of its outputs read; `PlantFailed` where it fails."""
+    """Step an FMU and read all of its outputs; raise `PlantFailed` if it fails."""
     outputs = [v for v in description.variables.values() if v.causality == "output" and v.kind in _NUMBERS]
     binding = Binding(inputs=side_of(()), outputs=side_of(outputs), unused=(), parameters={})
     try:
@@ -105,7 +105,7 @@ def _step(description: Description, suggested: str) -> None:
 
 
 def _tool(generator: str) -> str:
-    """Return the name of a tool without versions."""
+    """Return the name of a tool without its version."""
     name = _AFTER_NAME.split(generator.strip(), maxsplit=1)[0].strip()
     if name.startswith(("OpenModelica", "OMCompiler")):
         return "OpenModelica"

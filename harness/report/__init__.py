@@ -1,4 +1,4 @@
-"""What the results mean: tables, figures and reports, and whether anything moved against the baselines.
+"""Present and compare results: tables, figures and reports, and the comparison with baselines.
 
-Reads result folders; runs nothing.
+This package reads result folders and runs no simulation.
 """

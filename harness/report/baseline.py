@@ -10,23 +10,23 @@ A baseline file gives, for each stop or figure, the accepted value, its toleranc
     unit = "m"
     reason = "First calibration."
 
-Of a long campaign the file may name some stops by patterns, `stops = ["*-slope_seeking"]`. The name of a study,
-`study = "lateral"`, stands in place of the campaign file where the numbers are those of a study.
+For a long campaign the file may select stops by patterns, `stops = ["*-slope_seeking"]`. The name of a study, `study =
+"lateral"`, replaces the campaign file if the numbers are those of a study.
 
-A distance that rounding decides (see `railgrip.scenario.conditioning`) is accepted as a range: `value` is the median of
-the repeats, `lowest` and `highest` are the ends of the range, and `tolerance` is the permitted excess beyond an end.
-If the plant of another compiler, equal but for rounding, gives another distance, the file gives it, too:
+A distance that depends on rounding (see `railgrip.scenario.conditioning`) is accepted as a range: `value` is the median
+of the repeats, `lowest` and `highest` are the ends of the range, and `tolerance` is the permitted excess beyond an end.
+If the plant of another compiler, equal except for rounding, gives another distance, the file includes it:
 
     compilers = { openmodelica = 318.27 }
 
-Figures beside a distance notice what a distance does not, such as another noise of the filter:
+Further figures of a stop reveal changes that its distance does not, such as another noise of the filter:
 
     figures.adhesion_rmse = { value = 0.00074, tolerance = 7.4e-8 }
 
-They are those of `Metrics.beside_distance` that repeats move by less than `railgrip.scenario.conditioning.LOOSEST`,
-for a stop without such figures by less than `LOOSEST_OF_SCATTER`.
-The greatest adhesion and the longest lock of any group [s] and the strokes of all valves at the last `make accept` are
-shown; they are compared where they are among the figures.
+These are the figures of `Metrics.beside_distance` that vary by less than `railgrip.scenario.conditioning.LOOSEST` over
+the repeats, or by less than `LOOSEST_OF_SCATTER` for a stop without such figures. The greatest adhesion and
+the longest lock of any group [s] and the strokes of all valves at the last `make accept` are for information; they are
+compared only if they are among the figures.
 """
 
 import json
@@ -55,22 +55,28 @@ from railgrip.scenario.table import Table, broken
 FINDINGS_FILE = "figures.json"
 
 TOLERANCE = 1e-3
-"""Relative tolerance of a new distance: twice the change when the communication step is halved (0.05 %), so that the
-arithmetic of another machine passes and a changed law does not."""
+"""Relative tolerance of a new distance.
+
+Twice the change with half the communication step (0.05 %), so that the arithmetic of another machine passes and a
+changed law does not.
+"""
 
 CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER = 0.9999, 0.06
-"""Of the figures beside a distance that has none within `LOOSEST`: a change of a tenth shows in them.
+"""Certainty and limit for the figures of a stop without any within `LOOSEST`: they reveal a change of a tenth.
 
-On another machine each such stop is one more repeat: with `CERTAINTY` one in a hundred of these figures would be off.
+On another machine each such stop is one more repeat: with `CERTAINTY` one in a hundred of these figures would fail.
 """
 
 ACROSS_COMPILERS = 5e-3
-"""Relative tolerance of a distance with FMUs of another compiler: its solver takes other steps, which shifts strokes of
-the valves. A wrong model changes the distance by more."""
+"""Relative tolerance of a distance with FMUs of another compiler: its solver uses other steps, which shifts strokes of
+the valves.
+
+A wrong model changes the distance by more.
+"""
 
 
 class Beside(Table):
-    """Accepted value of a figure beside a distance, in the unit that `railgrip.trace.metrics` gives."""
+    """Accepted value of a further figure of a stop, in the unit of `railgrip.trace.metrics`."""
 
     value: Number
     tolerance: Annotated[Number, Field(gt=0.0)]
@@ -109,7 +115,7 @@ class Accepted(Table):
 
     @property
     def is_range(self) -> bool:
-        """Whether rounding decides the value."""
+        """Whether the value depends on rounding, and is therefore a range."""
         return self.lowest is not None
 
 
@@ -128,14 +134,14 @@ class Baseline(Table):
         return self
 
     def selection(self, campaign: Campaign) -> Campaign:
-        """Return the stops of its campaign that it is of."""
+        """Return the campaign with the stops that the baseline covers."""
         return campaign.only(lambda stop: not self.stops or any(fnmatch(stop.name, name) for name in self.stops))
 
     def across_compilers(self) -> Self:
         """Return the baseline for FMUs of another compiler.
 
-        A stop whose distance is known to differ with another compiler may lie anywhere between the known distances.
-        Figures are not compared: their tolerances are those of the own plant.
+        A stop whose distance is known to differ between compilers may have any distance between the known ones. Figures
+        are not compared: their tolerances apply to the built-in compiler's plant.
         """
         wide: dict[str, Accepted] = {}
         for name, accepted in self.accepted.items():
@@ -152,16 +158,16 @@ class Finding:
     """One number of a result.
 
     Attributes:
-        name: Of the stop or figure.
-        value: Number found; None if there is none, as after a stop without standstill or an alarm that never came.
-        unit: Of the value.
-        tolerance: Tolerance to accept the value with; None for the relative tolerance of the value accepted before, or
-            for `TOLERANCE`.
-        repeated: Repeats of the stop, where rounding decides its distance.
+        name: Name of the stop or figure.
+        value: Number found; None if it does not exist, as after a stop without standstill or without the alarm.
+        unit: Unit of the value.
+        tolerance: Tolerance to accept the value with; None for the relative tolerance of the previously accepted value,
+            or for `TOLERANCE`.
+        repeated: Repeats of the stop, if its distance depends on rounding.
         adhesion_peak: Greatest adhesion of any group; None for a figure.
-        longest_lock: Of any group [s]; None for a figure.
-        valve_strokes: Of all groups; None without valves.
-        figures: Figure beside the distance → value.
+        longest_lock: Longest lock of any group [s]; None for a figure.
+        valve_strokes: Strokes of all valves; None without valves.
+        figures: Name of a further figure → value.
     """
 
     name: str
@@ -176,12 +182,12 @@ class Finding:
 
 
 def mean(name: str, value: float, unit: str = "1") -> Finding:
-    """Return a figure that is a mean: the arithmetic of another machine changes it by no more than 2 %."""
+    """Return a figure that is a mean, with a tolerance of 2 % for the arithmetic of another machine."""
     return Finding(name, value, unit, 0.02 * abs(value))
 
 
 def extreme(name: str, value: float) -> Finding:
-    """Return a figure of no unit that is the largest of many values: it may change by 10 %."""
+    """Return a dimensionless figure that is an extreme of many values, with a tolerance of 10 %."""
     return Finding(name, value, "1", 0.1 * abs(value))
 
 
@@ -201,11 +207,11 @@ class Comparison:
     """One number and its baseline.
 
     Attributes:
-        name: Of the stop or figure.
-        state: `kept` within the tolerance, and so are figures beside it; `moved` outside; `new` without a baseline;
+        name: Name of the stop or figure.
+        state: `kept` if it and its further figures are within the tolerance, else `moved`; `new` without a baseline;
             `gone` without a result; `no value` for a stop without standstill or a figure that does not exist.
         accepted: Baseline; None for a new number.
-        current: Number found; None if it is gone.
+        current: Number found, or None.
     """
 
     name: str
@@ -215,22 +221,22 @@ class Comparison:
 
     @property
     def value(self) -> float | None:
-        """Number found, if there is one."""
+        """Number found, or None."""
         return None if self.current is None else self.current.value
 
     @property
     def change(self) -> float | None:
-        """Found minus accepted."""
+        """Value found minus accepted value."""
         return None if self.accepted is None or self.value is None else self.value - self.accepted.value
 
     @property
     def moved_figures(self) -> tuple[str, ...]:
-        """Figures beside the number that are gone or outside their tolerance, with accepted and found value."""
+        """Further figures that are missing or outside their tolerance, with accepted value and value found."""
         return _moved_figures(self.accepted, self.current)
 
     @property
     def unit(self) -> str:
-        """Of the number."""
+        """Unit of the number."""
         return self.accepted.unit if self.accepted else self.current.unit if self.current else ""
 
 
@@ -238,13 +244,13 @@ def load_baseline(path: Path) -> Baseline:
     """Return a baseline file.
 
     Raises:
-        ScenarioError: The file is missing, or is no baseline.
+        ScenarioError: The file is missing, or is not a baseline.
     """
     return validated(Baseline, read_toml(path), directory=path.parent, origin=path.name)
 
 
 def findings_of(results: Results) -> Findings:
-    """Return the distances of a campaign; a stop without standstill has none."""
+    """Return the distances of a campaign; a stop without standstill has no distance."""
     return Findings(
         values=tuple(
             Finding(
@@ -266,7 +272,7 @@ def findings_of(results: Results) -> Findings:
 def beyond_accepted(results: Results, path: Path) -> list[str]:
     """Return a sentence for each distance with FMUs of other compilers that differs by more than `ACROSS_COMPILERS`.
 
-    There are none if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares,
+    The list is empty if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares,
     or if the baseline file does not exist.
     """
     if not from_elsewhere(results.stops) or not path.is_file():
@@ -293,7 +299,7 @@ def read_findings(directory: Path) -> Findings:
     """Return the figures of a study that were last written into a folder.
 
     Raises:
-        RecordError: There are none, or they cannot be read.
+        RecordError: The figures are missing, or cannot be read.
     """
     path = directory / FINDINGS_FILE
     try:
@@ -306,7 +312,7 @@ def read_findings(directory: Path) -> Findings:
 
 
 def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
-    """Return every number of baseline and findings; those that need attention come first."""
+    """Return every number of baseline and findings, starting with those that require attention."""
     current = {finding.name: finding for finding in findings.values}
     comparisons = [
         Comparison(
@@ -321,13 +327,13 @@ def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
 
 
 def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
-    """Return the baseline with new, moved and removed numbers brought up to date, for a reason.
+    """Return the baseline with new, moved and removed numbers updated, for a reason.
 
-    Numbers within their tolerance keep value and reason. A distance that repeats do not move gets their tolerance, and
-    figures beside distances are those found.
+    Numbers within their tolerance keep value and reason. A distance that does not vary over the repeats gets their
+    tolerance, and its further figures are those found.
 
     Raises:
-        ScenarioError: No reason is given, or a stop or figure has no value that could be accepted.
+        ScenarioError: The reason is empty, or a stop or figure has no value to accept.
     """
     if not reason.strip():
         raise ScenarioError("accept: --reason is empty; say what changed and why the new numbers are right")
@@ -340,14 +346,14 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
             continue
         if finding.value is None:
             raise ScenarioError(f"accept: {name} has no value (no standstill, no alarm); a baseline must be a number")
-        # A number that has become a range, or a range that has become a number, is accepted anew.
+        # A number that has become a range, or the reverse, is accepted anew.
         is_same_kind = before is not None and (finding.repeated is None or before.is_range == finding.repeated.spreads)
         if before is None or comparison.state != "kept" or not is_same_kind:
             before = _accepted_anew(finding, finding.value, before, reason.strip())
         shown = {"adhesion_peak": finding.adhesion_peak, "longest_lock": finding.longest_lock}
         update: dict[str, object] = {key: None if value is None else round(value, 3) for key, value in shown.items()}
         update["valve_strokes"] = finding.valve_strokes
-        # Without repeats there is no tolerance to accept figures with: those accepted before stay.
+        # Without repeats there is no tolerance for figures, so those accepted before are kept.
         if finding.repeated is not None and finding.repeated.figures:
             update["figures"] = _figures_beside(finding, finding.repeated)
         if finding.repeated is not None and finding.repeated.is_smooth and abs(finding.value - before.value) <= SMOOTH:
@@ -357,13 +363,13 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
 
 
 def _figures_beside(finding: Finding, repeated: Repeated) -> dict[str, Beside]:
-    """Return the figures that repeats determine well, of a stop without such figures those that they determine less."""
+    """Return the figures that the repeats determine well; else those that they determine less well."""
     tolerances: dict[str, float | None] = {}
     for certainty, loosest in ((CERTAINTY, LOOSEST), (CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER)):
         tolerances = {
             name: repeated.tolerance_of(name, value, certainty, loosest) for name, value in finding.figures.items()
         }
-        # A wheel that never locks is no measure of the rest.
+        # Zeros, as for a wheel that never locks, agree in all repeats and do not count.
         if any(tolerance is not None and finding.figures[name] for name, tolerance in tolerances.items()):
             break
     return {
@@ -384,7 +390,7 @@ def _accepted_anew(finding: Finding, value: float, before: Accepted | None, reas
         scales = before is not None and not before.is_range and before.value != 0.0
         tolerance = abs(value) * (before.tolerance / abs(before.value) if before and scales else TOLERANCE)
     return Accepted(
-        # Distances are kept to the millimetre; small figures to a hundredth of their tolerance.
+        # Distances are rounded to the millimetre, small figures to a hundredth of their tolerance.
         value=round(value, max(3, 2 - _magnitude(tolerance))),
         tolerance=round(tolerance, 1 - _magnitude(tolerance)),
         unit=finding.unit,
@@ -396,7 +402,7 @@ def _accepted_anew(finding: Finding, value: float, before: Accepted | None, reas
 
 
 def write_baseline(baseline: Baseline, path: Path) -> None:
-    """Write a baseline file, its numbers in the order of their names."""
+    """Write a baseline file, with its numbers in the order of their names."""
     keys = ("campaign", "stops", "study")
     lines = [f"{key} = {json.dumps(value)}" for key in keys if (value := getattr(baseline, key))]
     for name, accepted in sorted(baseline.accepted.items()):

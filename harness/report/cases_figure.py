@@ -1,4 +1,4 @@
-"""Distances of many cases: a panel for each family of equal equipment and creep curve, a line for each of its cases."""
+"""Distances of many cases: a panel for each family of equal equipment and creep curve, and a line for each case."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from railgrip.report import palette, style
 from railgrip.report.row import Row
 
 MOST_CASES = 60
-"""Lines that a figure has room for."""
+"""Maximum number of lines in a figure."""
 
 _MARKERS = "osD^v<>P*X"
 _EDGE: Mapping[str, Any] = {"markeredgecolor": palette.BLACK, "markeredgewidth": 0.5}
@@ -21,7 +21,7 @@ _TICKS = (100, 150, 200, 300, 500, 700, 1000, 1500, 2000, 3000)  # m
 
 
 def cases_figure(rows: Sequence[Row], colours: Mapping[str, str]) -> Figure:
-    """Return the distances of each case with its friction, and their change against the published slip-based control.
+    """Return a figure of the distances of each case with its friction, and their change against published SBC.
 
     Args:
         rows: Stops; one without standstill is a cross at the right edge of both panels.

@@ -1,4 +1,4 @@
-"""Two results or more beside each other: what differs in the question, in the answer, and where along the track."""
+"""Compare two or more results: differences of the scenarios, of the figures, and along the track."""
 
 import math
 import re
@@ -37,7 +37,7 @@ _ALIKE = "several"
 _MISSING = "–"
 _LONGEST_TEXT = 40
 _MOST_DIGESTS = 20
-"""Stops of campaigns whose digests the page names."""
+"""Maximum number of stops of campaigns whose digests the page lists."""
 _FIGURE = "figures/comparison.png"
 
 
@@ -47,7 +47,7 @@ class Side:
 
     Attributes:
         name: Folder of its result, or the name of its scenario.
-        trace: None where no samples were kept.
+        trace: Samples, or None if they were not kept.
     """
 
     name: str
@@ -56,37 +56,37 @@ class Side:
 
     @classmethod
     def of(cls, stop: Stop | StopRecord, name: str) -> Self:
-        """Return a stop, or the record of one, as a side; the trace of a record is read here."""
+        """Return a stop, or the record of one, as a side; the trace of a record is read."""
         record = stop if isinstance(stop, StopRecord) else stop.record()
         trace = stop.trace if isinstance(stop, Stop) else stop.trace() if stop.has_trace else None
         return cls(name=name, record=record, trace=trace)
 
     @property
     def question(self) -> dict[str, Any]:
-        """What decides the stop, by key: of the scenario, versions, FMUs and classes."""
+        """All inputs of the stop by key: scenario, versions, FMUs and classes."""
         return question_of(self.record) | {"scenario digest": self.record.digest}
 
     @property
     def headline(self) -> str:
-        """Outcome and distance, for people."""
+        """Outcome and distance, for readers."""
         metrics = self.record.metrics
         return f"{self.record.outcome.value}, {metrics.distance_travelled:.2f} m in {metrics.duration:.2f} s"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Comparison:
-    """What differs between results.
+    """Differences between results.
 
     Attributes:
-        names: Of the results, in the order of their letters A, B …
-        headlines: Outcome of each, for people.
+        names: Names of the results, in the order of their letters A, B …
+        headlines: Outcome of each result, for readers.
         question: Keys that differ, with a column for each letter.
-        answer: Figures that differ, or, of campaigns, their stops, with the differences to A.
-        overview: The same with one row for all groups, wheelsets or classes of a figure, their mean.
-        along: Letter → where this stop loses distance against A.
-        sentences: What a reader wants to know first.
-        differences: Name of a stop → difference of its distances [m], of campaigns.
-        provenance: Seeds, digests and versions, of each letter.
+        answer: Figures that differ or, for campaigns, their stops, with the differences to A.
+        overview: As `answer`, with the mean over all groups, wheelsets or classes of a figure in one row.
+        along: Letter → distance that this stop loses against A along the track.
+        sentences: Summary.
+        differences: Name of a stop of campaigns → difference of its distances [m].
+        provenance: Seeds, digests and versions of each letter.
     """
 
     names: Sequence[str]
@@ -121,12 +121,10 @@ class Comparison:
         }
 
     def __repr__(self) -> str:
-        """Return the results and the sentences."""
         results = (f"{letter}: {name}: {line}" for letter, name, line in self._results())
         return "\n".join([*results, *self.sentences])
 
     def _repr_html_(self) -> str:
-        """Return the tables, for notebooks."""
         parts = (self.question, self.overview, *self.sections.values())
         return f"<pre>{self!r}</pre>" + "".join(part.__html__() for part in parts if part)
 
@@ -134,13 +132,16 @@ class Comparison:
         return list(zip(self.letters, self.names, self.headlines, strict=True))
 
     def plot(self) -> "Figure":
-        """Return a figure of speeds, and of the distance lost along the track; of campaigns, of their stops."""
+        """Return a figure of speeds and of the distance lost along the track.
+
+        For campaigns, of the differences of stops.
+        """
         from railgrip.report.comparison_figure import stops_figure, track_figure  # matplotlib takes half a second
 
         return track_figure(self.along) if self.along else stops_figure(self.differences)
 
     def page(self) -> Page:
-        """Return a page of everything, which a screen shows in short."""
+        """Return the page of the comparison."""
         rows = zip(self.letters, self.names, self.headlines, strict=True)
         results = Table.of(("", "result", "outcome"), rows, left=3)
         names = [Path(name).name for name in self.names]
@@ -166,7 +167,7 @@ class Comparison:
         )
 
     def write(self, folder: Path | str) -> Path:
-        """Write index.html and comparison.json into a folder; return the page.
+        """Write index.html and comparison.json to a folder; return the path of the page.
 
         Raises:
             RecordError: The folder is that of a stop or campaign.
@@ -183,7 +184,8 @@ def compare(*results: Comparable) -> Comparison:
     """Compare results with the first of them.
 
     Raises:
-        RecordError: Fewer than two or more than 26, a folder without a result, or stops beside campaigns.
+        RecordError: There are fewer than two or more than 26 results, a folder without one, or both stops and
+            campaigns.
     """
     if not 2 <= len(results) <= len(ascii_uppercase):
         raise RecordError(
@@ -205,7 +207,7 @@ def compare(*results: Comparable) -> Comparison:
 
 
 def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """Return the values of nested tables by their keys; those of a list of tables are counted from 1."""
+    """Return the values of nested tables by dotted keys; elements of a list of tables are counted from 1."""
     keys: dict[str, Any] = {}
     for name, value in table.items():
         if isinstance(value, Mapping):
@@ -219,7 +221,7 @@ def flat(table: Mapping[str, Any], path: str = "") -> dict[str, Any]:
 
 
 def question_of(record: StopRecord) -> dict[str, Any]:
-    """Return what decides a stop, by key: of the scenario, versions, FMUs and classes."""
+    """Return all inputs of a stop by key: scenario, versions, FMUs and classes."""
     return flat(record.scenario) | flat({"versions": record.versions, "fmus": record.fmus, "classes": record.classes})
 
 
@@ -294,7 +296,7 @@ def _distance_sentence(letter: str, first: StopRecord, other: StopRecord) -> str
 
 
 def _where(letter: str, lost: Loss) -> list[str]:
-    """Return which sections decide, in sentences; none where nothing differs."""
+    """Return sentences on the sections with the largest differences; empty if the stops do not differ."""
     sections = sorted(lost.sections, key=lambda section: -abs(section.lost))
     sentences: list[str] = []
     if abs(lost.at_start) >= 0.005:
@@ -335,7 +337,7 @@ def _sections(letter: str, lost: Loss) -> Table:
 
 
 def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
-    """Return the keys whose values differ, those of the scenario first."""
+    """Return the keys whose values differ, starting with those of the scenario."""
     letters = ascii_uppercase[: len(questions)]
     keys = dict.fromkeys(key for question in questions for key in question)
     rows = [
@@ -363,7 +365,6 @@ def without_numbers(key: str) -> str:
 
 
 def _value(value: Any) -> str:
-    """Return a value of a key as a table shows it."""
     if value is None:
         return _MISSING
     if isinstance(value, float):
@@ -375,7 +376,7 @@ def _value(value: Any) -> str:
 
 
 _Figures = Mapping[str, tuple[float, str]]
-"""Name of a figure → value, NaN where there is none, and unit."""
+"""Name of a figure → value, NaN if it does not exist, and unit."""
 
 
 def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], title: str) -> Table:
@@ -406,7 +407,7 @@ def _row(name: str, values: Sequence[Any], unit: str, letters: str) -> dict[str,
 
 
 def flat_figures(metrics: Metrics) -> dict[str, tuple[float, str]]:
-    """Return figure, as `longest_lock[2]` of the second group, → value and unit; one that is none is NaN."""
+    """Return figure, as `longest_lock[2]` for the second group, → value and unit; NaN for a missing value."""
     figures: dict[str, tuple[float, str]] = {}
 
     def add(name: str, value: Any, unit: str) -> None:
@@ -422,7 +423,7 @@ def flat_figures(metrics: Metrics) -> dict[str, tuple[float, str]]:
 
 
 def _means(metrics: Metrics) -> dict[str, tuple[float, str]]:
-    """Return figure → value and unit, of several elements their mean; without histograms, whose mean says nothing."""
+    """Return figure → value and unit, for arrays the mean; histograms are omitted, as their mean has no meaning."""
     elements: dict[str, list[tuple[float, str]]] = {}
     for name, value in flat_figures(metrics).items():
         if name.count("[") < 2:
@@ -495,7 +496,7 @@ def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]])
 
 
 def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> list[str]:
-    """Return how the distances of all stops differ, a sentence for each further campaign."""
+    """Return a sentence for each further campaign on the differences of all distances."""
     sentences: list[str] = []
     for letter, stop in zip(letters[1:], stops[1:], strict=True):
         pairs = {name: (stops[0][name].braking_distance, stop[name].braking_distance) for name in common}
@@ -517,7 +518,7 @@ def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, St
 
 
 def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
-    """Return the keys that differ in some of the stops, with how many, and values that all of these share."""
+    """Return the keys that differ in some of the stops, with their number, and the values that all of these share."""
     letters = ascii_uppercase[: len(pairs[0])]
     rows: dict[str, dict[str, Any]] = {}
     for records in pairs:

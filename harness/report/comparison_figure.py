@@ -13,10 +13,11 @@ _MOST_BARS = 40
 
 
 def track_figure(along: Mapping[str, Loss]) -> Figure:
-    """Return speed, its difference to the first stop, A, and distance lost against it, over the distance.
+    """Return a figure of speed, its difference to the first stop, A, and the distance lost against A, over the
+    distance.
 
     Args:
-        along: Letter of each other stop → where it loses distance against A.
+        along: Letter of each other stop → distance that it loses against A along the track.
     """
     drawing, (speeds, differences, losses) = style.panels(10, 8.4, 3, 1, sharex=True)
     first = next(iter(along.values())).first
@@ -57,7 +58,7 @@ def track_figure(along: Mapping[str, Loss]) -> Figure:
 
 
 def stops_figure(differences: Mapping[str, float]) -> Figure:
-    """Return the differences of the stops of two campaigns [m], the largest where there are many."""
+    """Return a figure of the differences of the stops of two campaigns [m]; only the largest if there are many."""
     largest = sorted(differences, key=lambda name: -abs(differences[name]))[:_MOST_BARS]
     names = [name for name in differences if name in set(largest)]
     values = np.array([differences[name] for name in names])

@@ -1,6 +1,6 @@
-"""Output for people: results on standard output, everything else on standard error; text is printed as it is.
+"""Console output: results on standard output, everything else on standard error; text is printed unchanged.
 
-rich is used for tables and bars only: it would read markup and emoji in what users wrote.
+rich is used for tables and bars only: elsewhere it would interpret markup and emoji in users' texts.
 """
 
 import logging
@@ -24,7 +24,7 @@ REMINDER: Final = 10.0
 """Time between two lines of progress without a terminal [s]."""
 
 _WORD: Final = 10
-"""Least width of a column with longer texts, and of a header in several lines [characters]."""
+"""Minimum width of a column with longer texts, and of a header in several lines [characters]."""
 
 
 def _console(**settings: Any) -> Console:
@@ -61,20 +61,20 @@ def say(text: str) -> None:
 
 
 def remark(text: str) -> None:
-    """Print a line that is not a result on standard error, unless only results and errors are wanted."""
+    """Print a line that is not a result on standard error, unless --quiet is set."""
     if not _is_quiet():
         with suppress(OSError):
             _err.print(text, soft_wrap=True)
 
 
 def complain(text: str) -> None:
-    """Print what went wrong on standard error; if that cannot be written, the exit code alone says it."""
+    """Print an error on standard error; if that fails, the exit code alone reports it."""
     with suppress(OSError):
         _err.print(text, style="red", soft_wrap=True)
 
 
 def answer(command: Callable[[], object]) -> None:
-    """Run a command; what a user can correct ends in a sentence and its exit code, never in a traceback."""
+    """Run a command; an error that the user can correct ends in a message and its exit code, not in a traceback."""
     try:
         _require_folder()
         command()
@@ -87,10 +87,10 @@ def answer(command: Callable[[], object]) -> None:
 
 
 def _require_folder() -> None:
-    """Check that the current folder exists, at which paths start.
+    """Check that the current folder exists, which paths are relative to.
 
     Raises:
-        InputError: Somebody has removed it.
+        InputError: The folder has been removed.
     """
     try:
         Path.cwd()
@@ -99,7 +99,7 @@ def _require_folder() -> None:
 
 
 def show_table(table: "Table", nothing: str = "nothing") -> None:
-    """Print a table, or a word where it has no row."""
+    """Print a table, or a word if it has no rows."""
     if not table:
         say(f"{table.title}: {nothing}" if table.title else nothing)
         return
@@ -111,7 +111,7 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
     is_narrow = sum(2 + max(len(column), size) for column, size in longest.items()) > _out.width
     least = 0
     for column, size in longest.items():
-        # A number is never cut; where the screen is narrow, headers and texts take more lines.
+        # A number is never cut; on a narrow screen, headers and texts use more lines.
         number = column not in table.left
         header = textwrap.fill(column, max(size, _WORD), break_long_words=False) if is_narrow else column
         width = max(map(len, header.split("\n"))) if number else min(len(column), _WORD)
@@ -122,13 +122,13 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
         least += 2 + width
     for row in texts:
         screen.add_row(*row.values())
-    # rich leaves out the columns of texts where the others fill the screen; beyond its edge they can still be read.
+    # rich omits text columns if the others fill the screen; beyond its edge they can still be read.
     screen.width = least if least > _out.width else None
     _out.print(screen, crop=False)
 
 
 def show_all(parts: "Iterable[Table | str]") -> None:
-    """Print tables and sentences one after the other."""
+    """Print tables and sentences in their order."""
     for part in parts:
         if isinstance(part, str):
             say(part)
@@ -140,11 +140,11 @@ class Progress(Protocol):
     """A display of progress."""
 
     def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
-        """Show what is being done, how much is done, and of how much; None leaves it as it is."""
+        """Display the present activity, the amount done, and the total; None leaves a value unchanged."""
         ...
 
     def advance(self, doing: str | None = None) -> None:
-        """Show that one more is done."""
+        """Count one more item as done."""
         ...
 
 
@@ -153,8 +153,8 @@ def progress(name: str, total: float | None = None, *, is_count: bool = False) -
     """Show progress on standard error: a bar on a terminal, elsewhere a line every `REMINDER` seconds.
 
     Args:
-        total: How much there is to do; None if unknown.
-        is_count: Whether that is a number of things, and not a share.
+        total: Total amount; None if unknown.
+        is_count: Whether the total is a number of items, not a share.
     """
     if _is_quiet():
         yield _Lines(name, total, is_count)

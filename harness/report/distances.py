@@ -1,6 +1,6 @@
 """The table of braking distances: one row for each stop, as JSON for programs and as text for readers.
 
-Stops that differ only in their draw are shown as distributions, by `railgrip.report.distribution`.
+Stops that differ only in their draw are summarised as distributions, by `railgrip.report.distribution`.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
@@ -26,7 +26,7 @@ from railgrip.scenario.outcome import Outcome
 STALE = "stale: other repeats"
 
 VALVES = "pneumatic"
-"""Kind of actuation that has valves; with the ideal one, reversals of the pressure command are counted."""
+"""Kind of actuation with valves; with the ideal one, reversals of the pressure command are counted."""
 
 
 def rows_of(results: Results) -> tuple[Row, ...]:
@@ -81,12 +81,12 @@ def tables_of(rows: Sequence[Row]) -> tuple[Table, Table]:
 def shown(
     rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({}), hidden: Collection[str] = ()
 ) -> list[Table | str]:
-    """Return the tables of a campaign for a reader, each below a sentence on what is the same in all of its rows.
+    """Return the tables of a campaign for a reader, each after a sentence on the values that all of its rows share.
 
     Args:
-        rows: Of a campaign.
-        pages: Stop → address of its page, to which its row is linked.
-        hidden: Columns that are left out.
+        rows: Rows of a campaign.
+        pages: Stop → address of its page, to link its row to.
+        hidden: Columns to omit.
     """
     draws, single = tables_of(rows)
     addresses = [pages.get(row.stop) for row in rows if row.draw is None]
@@ -195,8 +195,8 @@ def spread_text(conditioning: Repeated | None, digest: str, distance: float | No
     """Return median and range of the repeats of a stop, or `STALE` if they are the repeats of another stop.
 
     Args:
-        conditioning: Repeats; None gives an empty text.
-        digest: Of the scenario of the stop.
+        digest: Digest of the scenario of the stop.
+        distance: Distance of the stop [m], None without standstill.
         distance: Of the stop [m], None without standstill.
     """
     if conditioning is None:
@@ -212,7 +212,7 @@ def spread_text(conditioning: Repeated | None, digest: str, distance: float | No
 
 
 def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
-    """Return the axes in which stops differ that are equal in every column; draws have a column of their own."""
+    """Return the axes along which stops differ although all columns are equal; draws have a separate column."""
     alike: dict[tuple[str, ...], list[Result]] = {}
     for stop in stops:
         scenario = stop.record.scenario
@@ -239,6 +239,6 @@ def _estimator(scenario: Mapping[str, Any]) -> str:
 
 
 def _reduction(distance: float | None, reference: Result | None, own: Result) -> float | None:
-    """Return 1 − distance over that of the reference; None without either, and for the reference itself."""
+    """Return 1 − distance over that of the reference; None if one is missing, and for the reference itself."""
     before = reference.record.braking_distance if reference is not None and reference is not own else None
     return None if distance is None or before is None else 1 - distance / before

@@ -1,6 +1,6 @@
-"""Distances of a controller over many draws of a rail: median, range, longest, and change against others by draw.
+"""Distances of a controller over many draws of a rail: median, range, maximum, and change against others by draw.
 
-See `railgrip.report.statistics` for how controllers are compared.
+`railgrip.report.statistics` defines how controllers are compared.
 """
 
 import math
@@ -24,16 +24,16 @@ from railgrip.report.table import Link, Table, percent, share, text
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Paired:
-    """A controller against another on the same draws.
+    """A controller compared with another on the same draws.
 
     Attributes:
         label: Name of the other controller.
         draws: Number of draws in which both were run.
         shorter: Share of the draws in which this controller stops shorter.
         shorter_interval: Interval of that share.
-        change: Median over the draws of distance over that of the other controller, less 1.
+        change: Median over the draws of the distance over that of the other controller, minus 1.
         change_interval: Interval of that median; None with too few draws.
-        changes: Changes in the order of the draws; infinite where only the other controller came to a standstill.
+        changes: Changes in the order of the draws; infinite if only the other controller came to a standstill.
     """
 
     label: str
@@ -53,7 +53,7 @@ class Distribution(Conditions):
         draws: Number of draws.
         stood: Number of draws that ended in a standstill.
         distances_m: Distance by draw; infinite without standstill.
-        median_m: Median distance; infinite if at least half of the draws have no standstill.
+        median_m: Median distance; infinite if half of the draws or more have no standstill.
         low_m: 5 % quantile of the distance.
         high_m: 95 % quantile of the distance.
         worst_m: Longest distance.
@@ -120,7 +120,7 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
 
 
 def _question(distribution: Distribution) -> dict[str, str]:
-    """Return what distinguishes a distribution from the others of a campaign."""
+    """Return the conditions that distinguish a distribution from the others of a campaign."""
     return {
         "scenario": distribution.label,
         "actuation": distribution.actuation,
@@ -131,13 +131,13 @@ def _question(distribution: Distribution) -> dict[str, str]:
 
 
 QUANTILES = (0.5, 0.95, 0.99)
-"""Shares of the draws whose distance is shown: half, and what is rarely and hardly ever exceeded."""
+"""Quantiles of the distance in tables: the median, and distances that are rarely and hardly ever exceeded."""
 
 
 def quantile_table(distributions: Sequence[Distribution], permitted: float | None) -> Table:
     """Return P50, P95 and P99 of each distribution with their intervals, and how often a distance [m] is exceeded.
 
-    Draws without standstill exceed every distance. An interval needs enough draws, that of P99 nearly 400.
+    Draws without standstill exceed every distance. An interval requires enough draws, that of P99 nearly 400.
     """
     rows: list[dict[str, Any]] = []
     for distribution in distributions:
@@ -156,7 +156,7 @@ def quantile_table(distributions: Sequence[Distribution], permitted: float | Non
 
 
 def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) -> Table:
-    """Return the longest stops of all draws, those without standstill first, linked to their pages."""
+    """Return the longest stops of all draws, starting with those without standstill, linked to their pages."""
     drawn = [row for row in rows if row.draw is not None and row.controller != "ideal_bound"]
     cells: list[dict[str, Any]] = [
         {

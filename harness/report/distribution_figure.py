@@ -1,4 +1,4 @@
-"""The distances of many draws: a point a draw for each controller, and its change against slip-based control."""
+"""Figure of the distances of many draws: a point per draw for each controller, and its change against SBC."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -21,9 +21,9 @@ _Against = Callable[[Distribution], Paired | None]
 def distribution_figure(distributions: Sequence[Distribution], *, of: str = "draw") -> Figure:
     """Return a row of panels for each set of conditions, a line for each controller.
 
-    Left the distances, with median and the range from 5 to 95 %; right of them the change draw by draw against the
-    published slip-based control and against the best tuned one, where there are such, with the median and its interval.
-    Draws without standstill are counted in the name of the line; they have no point. What a draw is called says `of`.
+    On the left the distances, with median and the range from 5 to 95 %; to their right the change draw by draw against
+    the published slip-based control and against the best tuned one, if they exist, with the median and its interval.
+    Draws without standstill are counted in the name of the line; they have no point. `of` is the noun for a draw.
     """
     settings = list(dict.fromkeys(distribution.place for distribution in distributions))
     sides: list[tuple[str, _Against]] = []
@@ -75,11 +75,11 @@ def distribution_figure(distributions: Sequence[Distribution], *, of: str = "dra
 
 
 def exceedance_figure(distributions: Sequence[Distribution], permitted: float | None) -> Figure:
-    """Return a row of panels for each set of conditions: histogram, and share of the draws that go further.
+    """Return a figure of histogram and exceedance share, in a row of panels for each set of conditions.
 
     Args:
-        distributions: A line for each; draws without standstill stay in the share to the right end.
-        permitted: Distance that a stop may take [m], drawn as a line.
+        distributions: A line for each; draws without standstill remain in the share up to the right end.
+        permitted: Maximum permitted distance of a stop [m], drawn as a line.
     """
     settings = list(dict.fromkeys(distribution.place for distribution in distributions))
     drawing = style.figure(11, 3.6 * len(settings))
@@ -87,7 +87,7 @@ def exceedance_figure(distributions: Sequence[Distribution], permitted: float | 
     for (counts, shares), setting in zip(grid, settings, strict=True):
         here = [distribution for distribution in distributions if distribution.place == setting]
         ends = np.array([d for distribution in here for d in distribution.distances_m.values() if math.isfinite(d)])
-        # Edges for all together, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
+        # The same bins for all, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
         edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
         edges = np.linspace(edges[0], edges[-1], min(edges.size, _MOST_BINS))
         for number, distribution in enumerate(here):

@@ -1,4 +1,4 @@
-"""Texts of users in pages: text alone, whatever HTML or Markdown they contain."""
+"""Escape users' texts in pages, so that HTML or Markdown in them has no effect."""
 
 import re
 from collections.abc import Callable
@@ -22,7 +22,7 @@ def as_html(text: str) -> Markup:
 
 
 def as_markdown(text: str) -> str:
-    """Return a text for a Markdown file: one line, special characters behind a backslash."""
+    """Return a text for a Markdown file: one line, special characters escaped by a backslash."""
     return _escaped(text, _MARKDOWN, lambda character: f"\\{character}")
 
 

@@ -1,4 +1,4 @@
-"""What a filter believes, as a dataset that shows itself in short."""
+"""The estimates of a filter as a dataset with a short representation."""
 
 import html
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ _MOST_STATES = 4
 
 
 class Estimates(xarray.Dataset):
-    """Beliefs of a filter over a recording: an xarray dataset with a short representation and a figure of its own."""
+    """Estimates of a filter over a recording: an xarray dataset with a short representation and a figure."""
 
     __slots__ = ()
 
@@ -20,14 +20,13 @@ class Estimates(xarray.Dataset):
         """Return a figure (matplotlib) of states ± 2 standard deviations and of the consistency of innovations.
 
         Args:
-            recording: With the truth, which is drawn beside the states, as `stop.trace`.
+            recording: Recording with the true states, which are drawn with the estimates, such as `stop.trace`.
         """
         from railgrip.report.estimation import estimates_figure  # matplotlib takes half a second to load
 
         return estimates_figure(xarray.Dataset() if recording is None else recording, self, ())
 
     def __repr__(self) -> str:
-        """Return a summary in five lines and one for each warning; the representation of xarray for a part."""
         if not {"time", "state"} <= set(self.sizes) or not {"mean", "sd"} <= set(self) or not self.sizes["time"]:
             return super().__repr__()
         states = [str(state) for state in self["state"].values]
@@ -46,11 +45,10 @@ class Estimates(xarray.Dataset):
         return "\n".join((*lines, *warnings))
 
     def _repr_html_(self) -> str:
-        """Return the short form, then what xarray shows."""
         return f"<pre>{html.escape(repr(self))}</pre>{super()._repr_html_()}"
 
 
 def as_estimates(dataset: xarray.Dataset) -> Estimates:
-    """Return a dataset of beliefs that shows itself."""
+    """Return a dataset of estimates with this representation."""
     parts: dict[Any, Any] = {**dataset.data_vars}
     return Estimates(parts, coords=dataset.coords, attrs=dataset.attrs)

@@ -1,4 +1,7 @@
-"""Figures of recordings and estimates: what readings can tell along the way, and every state with its spread."""
+"""Figures of recordings and estimates.
+
+The information in the readings over time, and every state with its uncertainty.
+"""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -29,20 +32,23 @@ _WORDS = {
     "alpha": "adhesion",
 }
 _SETTLED = 0.02
-"""Share of the time after which a state's values decide its scale: the first beliefs are as wide as one likes."""
+"""Share of the time after which values determine the scale of a state.
+
+Initial estimates may be arbitrarily uncertain.
+"""
 
 
 def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str], path: Path) -> Path:
-    """Draw what `estimates_figure` returns."""
+    """Write the figure of `estimates_figure` to a file."""
     return style.save(estimates_figure(recording, estimates, inputs), path)
 
 
 def estimates_figure(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str]) -> Figure:
-    """Return inputs, states ± 2 standard deviations with their truth (dashed), and the consistency of innovations.
+    """Return a figure of inputs, states ± 2 standard deviations with the truth (dashed), and innovation consistency.
 
     Args:
-        recording: What the filter was given.
-        estimates: What it believes, see `railgrip.estimation.run.estimate`.
+        recording: Recording that the filter was run over.
+        estimates: Estimates of the filter, see `railgrip.estimation.run.estimate`.
         inputs: Names of readings.
     """
     states = _families([str(state) for state in estimates["state"].values])
@@ -98,7 +104,7 @@ def _element(name: str) -> str:
 
 def _legend(panel: Axes, count: int) -> None:
     if count > 1:
-        # Beside the axes, where no line runs.
+        # Outside the axes, where no line runs.
         style.legend(panel, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
@@ -112,9 +118,9 @@ def _reach(values: np.ndarray) -> tuple[float, float]:
 
 
 def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, *, inputs: tuple[str, ...]) -> Path:
-    """Draw the inputs, and below them the smallest singular value of the Gramian, of all and of each state.
+    """Draw the inputs, and below them the smallest singular value of the Gramian, for all states and for each.
 
-    Windows that tell nothing of a state have no point on the logarithmic axis: the line is broken there.
+    A window without information on a state has no point on the logarithmic axis: the line is interrupted there.
     """
     drawing, (above, below) = style.panels(10, 6.5, 2, 1, sharex=True, height_ratios=(1, 2))
     for name, color in zip(inputs, (palette.ORANGE, palette.BLUE), strict=False):
@@ -127,7 +133,7 @@ def information(recording: xarray.Dataset, windows: xarray.Dataset, path: Path, 
     time = windows["time"].values
     families: dict[str, int] = {}
     for state in windows["state"].values:
-        # A colour a kind of state, a dash an element of it.
+        # One colour per kind of state, one dash pattern per element.
         family = str(state).partition("[")[0]
         color = _STATE_COLOURS[list(families).index(family) if family in families else len(families)]
         families[family] = families.get(family, -1) + 1

@@ -1,4 +1,4 @@
-"""Figures over a campaign: the friction of its scenarios, the adhesion that was used, the distances."""
+"""Figures of a campaign: the friction of its scenarios, the used adhesion, the distances."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -41,20 +41,20 @@ _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 _STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
 
 _MOST_COLUMNS = 8
-"""Groups side by side whose panels are still wide enough to read; those of a longer train follow below."""
+"""Maximum number of groups side by side, so that panels stay readable; those of a longer train follow below."""
 
 _MOST_BARS = 9
-"""Scenarios side by side, whose bars still have room for a number."""
+"""Maximum number of scenarios side by side, so that a number fits on each bar."""
 
 
 def friction_figure(stops: Sequence[Result]) -> Figure:
-    """Return the maximum friction over time, a panel for each scenario.
+    """Return a figure of the maximum friction over time, with a panel for each scenario.
 
-    Of a scenario with one rail every wheelset is drawn, of one with several rails the leading wheelset on each of them.
-    Source of the form: Schwarz, Posielek and Goetjes, Fig. 3.
+    For a scenario with one rail every wheelset is drawn, with several rails the leading wheelset on each of them.
+    Source of the layout: Schwarz, Posielek and Goetjes, Fig. 3.
 
     Args:
-        stops: Those drawn are the longest on each rail.
+        stops: Stops, of which the longest on each rail is drawn.
     """
     scenarios = _rails(stops)
     drawing = style.figure(9, sum(2.4 if len(rails) == 1 else 3.4 for rails in scenarios.values()))
@@ -88,7 +88,7 @@ def draw_wheelsets(panel: Axes, time: np.ndarray, mu0: np.ndarray) -> None:
 
 
 def _rails(stops: Sequence[Result]) -> dict[str, dict[str, Result]]:
-    """Return scenario → name of the rail → longest stop on it; rails are named by the variants that they alone have."""
+    """Return scenario → name of the rail → longest stop on it; rails are named by the variants that only they have."""
     rails: dict[str, dict[str, list[Result]]] = {}
     for stop in stops:
         scenario = stop.record.scenario
@@ -103,7 +103,10 @@ def _rails(stops: Sequence[Result]) -> dict[str, dict[str, Result]]:
 
 
 def _rail(adhesion: Mapping[str, Any]) -> str:
-    """Return what friction depends on: everything but the creep curves, and the level that was calibrated for one."""
+    """Return the keys that determine friction, as text.
+
+    Without the creep curves, except for the level calibrated for one.
+    """
     level = adhesion.get("calibrated", {}).get(adhesion["polach"].get("name"), 1.0)
     patches = [{key: patch[key] for key in patch if key != "polach"} for patch in adhesion.get("patch", ())]
     rest = {key: adhesion[key] for key in adhesion if not key.startswith(("polach", "calibrated"))}
@@ -111,7 +114,7 @@ def _rail(adhesion: Mapping[str, Any]) -> str:
 
 
 def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
-    """Return the variants of the axes of which no other rail has one of these."""
+    """Return the variants that distinguish the stops on a rail from those on all other rails."""
     parts: list[str] = []
     for axis in here[0].variants:
         here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
@@ -123,9 +126,10 @@ def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
 
 
 def adhesion_figure(sbc: Result, abc: Result) -> Figure:
-    """Return the adhesion of the first wheelset: SBC, ABC, estimated, and the greatest possible in both stops.
+    """Return a figure of the adhesion of the first wheelset: with SBC and ABC, estimated, and the maximum in both
+    stops.
 
-    Source of the form: Schwarz, Posielek and Goetjes, Fig. 4.
+    Source of the layout: Schwarz, Posielek and Goetjes, Fig. 4.
     """
     slide, seek = sbc.record.trace(), abc.record.trace()
     drawing, panel = style.panels(10, 4.8)
@@ -153,9 +157,10 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
 
 
 def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float) -> None:
-    """Draw adhesion of the first wheelset and the greatest possible in a stop with SBC and one with ABC, and the limit.
+    """Draw adhesion of the first wheelset and its maximum in a stop with SBC and one with ABC, and the operator's
+    limit.
 
-    The greatest possible is that of the rail at the speed of each stop, before the operator's limit.
+    The maximum is that of the rail at the speed of each stop, before the operator's limit.
     """
     colours = ((palette.BLUE, palette.GREY), (palette.ORANGE, palette.BLACK))
     for (name, trace), (colour, _) in zip(traces.items(), colours, strict=True):
@@ -165,16 +170,16 @@ def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: floa
             continue  # a plant that does not output its brakes has no bound
         greatest = trace["peak_adhesion"].values[:, 0]
         name = f"greatest possible, {name.partition(',')[0]}"
-        # Wide and below, so that adhesion that has reached it is seen on it.
+        # Wide and in the background, so that adhesion that has reached it stays visible.
         panel.plot(trace["time"].values, greatest, color=colour, linewidth=2.6, label=name, zorder=1.5)
     panel.axhline(limit, color=palette.VERMILION, linewidth=1.0, linestyle="--", label=f"limit {limit:g}")
     panel.set_xlim(0, max(float(trace["time"].values[-1]) for trace in traces.values()))
 
 
 def distance_figure(rows: Sequence[Row]) -> Figure:
-    """Return the braking distances of each scenario and controller, with the published ones as marks.
+    """Return a figure of the braking distances of each scenario and controller, with the published ones as marks.
 
-    A bar for each where a bar has room for its number, else a line for each case, else the distribution over the
+    A bar for each distance if its number fits on the bar, else a line for each case, else the distribution over the
     cases of a scenario.
     """
     cases = len({row.label for row in rows})
@@ -225,7 +230,7 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
 
 
 def _bar_colours(rows: Sequence[Row]) -> dict[str, str]:
-    """Return name of each controller → colour: that of its kind, lighter for each further one of the kind."""
+    """Return name of each controller → colour: that of its kind, lighter for each further one of the same kind."""
     kinds = {row.controller_label: row.controller for row in rows}
     order = [*_CONTROLLER_COLOURS, *dict.fromkeys(kinds.values())]
     colours: dict[str, str] = {}
@@ -241,13 +246,13 @@ def stop_figure(stop: Result) -> Figure:
 
 
 def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
-    """Return what an engineer asks of one stop: a column for each group, rows from speed to pressure.
+    """Return the figure of one stop: a column for each group, rows from speed to pressure.
 
-    A train of many groups goes on below, in bands with the same axes.
+    A train of many groups continues below, in bands with the same axes.
 
-    Speeds of train and wheelset; slip and the slip of greatest adhesion; adhesion with its estimate ±2σ and the
-    greatest possible; the same of the pad friction; cylinder pressure. What a plant from outside hides, and nobody
-    estimates, has no row.
+    The rows are speeds of train and wheelset; slip and the slip of maximum adhesion; adhesion with its estimate ±2σ and
+    the maximum; the same for the pad friction; cylinder pressure. Signals that a foreign plant does not output, and
+    that are not estimated, have no row.
     """
     metrics, time = stop.record.metrics, trace["time"].values
     rows = {
@@ -269,7 +274,7 @@ def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
             if panel.get_subplotspec().is_first_col():
                 panel.set_ylabel(quantity)
         if quantity in _FROM_ZERO:
-            # The limits of a panel stay where they were once set: not before all are drawn.
+            # Setting the limits of a panel freezes them, so this comes after all lines.
             top = max(panel.get_ylim()[1] for panel in row)
             for panel in row:
                 panel.set_ylim(0, top)
@@ -293,7 +298,7 @@ def signals_figure(stop: Result, trace: xarray.Dataset) -> Figure:
 
 
 def _distance(record: StopRecord) -> str:
-    """Return the braking distance, for people; the distance travelled where there is none."""
+    """Return the braking distance for readers; the distance travelled if the train did not stop."""
     if record.braking_distance is None:
         return f"no standstill: {record.metrics.distance_travelled:.1f} m travelled"
     return f"{record.braking_distance:.1f} m"
@@ -304,7 +309,7 @@ def _wide(groups: int) -> int:
 
 
 def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
-    """Return a figure and its panels, shape (rows, groups), in as many bands as their width wants."""
+    """Return a figure and its panels, shape (rows, groups), in as many bands as their width requires."""
     bands = ceil(groups / _MOST_COLUMNS)
     wide = _wide(groups)
     above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches
@@ -324,7 +329,7 @@ def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
 
 
 def _title(stop: Result) -> str:
-    """Return the name of a scenario; of a random rail the seed, too, for it is one draw of many."""
+    """Return the name of a scenario, for a random rail with its seed, since it is one draw of many."""
     scenario = stop.record.scenario
     name = scenario["name"].replace("_", " ")
     return f"{name}, seed {scenario['seed']}" if scenario["adhesion"]["kind"] == "random" else name
@@ -347,7 +352,7 @@ def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group
     if _has_values(trace, "peak_slip"):
         best = 100 * trace["peak_slip"].values[:, group]
         panel.plot(time, best, color=palette.BLACK, linewidth=1.2, label="of greatest adhesion")
-    # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
+    # The optimum slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis resolves both.
     panel.set_yscale("log")
     panel.set_ylim(0.1, 120)
     panel.set_yticks([0.1, 1, 10, 100], ["0.1", "1", "10", "100"])
@@ -355,7 +360,7 @@ def _draw_slip(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group
 
 
 def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
-    # A plant that does not show its brakes has no bound.
+    # A plant that does not output its brakes has no bound.
     if _has_values(trace, "peak_adhesion"):
         best = trace["peak_adhesion"].values[:, group]
         panel.plot(time, best, color=palette.BLACK, linewidth=1.2, label="greatest possible")
@@ -364,7 +369,7 @@ def _draw_adhesion(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, g
 
 def _draw_friction(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, group: int) -> None:
     _draw_truth_and_estimate(panel, time, trace, "pad_friction", "estimate_pad_friction", group)
-    # The belief before the first brake application may be wide open; it must not squeeze what follows.
+    # The estimate before the first brake application may be very uncertain; it must not determine the scale.
     panel.set_ylim(0.2, 0.6)
 
 

@@ -1,4 +1,4 @@
-"""The result of a campaign in a few sentences; a controller or variant that breaks a clause is not recommended."""
+"""Summarise a campaign in a few sentences; a controller or variant that breaks a clause is not recommended."""
 
 import statistics
 from collections.abc import Sequence
@@ -17,9 +17,9 @@ class _Candidate:
     """A controller, or a variant under some conditions.
 
     Attributes:
-        name: For the sentence.
-        change: Median of its distance over that of the reference, less 1.
-        text: The change with its range or interval, and of how many stops.
+        name: Name for the sentence.
+        change: Median of its distance over that of the reference, minus 1.
+        text: The change with its range or interval, and the number of stops.
         stops: Its stops.
     """
 
@@ -36,13 +36,13 @@ class _Candidate:
 
 
 def headline(rows: Sequence[Row], reference: Reference | None = None, changes: Sequence[Change] = ()) -> str:
-    """Return which controller, or which variant, shortens the distance most without breaking a clause.
+    """Return a summary with the controller, or variant, that shortens the distance most without breaking a clause.
 
     Args:
-        rows: Of a campaign.
+        rows: Rows of a campaign.
         reference: The variant that others are compared with; without it, controllers are compared with the published
             slip-based control.
-        changes: Of the other variants.
+        changes: Changes of the other variants.
     """
     stood = sum(row.distance_m is not None for row in rows)
     count = f"{stood} of {len(rows)} stops come to a standstill."
@@ -111,7 +111,7 @@ def _variants(changes: Sequence[Change]) -> list[_Candidate]:
 
 
 def _breaks(candidate: _Candidate) -> str:
-    """Return the clauses that a candidate breaks, and in how many of its stops."""
+    """Return the clauses that a candidate breaks, with the number of its stops."""
     count = len(candidate.stops)
     return ", ".join(
         f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops" for clause, broken in candidate.broken.items()

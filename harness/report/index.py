@@ -1,4 +1,4 @@
-"""A report to open in a browser: one self-contained page of table, figures and definitions, made of result files."""
+"""Write the report of results: one self-contained page of table, figures and definitions for a browser."""
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
@@ -39,7 +39,7 @@ _LEGEND: Mapping[str, Callable[[Row], object]] = {
     "and a true adhesion or pad friction outside of ±2σ of its estimate for 5 % of the time; of all groups the largest "
     "share is shown. With more, estimates are less certain than the filter says.": lambda row: row.outside,
 }
-"""Sentences on the columns of a campaign, each with what a row has if it needs the sentence."""
+"""Sentences on the columns of a campaign → function of a row that returns whether it needs the sentence."""
 
 Notify = Callable[[str], None]
 
@@ -53,19 +53,19 @@ def write_report(
     formats: Sequence[str] = FORMATS[:1],
     against: str | None = None,
 ) -> Path:
-    """Write index.html, and for a campaign table, figures and the pages of its stops; return the page.
+    """Write index.html, and for a campaign table, figures and the pages of its stops; return the path of the page.
 
     Args:
-        directory: Of a campaign (campaign.json) or a single stop (stop.json).
-        panels: Which stops of a campaign get a page with their panels: all that have samples, those with
-            adhesion-based control, none. Without them, the adhesion of ABC beside SBC is not drawn either.
-        notify: Called with the name of what is drawn next.
+        directory: Folder of a campaign (campaign.json) or of a single stop (stop.json).
+        panels: Stops of a campaign that get a page with panels: all that have samples, those with adhesion-based
+            control, or none. With none, the figure of ABC and SBC is omitted as well.
+        notify: Called with the name of the next figure.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
-        formats: Of the figures beside the pages.
+        formats: Formats of the figure files.
         against: Variant of a campaign with which the others of its axis are compared in pairs; see `Reference.named`.
 
     Raises:
-        RecordError: The folder has neither, or a result is unreadable.
+        RecordError: The folder has neither file, or a result is unreadable.
         InputError: The campaign has no variant `against`, or the folder is that of a stop.
     """
     if (directory / CAMPAIGN_FILE).exists():
@@ -89,7 +89,7 @@ def write_report(
 
 
 def reference_of(results: Results, against: str | None) -> Reference | None:
-    """Find the variant of a campaign that a user has named; None if none was named.
+    """Find the variant of a campaign that a user has named; None without a name.
 
     Raises:
         InputError: See `Reference.named`.
@@ -106,7 +106,7 @@ def _with_stops(
     notes: Sequence[str],
     reference: Reference | None,
 ) -> Page:
-    """Write the table of a campaign and the pages of its stops; return its own page."""
+    """Write the table of a campaign and the pages of its stops; return the page of the campaign."""
     notify("table")
     write_table(results, directory, notes)
     single = [stop for stop in results.stops if DRAW not in stop.variants]
@@ -135,11 +135,11 @@ def campaign_page(
     """Return the page of a campaign.
 
     Args:
-        results: Of its stops.
+        results: Results of its stops.
         notes: Sentences below the tables.
         pages: Name of a stop → address of its page.
         pairs: Stops with SBC and with ABC whose adhesion is drawn.
-        notify: Called with the name of what is drawn next.
+        notify: Called with the name of the next figure.
         reference: Variant with which the others of its axis are compared.
     """
     rows = rows_of(results)
@@ -189,7 +189,6 @@ def campaign_page(
 
 
 def _legend(rows: Sequence[Row]) -> list[str]:
-    """Return the sentences on the columns that a campaign has."""
     sentences = [text for text, needs in _LEGEND.items() if any(map(needs, rows))]
     if any(row.breaks for row in rows):
         sentences.append(
@@ -200,7 +199,7 @@ def _legend(rows: Sequence[Row]) -> list[str]:
 
 
 def _scenarios(stops: Sequence[Result]) -> Table:
-    """Return what the rails are called, what they are, and with which seeds they were drawn."""
+    """Return names and kinds of the rails, and the seeds that they were drawn with."""
     of_name: dict[str, list[Result]] = {}
     for stop in stops:
         of_name.setdefault(stop.record.scenario["name"], []).append(stop)
@@ -223,12 +222,12 @@ def _scenarios(stops: Sequence[Result]) -> Table:
 
 
 def _train(vehicle: Mapping[str, Any]) -> str:
-    """Return what the plant of a stop is made of, as its scenario names it."""
+    """Return the source of a stop's plant, as its scenario names it."""
     return str(next(vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)))
 
 
 def _provenance(results: Results) -> dict[str, str]:
-    """Return versions that the stops were run with, the digest of all scenarios and results, and when they ran."""
+    """Return versions that the stops were run with, a digest of scenarios and results, and the dates of the runs."""
     versions: dict[str, set[str]] = {}
     for stop in results.stops:
         for name, version in stop.record.versions.items():
@@ -243,7 +242,7 @@ def _provenance(results: Results) -> dict[str, str]:
 
 
 def _pairs(stops: Sequence[Result]) -> list[tuple[Result, Result]]:
-    """Return the stops with ABC, each with the SBC stop that differs in nothing but the controller."""
+    """Return the stops with ABC, each with the SBC stop that differs only in the controller."""
     others = {_but_controller(stop): stop for stop in stops if is_published(stop.record.scenario["controller"])}
     return [
         (others[_but_controller(stop)], stop)

@@ -1,4 +1,4 @@
-"""A figure of matplotlib as one of Plotly: drawn once, printed in papers, zoomed and read off on a page.
+"""Convert a matplotlib figure to Plotly, so that one drawing serves paper and interactive pages.
 
 Plotly's own converter, `plotly.tools.mpl_to_plotly`, drops shaded bands, bars, annotations and shared axes.
 """
@@ -26,10 +26,10 @@ Plot = dict[str, Any]
 """`data` and `layout` of plotly.js."""
 
 _PIXELS = 105.0
-"""Of an inch of a figure, so that letters of 8 to 11 points are as large as the text of a page."""
+"""Pixels per inch of a figure, so that letters of 8 to 11 points are as large as the text of a page."""
 
 _BAR = 26
-"""Above the figure, for the buttons of plotly.js."""
+"""Height above the figure for the buttons of plotly.js."""
 
 _DASHES = {"-": "solid", "--": "dash", ":": "dot", "-.": "dashdot"}
 _SHAPES = {"steps-post": "hv", "steps": "vh", "steps-pre": "vh", "steps-mid": "hvh"}
@@ -43,7 +43,7 @@ def interactive(drawing: Figure) -> Plot:
     """Return lines, areas, bars, images, texts, scales and legends of a figure for plotly.js.
 
     Raises:
-        TypeError: The figure has an artist or a formula that has no form here; on the page it would be missing.
+        TypeError: The figure has an artist or a formula that cannot be converted; the page would lack it.
     """
     drawing.draw_without_rendering()  # lays out panels, ticks and legends
     plot = _Plot()
@@ -79,7 +79,7 @@ def interactive(drawing: Figure) -> Plot:
 
 @dataclass(slots=True)
 class _Plot:
-    """What a figure has become so far."""
+    """The converted part of a figure."""
 
     data: list[Plot] = field(default_factory=list[Plot])
     layout: Plot = field(default_factory=dict[str, Any])
@@ -87,7 +87,6 @@ class _Plot:
     panels: list[Axes] = field(default_factory=list[Axes])
 
     def add(self, axes: Axes) -> None:
-        """Add a panel."""
         self.panels.append(axes)
         number = len(self.panels)
         box = axes.get_position()
@@ -100,7 +99,7 @@ class _Plot:
             first = next(k for k, panel in enumerate(self.panels, 1) if panel in siblings)
             axis |= {"matches": f"{letter}{_index(first)}"} if first < number else {}
             if below is not None:
-                # Ticks of its own: Plotly would put them where those below are, at numbers that are not round.
+                # Separate ticks: Plotly would place them at the ticks below, which are not round numbers here.
                 axis |= {"overlaying": f"{letter}{_index(below)}", "showgrid": False}
                 axis |= {"side": "right", "tickmode": axis.get("tickmode", "auto")} if letter == "y" else {}
             self.layout[f"{letter}axis{_index(number)}"] = axis
@@ -124,14 +123,14 @@ class _Plot:
             self.add_legend(legend, names)
 
     def add_legend(self, legend: Legend, names: dict[str, Plot]) -> None:
-        """Add a legend where it stands; what it names that is no trace is drawn in the legend alone."""
+        """Add a legend at its place; entries without a trace are drawn in the legend only."""
         number = 1 + sum(key.startswith("legend") for key in self.layout)
         key = f"legend{_index(number)}"
         box = legend.get_window_extent().transformed(cast(Figure, legend.get_figure(root=True)).transFigure.inverted())
         rows = len({round(text.get_window_extent().y0) for text in legend.get_texts()})
-        # Plotly puts a legend that lies across into as few rows as the figure, not its panel, is wide.
+        # Plotly breaks a horizontal legend by the width of the figure, not of its panel.
         is_wide = rows == 1 < len(legend.get_texts()) or (rows < len(legend.get_texts()) and box.width > 0.5)
-        # It may be taller than in the figure: it grows away from the nearest side of its panel, or of the figure.
+        # It may be taller than in the figure, so it grows away from the nearest side of its panel, or of the figure.
         middle, panel = (box.y0 + box.y1) / 2, legend.axes.get_position() if legend.axes else Bbox.unit()
         low, high = (panel.y0, panel.y1) if panel.y0 < middle < panel.y1 else (0.0, 1.0)
         edge, y = ("bottom", box.y0) if middle < (low + high) / 2 else ("top", box.y1)
@@ -156,13 +155,13 @@ def _index(number: int) -> str:
 
 
 def _plain(text: str) -> str:
-    # plotly.js takes some HTML in texts, links among it.
+    # plotly.js interprets some HTML in texts, such as links.
     safe = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
     return re.sub(r"\$([^$]*)\$", _formula, safe).replace("\n", "<br>")
 
 
 def _formula(match: re.Match[str]) -> str:
-    """Return a formula of TeX in HTML as far as figures of pages need it: symbols, indices, exponents, a fraction."""
+    """Return a TeX formula as HTML, as far as the figures require: symbols, indices, exponents, a fraction."""
     formula = re.sub(r"\\frac\{(.*?)\}\{(.*)\}", r"\1 / (\2)", match[1])
     for name, symbol in _SYMBOLS.items():
         formula = formula.replace(name, symbol)
@@ -179,7 +178,7 @@ def _note(text: str, x: float, y: float, across: str, along: str, size: float) -
 
 
 def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
-    """Return scale, limits, label and grid of an axis; its ticks where the figure names them."""
+    """Return scale, limits, label and grid of an axis, with its ticks if the figure labels them."""
     axis = axes.xaxis if letter == "x" else axes.yaxis
     is_log = axis.get_scale() == "log"
     limits = axes.get_xlim() if letter == "x" else axes.get_ylim()
@@ -201,14 +200,14 @@ def _axis(axes: Axes, letter: str, domain: Sequence[float]) -> Plot:
     }
     if len(places) == len(texts) and type(axis.get_major_formatter()).__name__ in ("FixedFormatter", "FuncFormatter"):
         plot |= {"tickvals": [float(place) for place in places], "ticktext": [_plain(text) for text in texts]}
-        plot["tickangle"] = 0  # as in the figure, which has left no room for other angles
+        plot["tickangle"] = 0  # as in the figure, which has no room for other angles
     if letter == "y" and axes.get_aspect() == 1.0:
         plot |= {"scaleanchor": "x", "scaleratio": 1}
     return plot
 
 
 def _traces(axes: Axes) -> Iterator[Plot]:
-    """Yield what is drawn in a panel, from the back to the front, each with its `label`."""
+    """Yield the artists of a panel as traces, from the back to the front, each with its `label`."""
     bars = [container for container in axes.containers if isinstance(container, BarContainer)]
     in_bars = {id(patch) for container in bars for patch in container.patches}
     for image in axes.images:
@@ -233,7 +232,7 @@ def _traces(axes: Axes) -> Iterator[Plot]:
 
 
 def _in_data(shapes: Sequence[Any], axes: Axes) -> list[np.ndarray]:
-    """Return points on the drawing, shape (n, 2) each, in the units of the axes."""
+    """Convert display points, shape (n, 2) each, to the units of the axes."""
     return [axes.transData.inverted().transform(np.asarray(points, float)) for points in shapes if len(points)]
 
 
@@ -259,7 +258,7 @@ def _style(line: Line2D) -> Plot:
 
 
 def _area(corners: Sequence[np.ndarray], face: Any, edge: Any, width: float) -> Plot:
-    """Return polygons of one colour; a gap stands between two."""
+    """Return polygons of one colour, separated by gaps."""
     gap = np.full((1, 2), np.nan)
     points = np.vstack([part for corner in corners for part in (corner, gap)]) if corners else gap
     return {"type": "scatter", "mode": "lines", "fill": "toself", "x": array(points[:, 0]), "y": array(points[:, 1]),
@@ -335,7 +334,7 @@ def _text(text: Text, axes: Axes, place: Plot) -> Plot:
         1.2 * float(text.get_fontsize()),
     )
     note |= {"xref": f"{place['xaxis']} domain", "yref": f"{place['yaxis']} domain"}
-    if is_inside and text.get_transform() != axes.transAxes:  # moves with what it names
+    if is_inside and text.get_transform() != axes.transAxes:  # moves with the point that it names
         x, y = transform.transform(point)
         note |= {"xref": place["xaxis"], "yref": place["yaxis"]}
         note |= {"x": float(np.log10(x) if axes.get_xscale() == "log" else x)}

@@ -1,4 +1,4 @@
-"""Tables that commands write between two marks of a page, so that its numbers agree with the results.
+"""Write tables between two marks of a page, so that its numbers agree with the results.
 
 A page encloses a table by the lines `<!-- NAME: written by `COMMAND` -->` and `<!-- end -->`.
 """
@@ -23,12 +23,12 @@ def names_in(text: str) -> list[str]:
 def with_tables(text: str, tables: Mapping[str, Table | str]) -> str:
     """Return the text of a page with these tables between their marks.
 
-    Args:
-        text: Of the page.
+    text: Text of the page.
+        tables: Tables by name.
         tables: By name.
 
     Raises:
-        RecordError: The page lacks one of the marks; the sentence begins with a verb.
+        RecordError: The page lacks one of the marks; the message begins with a verb.
     """
     for name, table in tables.items():
         mark = re.compile(rf"^<!-- {re.escape(name)}: written by `[^`\n]+` -->$", re.MULTILINE).search(text)
@@ -58,7 +58,7 @@ def page_text(path: Path) -> str:
     """Return the text of a page.
 
     Raises:
-        RecordError: It cannot be read.
+        RecordError: The page cannot be read.
     """
     try:
         return read_text(path)

@@ -31,28 +31,28 @@ _ROOT = Path(__file__).parents[1]
 Kind = Literal["html", "markdown", "plain"]
 
 FORMATS = ("png", "svg", "pdf")
-"""Formats of figures beside a page."""
+"""Formats of figure files."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Page:
-    """What a stop, a campaign, a comparison or a study has to show.
+    """The content of a page: of a stop, a campaign, a comparison or a study.
 
     Attributes:
         title: Heading of the page.
-        question: In a sentence.
+        question: Question, one sentence.
         answer: The result, in two sentences.
-        template: Path in this package of the text that follows, Markdown, `*.md.jinja`. It shows each figure but the
-            first as `![caption]({{ figures["name.png"] }})`, and tables as they are.
-        values: What the template names.
-        figures: File name → figure; the first one decides the question and stands below the answer.
+        template: Path in this package of the Markdown text that follows, `*.md.jinja`. It includes each figure except
+            the first as `![caption]({{ figures["name.png"] }})`, and tables as variables.
+        values: Variables of the template.
+        figures: File name → figure; the first one answers the question and is placed below the answer.
         plots: Name → `data` and `layout` of plotly.js, for figures that only the page has; they come before `figures`.
-        provenance: What the result rests on: versions, seeds, digests.
+        provenance: Basis of the results: versions, seeds, digests.
         tables: File name → table, as CSV.
         data: File name → content, as JSON.
-        files: File name → what writes it.
+        files: File name → function that writes it.
         screen: Tables and sentences for the terminal.
-        exit_code: What the command line answers with; 0 where no case failed.
+        exit_code: Exit code of the command line; 0 if no case failed.
     """
 
     title: str
@@ -70,14 +70,14 @@ class Page:
     exit_code: int = 0
 
     def write(self, folder: Path, formats: Sequence[str] = FORMATS[:1]) -> Path:
-        """Write index.html into a folder, and figures, tables and data beside it; return the page.
+        """Write index.html to a folder, with figures, tables and data as separate files; return the path of the page.
 
         Args:
-            folder: Is made.
-            formats: Of the figures beside the page, of `FORMATS`.
+            folder: Folder, created if necessary.
+            formats: Formats of the figure files, from `FORMATS`.
 
         Raises:
-            RecordError: Files of the user are in the way; nothing was written.
+            RecordError: Files of the user would be overwritten; nothing was written.
         """
         files = self.file_names(formats)
         claim(folder, *files)
@@ -97,7 +97,7 @@ class Page:
             write(folder / name)
         page = folder / "index.html"
         write_text(page, self._html(plots))
-        # Figures of an earlier page that this one does not show.
+        # Figures of an earlier page that this one does not have.
         discard(folder, {name for name in written(folder) if name.startswith("figures/")} - files)
         return page
 
@@ -129,10 +129,10 @@ class Page:
 
 
 def formats_of(text: str) -> list[str]:
-    """Return the formats of figures in a list with commas.
+    """Return the formats of figures in a comma-separated list.
 
     Raises:
-        InputError: One of them is none of `FORMATS`.
+        InputError: A format is not in `FORMATS`.
     """
     formats = [name.strip().lower() for name in text.split(",")]
     unknown = [name for name in formats if name not in FORMATS]
@@ -142,7 +142,7 @@ def formats_of(text: str) -> list[str]:
 
 
 def write_page(path: Path, template: str, **values: Any) -> Path:
-    """Write a text from a template of Markdown and return its path; see `rendered`."""
+    """Write a text from a Markdown template and return its path; see `rendered`."""
     write_text(path, rendered(template, **values))
     return path
 
@@ -151,8 +151,8 @@ def rendered(template: str, *, is_html: bool = False, **values: Any) -> str:
     """Return the text of a template; see `railgrip.report.escape` for texts in pages.
 
     Args:
-        template: Its path in this package, as "report/distances.md.jinja". Values of other templates than Markdown and
-            HTML are not escaped.
+        template: Its path in this package, as "report/distances.md.jinja". Values are escaped only in Markdown and HTML
+            templates.
         is_html: Whether the text becomes HTML: tables are then HTML, which Markdown may contain.
         values: Variables of the template.
     """
@@ -162,7 +162,10 @@ def rendered(template: str, *, is_html: bool = False, **values: Any) -> str:
 
 @cache
 def commit() -> str:
-    """Return the commit of the checkout that this package lies in, `-dirty` if files differ from it; "" elsewhere."""
+    """Return the commit of the checkout with this package, `-dirty` if files differ from it.
+
+    "" outside of a checkout.
+    """
     checkout = _ROOT.parent
     if not (checkout / ".git").exists():
         return ""
@@ -175,12 +178,12 @@ def commit() -> str:
             command, capture_output=True, encoding="utf-8", timeout=10, check=False, env=environment_of_programs()
         )
         return found.stdout.strip()
-    except (OSError, subprocess.TimeoutExpired):  # no git on this machine
+    except (OSError, subprocess.TimeoutExpired):  # git is not installed
         return ""
 
 
 def _html_of(markdown: str) -> str:
-    """Return Markdown as HTML; an image of a figure becomes the place where plotly.js draws it."""
+    """Return Markdown as HTML; an image of a figure becomes an element in which plotly.js draws it."""
     parser = MarkdownIt("commonmark", {"html": True}).enable("table")
 
     def plot(_: Any, tokens: Any, index: int, options: Any, environment: Any) -> str:
@@ -197,7 +200,7 @@ def _packed(content: bytes, level: int) -> str:
 
 @cache
 def _plotly() -> str:
-    """Return plotly.js, compressed to two of its five megabytes; the browser unpacks it."""
+    """Return plotly.js, compressed from five megabytes to two; the browser decompresses it."""
     return _packed((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes(), 9)
 
 

@@ -1,7 +1,7 @@
-"""Colours of all figures, on paper and on pages, without a library that draws.
+"""Colours of all figures, on paper and on pages, independent of a plotting library.
 
-The lines' colours were searched for distance under simulated colour blindness and for steps of lightness in grey;
-tests/report/test_palette.py says how much there is of both.
+The line colours were searched for distance under simulated colour blindness and for steps of lightness in grey;
+tests/report/test_palette.py checks minima of both.
 """
 
 BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
@@ -9,9 +9,9 @@ BLUE, ORANGE, GREEN, VERMILION, PURPLE, SKY, BLACK = (
 )  # fmt: skip
 GREY = "#767676"
 LINES = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
-"""In this order for lines that mean no certain thing."""
+"""Colours of lines without a fixed meaning, in this order."""
 DARK = {GREY, BLUE, VERMILION, PURPLE, BLACK}
-"""On these writing is white."""
+"""Colours on which text is white."""
 
 SHADES = ((253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 68, 135), (68, 1, 84))
 """From low, light, to high, dark, as red, green and blue; viridis of Smith and van der Walt (2015), reversed."""

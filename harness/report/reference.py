@@ -25,7 +25,7 @@ CONTROLLERS = {
     "ideal_bound": "ideal bound",
     "fmu": "FMU",
 }
-"""Kind of controller → name; with searched levels, the kind followed by the source of the slip."""
+"""Kind of controller → name; with searched levels, the kind is followed by the source of the slip."""
 
 PUBLISHED = (0.10, 0.15)
 """Slips at which SBC fills and vents; Schwarz, Posielek and Goetjes (2021), section 4."""
@@ -78,12 +78,12 @@ def references(
 ) -> list[tuple[_Stop | None, _Stop | None]]:
     """Return for each stop those with the published and with the best tuned SBC under the same conditions.
 
-    Conditions are the whole scenario but controller and estimator. The best tuned SBC is chosen for each setting.
+    Conditions are the whole scenario except controller and estimator. The best tuned SBC is chosen for each setting.
 
     Args:
-        stops: Of a campaign.
-        scenario: Returns the resolved scenario of a stop.
-        distance: Returns the braking distance of a stop [m], None without one.
+        stops: Stops of a campaign.
+        scenario: Function that returns the resolved scenario of a stop.
+        distance: Function that returns the braking distance of a stop [m], None without one.
     """
     scenarios = [scenario(stop) for stop in stops]
     conditions = [
@@ -102,11 +102,11 @@ def references(
             settings.setdefault(setting_of(resolved), {}).setdefault(law, []).append(number)
 
     def mean_logarithm(numbers: Sequence[int]) -> float:
-        """Return the mean ln(distance): each stop counts by the share of its distance that a law saves."""
+        """Return the mean ln(distance): each stop is weighted by its relative saving."""
         distances = [distance(stops[number]) for number in numbers]
         return sum(math.inf if metres is None else math.log(metres) for metres in distances) / len(numbers)
 
-    # One law for all stops of a setting, not the best for each stop: that one is not known before the stop.
+    # One law for all stops of a setting, not the best for each stop, which is not known before the stop.
     best = [number for laws in settings.values() for number in min(laws.values(), key=mean_logarithm)]
     tuned = {conditions[number]: stops[number] for number in best}
     return [(published.get(here), tuned.get(here)) for here in conditions]

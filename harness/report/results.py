@@ -1,4 +1,4 @@
-"""The results in the folder of a campaign as one value, and the compilers that made the FMUs of its stops."""
+"""Read the results in the folder of a campaign as one value, and the compilers of their FMUs."""
 
 import re
 from collections import Counter
@@ -59,11 +59,11 @@ class Result:
     """One stop of a campaign.
 
     Attributes:
-        name: Of the stop.
+        name: Name of the stop.
         variants: Axis → variant.
         record: Content of stop.json.
-        paper_distance: Published distance of this stop [m], if there is one.
-        conditioning: Repeats with slightly changed parameters, if there are some.
+        paper_distance: Published distance of this stop [m], or None.
+        conditioning: Repeats with slightly changed parameters, or None.
     """
 
     name: str
@@ -74,7 +74,7 @@ class Result:
 
     @property
     def repeats_of_this_stop(self) -> Repeated | None:
-        """Repeats, unless they are of a stop with another scenario or another distance."""
+        """Repeats, unless they belong to another scenario or another distance."""
         conditioning, record = self.conditioning, self.record
         return conditioning if conditioning and conditioning.belongs(record.digest, record.braking_distance) else None
 
@@ -85,7 +85,7 @@ class Results:
 
     Attributes:
         missing: Stops without a result, or with one of another scenario.
-        permitted_distance: That a stop may take [m]; None where the campaign says none.
+        permitted_distance: Maximum permitted distance of a stop [m], or None.
     """
 
     name: str
@@ -136,7 +136,7 @@ def read_campaign(directory: Path) -> StoredCampaign:
     """Return the content of the campaign.json in a folder.
 
     Raises:
-        FileNotFoundError: There is no such file.
+        FileNotFoundError: The file does not exist.
         RecordError: The file is not the description of a campaign.
     """
     try:
@@ -163,16 +163,16 @@ def require_campaign(directory: Path, name: str) -> None:
 
 
 OURS = "railgrip"
-"""How the built-in compiler's name begins, in FMUs and results."""
+"""Prefix of the built-in compiler's name in FMUs and results."""
 
 
 def makers(versions: Mapping[str, str]) -> dict[str, str]:
-    """Return FMU → tool that made it, of the versions in a result."""
+    """Return FMU → tool that made it, from the versions in a result."""
     return {name: tool for name, tool in versions.items() if name.endswith(".fmu")}
 
 
 def by_compiler(stops: Sequence[Result]) -> list[str]:
-    """Return a sentence for each tool that made FMUs of these stops, ours or another."""
+    """Return a sentence for each tool, built-in or not, that made FMUs of these stops."""
     fmus: dict[str, set[str]] = {}
     for stop in stops:
         for name, tool in makers(stop.record.versions).items():
@@ -181,7 +181,7 @@ def by_compiler(stops: Sequence[Result]) -> list[str]:
 
 
 def from_elsewhere(stops: Sequence[Result]) -> list[str]:
-    """Return a sentence for each FMU that another compiler than ours made; none when all are ours."""
+    """Return a sentence for each FMU that the built-in compiler did not make."""
     counts = Counter(pair for stop in stops for pair in makers(stop.record.versions).items())
     return [
         f"{name} was made by {tool or 'an unnamed tool'} in {count} of {len(stops)} stops."
@@ -191,7 +191,7 @@ def from_elsewhere(stops: Sequence[Result]) -> list[str]:
 
 
 def provenance(record: StopRecord) -> dict[str, str]:
-    """Return seed, digests, versions and FMUs of a result, and when it was written."""
+    """Return seed, digests, versions and FMUs of a result, and its date."""
     path = record.directory / STOP_FILE
     written = datetime.fromtimestamp(path.stat().st_mtime, UTC).strftime("%Y-%m-%d %H:%M UTC") if path.exists() else ""
     return {

@@ -10,7 +10,7 @@ class Conditions:
     """Scenario, equipment and controller of a stop.
 
     Attributes:
-        case: Variants of the axes that no column shows; most often empty.
+        case: Variants of the axes that have no column; usually empty.
         polach: Names of the creep curves.
         controller: Kind of the law.
         controller_label: Name of the controller for readers, with thresholds.
@@ -49,22 +49,22 @@ class Row(Conditions):
         friction: Maximum friction of a constant rail and of its patches, as text; empty for other rails.
         draw: Seed of a stop that is one draw of a distribution.
         reference: Whether the stop is that of the published or of the best tuned SBC, with which others are compared.
-        distance_m: None without standstill.
-        repeated: Median and range of the distance if parameters of the plant change in the seventh digit, and with
-            other lots of sensors, as text.
-        reduction_vs_sbc: 1 − distance over that of the published SBC in the same conditions; None without either.
+        distance_m: Braking distance; None without standstill.
+        repeated: Text with median and range of the distance under perturbations of the plant's parameters in the
+            seventh digit, and with other lots of sensors.
+        reduction_vs_sbc: 1 − distance over that of the published SBC in the same conditions; None if one is missing.
         reduction_vs_tuned: The same against the best tuned SBC.
-        utilisation: Share of the adhesion that the ideal bound uses; None for a stop that has no such bound.
+        utilisation: Share of the ideal bound's adhesion that the stop uses; None without the bound.
         paper_distance_m: Published distance; None without one.
         paper_reduction: Published reduction against the published SBC.
-        outcome: How the stop ended.
+        outcome: Outcome of the stop.
         breaks: Clauses that the stop breaks; see `railgrip.report.limits`.
         adhesion_peak: Greatest adhesion of any group.
-        longest_lock_s: Of any ω-group.
-        valve_strokes: Of all groups; None without valves.
+        longest_lock_s: Longest lock of any ω-group.
+        valve_strokes: Strokes of all valves; None without valves.
         air_l: Free air used, litres; None with ideal actuation and for a stop without a brake.
         nis: Median squared innovation of the estimator over the expected one; None without an estimator.
-        outside: Largest share of time in which a true adhesion or pad friction was outside ±2σ of the estimate; None
+        outside: Maximum share of time in which a true adhesion or pad friction was outside ±2σ of the estimate; None
             without an estimator.
         stop: Name of the stop in the campaign.
     """
@@ -92,9 +92,10 @@ class Row(Conditions):
 
 
 def short_names(rows: Iterable[Row]) -> tuple[str, dict[str, str]]:
-    """Return what differs between the cases of rows: names of the axes, and label of a row → its variants, a line each.
+    """Return the names of the axes that distinguish cases, and label of a row → its variants on these axes, one per
+    line.
 
-    Scenario and axes that are equal in all rows are left out, unless there is only one case.
+    Scenario and axes that are equal in all rows are omitted, unless there is only one case.
     """
     parts = {row.label: [f"scenario {row.scenario}", *filter(None, row.case.split(", "))] for row in rows}
     columns = list(zip(*parts.values(), strict=False))

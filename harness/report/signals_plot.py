@@ -1,4 +1,4 @@
-"""The signals of a stop as a figure of a page: every wheelset, and the train with its axles at a cursor."""
+"""The signals of a stop as an interactive figure: every wheelset, and the train with its axles at a cursor."""
 
 import base64
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,7 +14,7 @@ from railgrip.report.palette import BLACK, SHADES, lead_to_trail
 from railgrip.trace.recorder import formation_in
 
 _POINTS = 250_000
-"""In all lines; a browser draws more than that too slowly."""
+"""Maximum number of points in all lines; with more a browser becomes too slow."""
 
 _PANEL = 140
 _GAP = 0.25  # between panels, of the height of one
@@ -24,11 +24,11 @@ _Values = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class _Line:
-    """A line of a panel: of a wheelset, or of the train.
+    """A line of a panel, for a wheelset or the train.
 
     Attributes:
-        name: In the legend, which shows and hides all lines of that name.
-        wheelset: Zero-based; None for the train.
+        name: Name in the legend, which toggles all lines with that name.
+        wheelset: Zero-based number; None for the train.
     """
 
     name: str
@@ -46,8 +46,8 @@ class _Panel:
 
 
 def array(values: ArrayLike) -> dict[str, str]:
-    """Return numbers as plotly.js reads them from a page, with the seven digits that a screen can show."""
-    with np.errstate(over="ignore"):  # what has run away is infinite
+    """Return numbers in plotly.js's binary format, with seven digits, the resolution of a screen."""
+    with np.errstate(over="ignore"):  # a diverged value is infinite
         numbers = np.ascontiguousarray(np.ravel(values), dtype="<f4")
     return {"dtype": "f4", "bdata": base64.b64encode(numbers.tobytes()).decode()}
 
@@ -55,8 +55,8 @@ def array(values: ArrayLike) -> dict[str, str]:
 def signals_plot(trace: xarray.Dataset) -> dict[str, Any]:
     """Return panels of speed, slip, adhesion, friction and pressure over time or distance, a line for each wheelset.
 
-    Signals that a plant hides and no filter estimates have no panel. Of a long train only each n-th sample is
-    drawn; trace.nc has all.
+    Signals that a plant does not output and that are not estimated have no panel. For a long train only each n-th
+    sample is drawn; trace.nc has all.
     """
     panels = [panel for panel in _panels(trace) if panel.lines]
     count = sum(len(panel.lines) for panel in panels)
@@ -119,7 +119,7 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
     first = [int(np.argmax(group == number)) for number in range(trace.sizes["group"])]
 
     def of_wheelset(name: str, factor: float = 1.0) -> list[_Line]:
-        """Return a line for each wheelset, also of what a group has one value of."""
+        """Return a line for each wheelset, also for signals with one value per group."""
         if not _has(trace, name):
             return []
         values = factor * trace[name].values
@@ -133,7 +133,7 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
         return [_Line(text, values[:, g], first[g], dash, shown) for g in range(values.shape[1])]
 
     def claimed(name: str) -> list[_Line]:
-        """Return an estimate with twice its standard deviation to either side."""
+        """Return an estimate with twice its standard deviation on either side."""
         if not _has(trace, f"{name}_sd"):
             return of_group(name, "estimated", "dot")
         mean, spread = trace[name].values, 2 * trace[f"{name}_sd"].values
@@ -145,7 +145,7 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
     wheels = [_Line(f"wheelset {k + 1}", speed * (1 - trace["slip"].values[:, g]), k)
               for k, g in enumerate(group)] if _has(trace, "slip") else []  # fmt: skip
     yield _Panel("speed [km/h]", [_Line("train", speed), *wheels], {"rangemode": "tozero"})
-    # The best slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis shows both.
+    # The optimum slip is 1 to 10 %, a locked wheel 100 %: only a logarithmic axis resolves both.
     slip_axis = {"type": "log", "range": [-1, 2.08], "tickvals": [0.1, 1, 10, 100]}
     best = of_group("peak_slip", "greatest possible adhesion", "dash", 100, shown=False)
     yield _Panel("slip [%]", [*of_wheelset("slip", 100), *best], slip_axis)
@@ -153,7 +153,7 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
     adhesion = [*of_wheelset("adhesion"), *peak, *claimed("estimate_adhesion")]
     yield _Panel("adhesion", adhesion, {"rangemode": "tozero"})
     yield _Panel("maximum friction μ<sub>0</sub>", of_wheelset("mu0"), {"rangemode": "tozero"})
-    # The belief before the first brake application may be wide open; it must not squeeze what follows.
+    # The estimate before the first brake application may be very uncertain; it must not determine the scale.
     pads = [*of_wheelset("pad_friction"), *claimed("estimate_pad_friction")]
     yield _Panel("pad friction", pads, {"range": [0.2, 0.6]})
     pressure = [*of_wheelset("cylinder_pressure", 1e-5), *of_group("demand", "demanded", "dash", 1e-5, shown=False)]
@@ -161,7 +161,7 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
 
 
 def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
-    """Return where the axles are, what colours them, and time and distance, which all lines are drawn over."""
+    """Return positions and colours of the axles, and time and distance, the axes of all lines."""
     group, wheelsets = formation_in(trace).group_of_wheelset, trace.sizes["wheelset"]
     signals: dict[str, Any] = {}
     for name, low, high, factor, unit in (("slip", 0.001, 1.0, 100, "%"), ("adhesion", 0.01, 0.2, 1, "")):
@@ -171,7 +171,7 @@ def _train(trace: xarray.Dataset, places: NDArray[np.intp]) -> dict[str, Any]:
             values = [array(column) for column in each.T]
             signals[name] = {"values": values, "low": low, "high": high, "unit": unit, "factor": factor,
                              "colours": SHADES}  # fmt: skip
-    # A plant from outside may not tell where its wheelsets are.
+    # A foreign plant may not declare the positions of its wheelsets.
     known = trace["wheelset_position"].values if "wheelset_position" in trace else 2.5 * np.arange(wheelsets)
     cars = trace["car_of_wheelset"].values if "car_of_wheelset" in trace else np.ones(wheelsets, dtype=int)
     return {

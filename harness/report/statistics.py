@@ -1,7 +1,7 @@
-"""Statistics of controllers over draws and cases; intervals hold 95 %.
+"""Statistics of controllers over draws and cases, with 95 % intervals.
 
-All controllers stop in the same draws or cases and are compared in each of them: how hard a draw is cancels out. A stop
-without standstill counts as an endless distance; it is never left out.
+All controllers stop in the same draws or cases and are compared in each of them, so that the difficulty of a draw
+cancels. A stop without standstill counts as an infinite distance; it is never omitted.
 """
 
 import math
@@ -23,26 +23,26 @@ def finite(value: float) -> float | None:
 
 
 def endless(distance: float | None) -> float:
-    """Return a distance, infinite where there is none."""
+    """Return a distance, infinite for None."""
     return math.inf if distance is None else distance
 
 
 def quantile(values: Sequence[float], share: float) -> float:
-    """Return the least of the values that at least this share of them does not exceed; NaN without a value.
+    """Return the smallest of the values that a share of them does not exceed; NaN without values.
 
-    It is not interpolated, so that infinite values keep their place.
+    It is not interpolated, so that infinite values are handled.
     """
     return float(np.quantile(values, share, method="inverted_cdf")) if len(values) else math.nan
 
 
 def relative_change(value: float, reference: float) -> float:
-    """Return own over reference less 1, and 0 where both are infinite."""
+    """Return value over reference minus 1, and 0 if both are infinite."""
     return 0.0 if math.isinf(value) and math.isinf(reference) else value / reference - 1.0
 
 
 def share_interval(count: int, of: int) -> tuple[float, float]:
     """Return the interval of a share; Clopper and Pearson, Biometrika 26 (1934)."""
-    # scipy's stubs lack what its documentation promises, here and below.
+    # scipy's stubs lack attributes that its documentation has, here and below.
     interval = cast("Any", stats.binomtest(count, of).proportion_ci(CONFIDENCE, method="exact"))
     return float(interval.low), float(interval.high)
 
@@ -71,6 +71,6 @@ def quantile_interval(values: Sequence[float], share: float) -> tuple[float, flo
         return None
     draws = np.random.default_rng(_SEED).choice(values, (_RESAMPLES, len(values)))
     of_draws = np.quantile(draws, share, axis=1, method="inverted_cdf")
-    # Not interpolated either: between two endless distances there is no number.
+    # Not interpolated either: the mean of two infinite distances is undefined.
     low, high = np.quantile(of_draws, (0.025, 0.975), method="inverted_cdf")
     return float(low), float(high)

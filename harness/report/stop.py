@@ -1,4 +1,4 @@
-"""A stop that shows itself in a notebook."""
+"""A stop with representations for notebooks."""
 
 from math import isnan
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Stop(stop.Stop):
     """One run of one scenario: `.outcome`, `.reason`, `.metrics`, `.trace` (xarray).
 
-    `.to_pandas()` returns the samples, `.write(folder)` keeps the stop, `.plot()` draws it.
+    `.to_pandas()` returns the samples, `.write(folder)` writes the stop to files, `.plot()` draws it.
     """
 
     __slots__ = ()
@@ -51,7 +51,6 @@ class Stop(stop.Stop):
         return frame
 
     def _repr_html_(self) -> str:
-        """Return headline and figures, for notebooks."""
         figures = metrics_table(self.record().figures)
         return f"<pre>{self!r}</pre><details><summary>Figures</summary>{figures.__html__()}</details>"
 
@@ -71,7 +70,7 @@ def metrics_table(metrics: Metrics) -> Table:
 
 
 def value_text(value: object) -> str:
-    """Return a number, or numbers one after the other, with four digits; a dash where there is none."""
+    """Return a number, or comma-separated numbers, with four digits; a dash for None and NaN."""
     if isinstance(value, tuple):
         return ", ".join(f"({value_text(part)})" if isinstance(part, tuple) else value_text(part) for part in value)
     if value is None or (isinstance(value, float) and isnan(value)):

@@ -24,7 +24,7 @@ def stop_page(result: Result, *, back: str = "") -> Page:
         back: Address of the page of its campaign.
 
     Raises:
-        RecordError: The samples are not those that were written with the figures.
+        RecordError: The samples do not belong to the figures of the stop.
     """
     record = result.record
     scenario = record.scenario
@@ -47,7 +47,7 @@ def stop_page(result: Result, *, back: str = "") -> Page:
 
 
 def question(scenario: Mapping[str, Any]) -> str:
-    """Return what a scenario asks, in a sentence."""
+    """Return the question of a scenario, one sentence."""
     estimator, speed = scenario["estimator"]["kind"], 3.6 * scenario["start"]["speed"]
     return (
         f"How far does the train travel from {speed:.0f} km/h on the rail “{scenario['name'].replace('_', ' ')}” under "
@@ -57,7 +57,7 @@ def question(scenario: Mapping[str, Any]) -> str:
 
 
 def answer(record: StopRecord) -> str:
-    """Return distance and duration, and how well the adhesion was used, in two sentences."""
+    """Return distance and duration, and the utilisation of the adhesion, in two sentences."""
     metrics = record.metrics
     way = f"{metrics.distance_travelled:.1f} m in {metrics.duration:.1f} s"
     first = (
@@ -75,7 +75,7 @@ def answer(record: StopRecord) -> str:
 
 
 def scenario_table(scenario: Mapping[str, Any]) -> Table:
-    """Return every key of a scenario, all in SI units, with its meaning."""
+    """Return every key of a scenario in SI units, with its meaning."""
     rows = [
         {"key": key, "value": ", ".join(map(value_text, value)) if isinstance(value, list) else value_text(value),
          "unit": unit_of(key), "meaning": meanings_of_keys().get(without_numbers(key), "")}

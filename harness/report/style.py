@@ -1,4 +1,4 @@
-"""How figures look: one set of colours, sizes and helpers; drawn without pyplot, whose state is everybody's."""
+"""Style of all figures: colours, sizes and helpers; without pyplot, whose state is global."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -19,15 +19,15 @@ _READABLE = {"Pa": (1e-5, "bar"), "N": (1e-3, "kN"), "m-1": (1e3, "1/km")}
 
 
 def readable(unit: str) -> tuple[float, str]:
-    """Return factor and unit in which people read what is kept in an SI unit."""
+    """Return factor and unit for display of a quantity in an SI unit."""
     return _READABLE.get(unit, (1.0, unit))
 
 
 def figure(width: float, height: float, margins: Mapping[str, float] | None = None) -> Figure:
     """Return an empty figure of a size in inches.
 
-    Its parts are laid out to fit, or within `margins`, shares of the figure as `Figure.subplots_adjust` takes them: to
-    fit twenty panels takes longer than to draw them.
+    Its parts are laid out automatically, or within `margins`, shares of the figure as for `Figure.subplots_adjust`: the
+    automatic layout of twenty panels takes longer than drawing them.
     """
     drawing = Figure(figsize=(width, height), layout=None if margins else "constrained")
     if margins:
@@ -43,7 +43,7 @@ def panels(width: float, height: float, rows: int = 1, columns: int = 1, **optio
 
 
 def band(axes: Axes, x: Any, low: Any, high: Any, color: str, alpha: float, label: str | None = None) -> None:
-    """Shade what lies between two lines."""
+    """Shade the area between two lines."""
     axes.fill_between(x, low, high, color=color, alpha=alpha, linewidth=0, label=label)
 
 
@@ -53,7 +53,7 @@ def legend(axes: Axes, *handles: Any, **options: Any) -> None:
 
 
 def second_scale(axes: Axes, label: str, color: str = BLACK) -> Axes:
-    """Return axes over the same x whose scale stands at the right."""
+    """Return axes over the same x with their scale on the right."""
     other = axes.twinx()
     other.set_ylabel(label, color=color)
     other.spines["top"].set_visible(False)
@@ -61,7 +61,7 @@ def second_scale(axes: Axes, label: str, color: str = BLACK) -> Axes:
 
 
 def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
-    """Label axes and take away what carries no information."""
+    """Label axes and remove the lines that carry no information."""
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     axes.set_title(title, loc="left", fontsize=10)
@@ -71,7 +71,7 @@ def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
 
 
 def save(drawing: Figure, path: Path) -> Path:
-    """Write a figure as PNG, SVG or PDF by its name, whole or not at all; the same figure gives the same bytes."""
+    """Write a figure as PNG, SVG or PDF by its name, completely or not at all; equal figures give equal bytes."""
     dates = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
     kind = path.suffix if path.suffix in dates else ".png"
     with replacing(path) as partial, rc_context({"svg.hashsalt": path.name}):
@@ -80,7 +80,7 @@ def save(drawing: Figure, path: Path) -> Path:
 
 
 def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
-    """Write a figure beside each other in some formats, in place of the suffix of a path."""
+    """Write a figure in several formats, which replace the suffix of a path."""
     drawing.draw_without_rendering()
     drawing.set_layout_engine("none")  # laid out once
     for suffix in formats:
@@ -88,7 +88,7 @@ def save_as(drawing: Figure, path: Path, formats: Sequence[str]) -> None:
 
 
 def alike(columns: Sequence[Any]) -> list[list[int]]:
-    """Return the numbers of equal columns together, so that a line drawn once can be labelled for all."""
+    """Return the numbers of equal columns as groups, so that a line drawn once can be labelled for all."""
     groups: list[list[int]] = []
     for number, column in enumerate(columns):
         match = next((group for group in groups if (columns[group[0]] == column).all()), None)
@@ -100,5 +100,5 @@ def alike(columns: Sequence[Any]) -> list[list[int]]:
 
 
 def one_based(numbers: Sequence[int]) -> str:
-    """Return zero-based numbers as people count: [0, 1] → "1, 2"."""
+    """Return zero-based numbers as one-based text: [0, 1] → "1, 2"."""
     return ", ".join(str(number + 1) for number in numbers)

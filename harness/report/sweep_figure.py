@@ -14,11 +14,12 @@ _MOST_TICKS = 20
 
 
 def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
-    """Return distances over the longest axis, a line for each combination of the others; of many, their median.
+    """Return a figure of distances over the longest axis, with a line for each combination of the others, or their
+    median.
 
     Args:
         axes: Key → values.
-        distances: Shape as the axes [m]; NaN without a standstill.
+        distances: Distances in the shape of the axes [m]; NaN without a standstill.
     """
     names = list(axes)
     longest = max(names, key=lambda name: len(axes[name]))

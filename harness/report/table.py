@@ -1,4 +1,4 @@
-"""A table as one value, shown on a screen or written as Markdown, HTML or CSV; numbers as people read them."""
+"""A table as a value, displayed on a screen or written as Markdown, HTML or CSV."""
 
 import csv
 import math
@@ -15,22 +15,22 @@ TEXT_COLUMNS = frozenset(
     {"scenario", "actuation", "sensors", "creep curve", "controller", "estimator", "draws", "stop", "figure", "state",
      "unit", "breaks"}
 )  # fmt: skip
-"""What is read from the left, unless a table says otherwise; all other columns are numbers."""
+"""Columns that are left-aligned by default; all others are numbers."""
 
 Form = str | Callable[[Any], str]
-"""A format such as "{:.1f} m", or what returns the text of a value."""
+"""A format such as "{:.1f} m", or a function that returns the text of a value."""
 
 _NAMES = 8
 
 _WIDE = 130
-"""Characters of a row beyond which a table has small letters, and its page is printed across."""
+"""Characters of a row beyond which a table has small letters, and its page is printed in landscape."""
 
 _WRAPPED = 30
-"""Characters of a text after which it goes on in the next line."""
+"""Characters of a text after which it is wrapped."""
 
 
 class Link(str):
-    """A text that a page in HTML links to an address; elsewhere it is the text."""
+    """A text that an HTML page links to an address; elsewhere it is plain text."""
 
     __slots__ = ("address",)
 
@@ -48,10 +48,10 @@ class Table:
     In a template of HTML it is an HTML table, in any other one a Markdown table.
 
     Attributes:
-        rows: Column → value; None and NaN are shown as nothing, texts as they are.
-        forms: Column → how its values are shown; as `str` does unless given.
+        rows: Column → value; None and NaN are empty cells, strings are unchanged.
+        forms: Column → format of its values; `str` by default.
         left: Columns of texts.
-        title: Above it on a screen.
+        title: Title on a screen.
     """
 
     rows: Sequence[Mapping[str, Any]]
@@ -69,18 +69,17 @@ class Table:
 
     @property
     def columns(self) -> list[str]:
-        """Names of the columns; none without a row."""
+        """Names of the columns; empty without rows."""
         return list(self.rows[0]) if self.rows else []
 
     @property
     def texts(self) -> list[dict[str, str]]:
-        """Rows as people read them."""
+        """Rows as formatted text."""
         return [
             {column: text(value, self.forms.get(column, "{}")) for column, value in row.items()} for row in self.rows
         ]
 
     def __bool__(self) -> bool:
-        """Return whether there is a row."""
         return bool(self.rows)
 
     def without(self, columns: Collection[str]) -> Self:
@@ -88,16 +87,16 @@ class Table:
         return replace(self, rows=[{name: row[name] for name in row if name not in columns} for row in self.rows])
 
     def filled(self) -> Self:
-        """Return the table without the columns that have nothing in them."""
+        """Return the table without empty columns."""
         return self.without({column for column in self.columns if not any(row[column] for row in self.texts)})
 
     def parts(self, addresses: Sequence[str | None] = ()) -> "list[Table | str]":
-        """Return a sentence on the columns of texts that are the same in all rows, and the table without them.
+        """Return a sentence on the text columns that are equal in all rows, and the table without them.
 
-        A table of one row keeps all columns; one without a row has no parts.
+        A table of one row keeps all columns; one without rows has no parts.
 
         Args:
-            addresses: Page to which the first cell of each row is linked, or None; none of them when empty.
+            addresses: Page to which the first cell of each row is linked, or None; empty for no links.
         """
         if not self:
             return []
@@ -117,7 +116,7 @@ class Table:
         return [sentence, table] if same else [table]
 
     def with_texts(self, convert: Callable[[str], str]) -> Self:
-        """Return the table with its texts converted; numbers stay."""
+        """Return the table with its strings converted; numbers are unchanged."""
         rows = [
             {column: convert(value) if isinstance(value, str) else value for column, value in row.items()}
             for row in self.rows
@@ -125,7 +124,7 @@ class Table:
         return replace(self, rows=rows)
 
     def __str__(self) -> str:
-        """Return the table as Markdown; see `with_texts` for cells with texts of users."""
+        """Return the table as Markdown; see `with_texts` for cells with users' texts."""
         rules = ("---" if column in self.left else "--:" for column in self.columns)
         lines = (f"| {' | '.join(row.values())} |" for row in self.texts)
         return "\n".join((f"| {' | '.join(self.columns)} |", f"|{'|'.join(rules)}|", *lines))
@@ -155,7 +154,7 @@ class Table:
         return f"<{tag}{kind}{number}>{shown}</{tag}>"
 
     def write_csv(self, path: Path) -> None:
-        """Write the values, not their texts, whole or not at all."""
+        """Write the values, not their formatted texts, completely or not at all."""
         with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, self.columns)
             writer.writeheader()
@@ -163,7 +162,7 @@ class Table:
 
 
 def text(value: Any, form: Form = "{}") -> str:
-    """Return a value for people, nothing where there is none."""
+    """Return a formatted value, '' for None and NaN."""
     if isinstance(value, str):
         return value
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -172,14 +171,14 @@ def text(value: Any, form: Form = "{}") -> str:
 
 
 def percent(value: float | None, *, negate: bool = False, sign: bool = True) -> str:
-    """Return a share for people; `negate` shows a reduction as the change it is: −12.9 %."""
+    """Return a share in percent; `negate` turns a reduction into a change: −12.9 %."""
     if value is None or not math.isfinite(value):
         return ""
     return text(-100 * value if negate else 100 * value, "{:+.1f} %" if sign else "{:.1f} %")
 
 
 def change(reduction: float) -> str:
-    """Return 1 − distance over that of another as the change it is."""
+    """Return a reduction, 1 − distance over that of another, as a change in percent."""
     return percent(reduction, negate=True)
 
 
@@ -194,11 +193,11 @@ def whole_percent(value: float) -> str:
 
 
 def yes_no(value: bool) -> str:
-    """Return a truth value for people."""
+    """Return "yes" or "no"."""
     return "yes" if value else "no"
 
 
 def names(stops: Sequence[str]) -> str:
-    """Return names for a sentence: all of a few, else the first of them and how many more there are."""
+    """Return names for a sentence: all of a few, else the first ones and the number of the others."""
     more = f" and {len(stops) - _NAMES} more" if len(stops) > _NAMES else ""
     return ", ".join(stops[:_NAMES]) + more

@@ -1,4 +1,4 @@
-"""Two variants of an axis of a campaign, stop by stop: what differs in nothing else is a pair."""
+"""Compare two variants of an axis of a campaign by pairs of stops that differ only along that axis."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from railgrip.report.table import Table
 from railgrip.scenario.campaign import DRAW
 
 _POOLED = ("scenario", "seed", DRAW)
-"""Axes over which pairs are collected: those of a campaign without draws are its scenarios and seeds."""
+"""Axes over which pairs are pooled; a campaign without draws has scenarios and seeds instead."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,11 +28,11 @@ class Reference:
         """Find a variant by its name, or by `AXIS=VARIANT` if several axes have one of that name.
 
         Args:
-            text: As the user writes it.
+            text: Name as the user writes it.
             stops: Axis → variant of each stop of a campaign.
 
         Raises:
-            InputError: No stop has it, several axes have it, or its axis has no other variant.
+            InputError: No stop has the variant, several axes have it, or its axis has no other variant.
         """
         axes: dict[str, list[str]] = {}
         for stop in stops:
@@ -59,8 +59,8 @@ class Change:
     """A variant against the reference, over all pairs under the same conditions.
 
     Attributes:
-        conditions: Axis → variant, of the axes that are equal in all of these pairs.
-        variant: Of the axis of the reference.
+        conditions: Axis → variant, for the axes that are equal in all of these pairs.
+        variant: Variant on the axis of the reference.
         paired: The comparison; `label` is the variant of the reference.
         stops: All stops of the variant under these conditions.
     """
@@ -74,13 +74,13 @@ class Change:
 def changes_against(reference: Reference, stops: Sequence[Result], rows: Sequence[Row]) -> tuple[Change, ...]:
     """Compare all other variants of an axis with the reference, in the order of the campaign.
 
-    Two stops are a pair if they differ in nothing but this axis. Pairs are collected over the draws, or over scenarios
-    and seeds where there are no draws.
+    Two stops are a pair if they differ only along this axis. Pairs are pooled over the draws or, without draws, over
+    scenarios and seeds.
 
     Args:
-        reference: A variant.
-        stops: Of a campaign.
-        rows: Of the same stops.
+        reference: Variant to compare with.
+        stops: Stops of a campaign.
+        rows: Rows of the same stops.
     """
     cases: dict[tuple[tuple[str, str], ...], int] = {}
     groups: dict[tuple[tuple[str, str], ...], dict[str, list[Row]]] = {}
@@ -92,7 +92,7 @@ def changes_against(reference: Reference, stops: Sequence[Result], rows: Sequenc
         pooled = (DRAW,) if DRAW in others else _POOLED
         conditions = tuple((axis, variant) for axis, variant in others.items() if axis not in pooled)
         variants = groups.setdefault(conditions, {})
-        # The number of a case counts as a draw: stops of the same case are a pair.
+        # The number of a case serves as draw: stops of the same case are a pair.
         variants.setdefault(stop.variants[reference.axis], []).append(replace(row, draw=case))
     changes: list[Change] = []
     for conditions, variants in groups.items():

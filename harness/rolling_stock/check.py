@@ -33,7 +33,6 @@ class Finding:
     wrong: bool = True
 
     def __str__(self) -> str:
-        """Return key and sentence."""
         return f"{self.key}: {self.sentence}"
 
 

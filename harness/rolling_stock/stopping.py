@@ -209,7 +209,6 @@ class _PressureBuildUp:
     """
 
     def __init__(self, train: Train, speed: float) -> None:
-        """Take a train at the speed of its brake demand [m/s]."""
         self._command, self._stages = train.command, _Stages(train, speed)
         positions = np.array([axle.position for axle in train.axles])
         match self._command:

@@ -1,4 +1,4 @@
-"""The friction that each wheelset finds: the profile of a scenario as a fast function of time and place."""
+"""The friction under each wheelset: the profile of a scenario as a fast function of time and place."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,17 +33,17 @@ _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
-    """Friction tabulated on an even grid, for a look-up that the loop can afford every sample.
+    """Friction tabulated on an even grid, for a look-up that is fast enough for every sample.
 
-    The nearest point is taken: over time the grid is that of the samples and the look-up exact, over distance
-    it is finer than a sample's travel.
+    The nearest grid point is used: over time the grid is that of the samples, so the look-up is exact; over distance
+    the grid is finer than a sample's travel.
 
     Attributes:
         over_time: Whether the axis is the time since the brake demand [s], else the distance of the first
             wheelset since then [m].
-        step: Of the grid, in the axis' unit.
+        step: Step of the grid, in the unit of the axis.
         mu0_at: Friction at the grid points, shape (n, wheelsets), lead to trail.
-        curve_at: Which of the rail's creep curves lies there, shape (n, wheelsets); None where there is one.
+        curve_at: Index of the creep curve at the grid points, shape (n, wheelsets); None if the rail has one curve.
     """
 
     over_time: bool
@@ -56,7 +56,10 @@ class Profile:
         return self.mu0_at[self._nearest(time, distance)]
 
     def curve_numbers(self, time: Array, distance: Array) -> NDArray[np.uint8] | None:
-        """Return which of the creep curves each wheelset finds there, likewise; None where there is one."""
+        """Return the index of the creep curve at each wheelset, with arguments and shape as `table`.
+
+        None for one curve.
+        """
         return None if self.curve_at is None else self.curve_at[self._nearest(time, distance)]
 
     def _nearest(self, time: Array, distance: Array) -> NDArray[np.int_]:
@@ -67,12 +70,12 @@ class Profile:
 def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     """Return the friction profile of a scenario under each wheelset of a formation, up to its horizon.
 
-    A profile over time reaches all wheelsets at once. One over distance lies on the rail: a wheelset meets it
-    its position later than the leading one.
+    A profile over time reaches all wheelsets at once. One over distance is fixed to the rail: each wheelset reaches it
+    later than the leading one, by its position.
 
     Raises:
-        ScenarioError: Level and conditioning bring friction above 1, something is given for another number of
-            wheelsets, or their positions are not given.
+        ScenarioError: Level and conditioning raise friction above 1, a list has the wrong number of wheelsets, or their
+            positions are not given.
     """
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _require_resolved(scenario)
@@ -100,9 +103,9 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
 
 
 def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
-    """Return the step of a profile's grid, and where on its axis each wheelset is at each point.
+    """Return the step of a profile's grid, and the position of each wheelset on its axis at each grid point.
 
-    Places have shape (n, wheelsets), over time (n, 1): each wheelset meets the same.
+    Positions have shape (n, wheelsets), over time (n, 1): all wheelsets have the same friction.
     """
     adhesion = scenario.adhesion
     if not scenario.runs_over_distance:
@@ -123,7 +126,7 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
 
 
 def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
-    """Return what the kind of a profile makes of places, before patches, level and conditioning."""
+    """Return the friction at places by the kind of profile, before patches, level and conditioning."""
     adhesion = scenario.adhesion
     match adhesion:
         case Constant(mu0=mu0) | Leaves(mu0=mu0):
@@ -154,7 +157,7 @@ def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: in
 def _curves(
     scenario: Scenario, patches: Sequence[Patch], places: Array, shape: tuple[int, ...]
 ) -> NDArray[np.uint8] | None:
-    """Return which creep curve lies where, an index of [adhesion] `curves`; None where there is one."""
+    """Return the index of the creep curve in [adhesion] `curves` at places; None if the rail has one curve."""
     adhesion = scenario.adhesion
     of_wheelset = adhesion.polach_of_wheelset or (adhesion.polach,)
     _check_count(scenario, "[adhesion] polach_of_wheelset", len(of_wheelset), shape[1])
@@ -171,7 +174,7 @@ def _curves(
 
 
 def position_of(scenario: Scenario, formation: Formation) -> Array:
-    """Return how far each wheelset is behind the leading one [m].
+    """Return the distance of each wheelset behind the leading one [m].
 
     Raises:
         ScenarioError: The positions of the wheelsets are not given.
@@ -187,10 +190,10 @@ def position_of(scenario: Scenario, formation: Formation) -> Array:
 
 
 def reach_of(scenario: Scenario) -> float:
-    """Return how far a train may get before the horizon [m]: braking it gets no faster, driven as fast as any.
+    """Return an upper bound of the distance until the horizon [m], at start speed or, with traction, the highest speed.
 
     Raises:
-        ScenarioError: That is too far to be tabulated.
+        ScenarioError: The distance is too long for a table.
     """
     has_traction = scenario.demand is not None and scenario.demand.has_traction
     reach = (FASTEST if has_traction else scenario.start.speed) * scenario.horizon
@@ -213,10 +216,10 @@ def _check_count(scenario: Scenario, what: str, count: int, wheelsets: int) -> N
 
 
 def _require_resolved(scenario: Scenario) -> None:
-    """Refuse a rail that changes faster than it is looked at.
+    """Raise an error for a rail that changes faster than the grid resolves.
 
     Raises:
-        ScenarioError: A sine has less than two points, or noise less than ten over its correlation.
+        ScenarioError: A sine has fewer than two grid points per period, or noise fewer than ten per correlation length.
     """
     match scenario.adhesion:
         case SineSweep() as shape:
@@ -235,7 +238,7 @@ def _require_resolved(scenario: Scenario) -> None:
 
 
 def _trapezoid(shape: Trapezoid, places: Array) -> Array:
-    """Return periodic trapezoids that start high; before the first fall it is high."""
+    """Return periodic trapezoids that start high and stay high until the first fall."""
     fall, ramp, low = shape.extent("first_fall"), shape.extent("ramp"), shape.extent("low")
     into = np.where(places >= fall, (places - fall) % shape.extent("period"), np.inf)
     corners = np.array([0.0, ramp, ramp + low, 2 * ramp + low])
@@ -269,13 +272,12 @@ def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tupl
 
     Its persistence is ρ = e^(−h/L): stationary from the first point, autocorrelation e^(−|d|/L).
     """
-    # From the first wheelset's start on, so that a longer train adds points behind without moving those
-    # ahead.
+    # Drawn from the first wheelset's start on, so that a longer train adds points behind without changing those ahead.
     ahead = int(np.ceil(places.max() / spacing)) + 2
     behind = int(np.ceil(-min(places.min(), 0.0) / spacing)) + 2
     persistence = np.exp(-spacing / correlation)
     forward = markov(generator(seed, "adhesion").standard_normal(ahead), persistence)
-    # The process is reversible: going back from its first value is the same recursion with draws of its own.
+    # The process is reversible: backwards from its first value it is the same recursion with separate draws.
     behind_it = generator(seed, "adhesion.behind").standard_normal(behind)
     behind_it[0] = forward[0]
     backward = markov(behind_it, persistence)
@@ -285,10 +287,10 @@ def _noise(correlation: float, places: Array, spacing: float, seed: int) -> tupl
 
 
 def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
-    """Return the patches of a rail, from those that are covered to those that cover: first leaves, then the given ones.
+    """Return the patches of a rail, each one covered by those after it: leaves first, then the given patches.
 
-    Leaves are drawn from the start of the first wheelset on, so that a longer train or horizon adds patches and moves
-    none, and backwards from there until no patch reaches the last wheelset.
+    Leaves are drawn from the start of the first wheelset on, so that a longer train or horizon adds patches without
+    moving any, and backwards from there until no patch reaches the last wheelset.
     """
     leaves = scenario.adhesion
     if not isinstance(leaves, Leaves):
@@ -298,7 +300,7 @@ def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
     drawn = [*((-begin, length, mu0) for begin, length, mu0 in reversed(behind)), *ahead]
     return (
         *(
-            # Not validated: a patch of a scenario does not begin behind the first wheelset.
+            # Not validated: a patch in a scenario cannot begin behind the first wheelset.
             Patch.model_construct(
                 begin=begin, length=length, mu0=(mu0,), edge=leaves.edge, polach=leaves.polach_of_patches
             )
@@ -325,11 +327,11 @@ def _rows(patch: Patch, places: Array) -> slice:
     front, rear = places[0].argmax(), places[0].argmin()
     first = np.searchsorted(places[:, front], patch.begin)
     last = np.searchsorted(places[:, rear], patch.begin + patch.length, side="right")
-    return slice(max(int(first) - 1, 0), int(last) + 1)  # a row more at either end: sums are rounded
+    return slice(max(int(first) - 1, 0), int(last) + 1)  # one more row at either end: sums are rounded
 
 
 def _inside(patch: Patch, places: Array) -> Array:
-    """Return 1 inside a patch, 0 outside, straight between over its edges."""
+    """Return 1 inside a patch, 0 outside, and a linear transition over its edges."""
     into = places - patch.begin
     inside = np.minimum(into, patch.length - into)
     return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)
@@ -342,10 +344,10 @@ def _from_curve(curve: Curve, places: Array) -> Array:
 
 
 def _conditioned(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:
-    """Raise low friction for wheelsets behind: each one ahead closes a fraction of the gap to `recovered`.
+    """Raise low friction for the wheelsets behind: each one ahead closes a fraction of the gap to `recovered`.
 
-    mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n), n wheelsets or groups ahead of j. So minima
-    rise from front to rear and friction at or above `recovered` stays.
+    mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n) with n wheelsets or groups ahead of j. Minima thus rise
+    from front to rear, and friction at or above `recovered` is unchanged.
     """
     if conditioning is None:
         return np.array(np.broadcast_to(mu0, (len(mu0), formation.wheelsets)))

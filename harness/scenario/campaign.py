@@ -1,4 +1,4 @@
-"""A campaign file: scenarios, and axes of variants whose every combination is a stop."""
+"""A campaign file: scenarios, and axes of variants; every combination is a stop."""
 
 import itertools
 import json
@@ -26,16 +26,19 @@ from railgrip.scenario.table import Name, Seed, Table, broken
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
 LARGEST: Final = 100_000
-"""Combinations of a campaign, including those that are excluded; and stops, each of which is a folder on the disk."""
+"""Limit of the combinations of a campaign, including excluded ones; and of the stops, each of which is a folder."""
 DRAW = "draw"
-"""The axis of `draws`: stops that differ in nothing else are one distribution."""
+"""The axis of `draws`: stops that differ only along it form one distribution."""
 
 Panels = Literal["all", "abc", "none"]
-"""Which stops get a page with panels, 3 MB each: all that keep samples, those with adhesion-based control, none."""
+"""Stops that get a page with panels, 3 MB each.
+
+All that keep samples, those with adhesion-based control, or no stops.
+"""
 
 
 class Reference(Table):
-    """A distance that someone else published for some of the stops."""
+    """A distance that another author published for some of the stops."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
     distance: Annotated[float, Unit("m", above=0)] = Field(description="braking distance")
@@ -43,14 +46,14 @@ class Reference(Table):
 
 
 class Expected(Table):
-    """The outcome that is documented for some of the stops, where it is no standstill."""
+    """The documented outcome of some of the stops, if it is not standstill."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
     outcome: Outcome = Field(description="how the stop ends")
 
 
 class Draws(Table):
-    """The seeds `first` to `last`, both of them included, for the stops that match."""
+    """The seeds `first` to `last`, inclusive, for the stops that match."""
 
     first: Seed = Field(description="first seed")
     last: Seed = Field(description="last seed")
@@ -64,17 +67,17 @@ class Draws(Table):
         return self
 
     def seeds(self) -> range:
-        """Return all of them."""
+        """Return all seeds."""
         return range(self.first, self.last + 1)
 
 
 class CampaignFile(Table):
     """A campaign as written.
 
-    Every combination of scenario and one variant of each axis is a stop, but for those that `exclude` matches. A
-    variant holds tables of a scenario, laid over it, or names a file of such tables. `sweep` is a short form of an axis
-    of one key: `"start.speed" = ["80 km/h", "120 km/h"]`. With `draws` the combinations that it matches are stopped
-    once with each of its seeds, whatever else sets one, and tables and figures show their distribution.
+    Every combination of a scenario and one variant of each axis is a stop, except those that `exclude` matches. A
+    variant has tables of a scenario, which override those of the scenario, or names a file of such tables. `sweep` is a
+    short form of an axis of one key: `"start.speed" = ["80 km/h", "120 km/h"]`. With `draws` each matching combination
+    is run once with each of its seeds, which override all other seeds, and tables and figures present the distribution.
     """
 
     name: Name = Field(description="of the campaign and of the folder of its results")
@@ -115,11 +118,11 @@ class PlannedStop:
     """One stop of a campaign.
 
     Attributes:
-        name: Of the combination, unique in the campaign; the folder of its result.
+        name: Name of the combination, unique in the campaign, and of the folder of its result.
         variants: Axis → variant, `scenario` first.
-        scenario: What to run.
-        keep_trace: Whether its samples are kept beside its figures.
-        expected: The outcome that the campaign expects of it; another one is a failure.
+        scenario: Scenario to run.
+        keep_trace: Whether its samples are kept in addition to its figures.
+        expected: The outcome that the campaign expects; a different one is a failure.
     """
 
     name: str
@@ -131,11 +134,11 @@ class PlannedStop:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Campaign:
-    """A named set of stops, what others found for some of them, and which stops get a page with their panels.
+    """A named set of stops, published results for some of them, and the selection of stops that get a page with panels.
 
     Attributes:
-        conditioning: The file that says how far their distances move with parameters in the seventh digit.
-        permitted_distance: That a stop may take [m].
+        conditioning: File with the changes of their distances under perturbations in the seventh digit.
+        permitted_distance: Maximum permitted distance of a stop [m].
     """
 
     name: str
@@ -147,30 +150,30 @@ class Campaign:
     permitted_distance: float | None = None
 
     def only(self, keep: Callable[[PlannedStop], bool]) -> "Campaign":
-        """Return the same campaign with some of its stops."""
+        """Return the same campaign with the stops that `keep` selects."""
         return replace(self, stops=tuple(filter(keep, self.stops)))
 
     def reference_for(self, stop: PlannedStop) -> Reference | None:
-        """Return the first published distance that is for this stop."""
+        """Return the first published distance for this stop, or None."""
         return next((reference for reference in self.references if _matches(reference.match, stop.variants)), None)
 
 
 def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
-    """Return the stops of a campaign file; overrides are laid over every scenario, last.
+    """Return the stops of a campaign file; overrides are applied to every scenario, last.
 
     Raises:
-        ScenarioError: In the file, in one of its scenarios, or in one of their combinations; each in a sentence.
+        ScenarioError: There is an error in the file, a scenario, or a combination; one sentence each.
     """
     path = located(path, "campaigns")
     return campaign_of(read_toml(path), path, overrides)
 
 
 def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] = ()) -> Campaign:
-    """Return the campaign that tables describe; see `load_campaign`.
+    """Return the campaign of tables that have been read; see `load_campaign`.
 
     Args:
-        table: As TOML gives it.
-        path: Of the campaign's file, which is not read.
+        table: Tables as read from TOML.
+        path: Path of the campaign's file, which is not read.
         overrides: As for `load_campaign`.
 
     Raises:
@@ -199,7 +202,7 @@ def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] =
     stops = _with_expected(
         path, campaign.expected, tuple(_stops(path, campaign, _combined(path, campaign, axes), last))
     )
-    # Each is a folder, and some file systems do not distinguish capital letters from small ones.
+    # Each name is a folder, and some file systems are not case-sensitive.
     _require_unique(path, [stop.name for stop in stops])
     return Campaign(
         name=campaign.name,
@@ -223,7 +226,7 @@ def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, A
 
 
 def _require_countable(path: Path, campaign: CampaignFile) -> None:
-    """Check the number of combinations before any of them is made."""
+    """Check the number of combinations before any of them is built."""
     counts = {
         "scenarios": len(campaign.scenarios),
         **{axis: len(variants) for axis, variants in campaign.axes.items()},
@@ -240,11 +243,11 @@ class _Combination:
     """A scenario with one variant of each axis.
 
     Attributes:
-        name: Of the stop.
+        name: Name of the stop.
         base: Tables of the scenario.
         variants: Axis → variant, `scenario` first.
         changes: Tables of the variants.
-        seeds: Seeds that it is stopped with; None for its own.
+        seeds: Seeds of its stops; None for the scenario's own.
     """
 
     name: str
@@ -268,7 +271,7 @@ def _combined(
             if any(_matches(entry, variants) for entry in campaign.exclude):
                 continue
             name = "-".join(re.sub(r"[^A-Za-z0-9_.]+", "_", variant) for variant in variants.values())
-            # It becomes a folder: `--set name=…` may mend the scenario's own name, but not this one.
+            # The name is a folder: `--set name=…` may correct the scenario's name, but not this one.
             if not re.fullmatch(r"[A-Za-z0-9].*", name) or len(name) > _LONGEST_NAME:
                 raise ScenarioError(
                     f"{path.name}: a stop of {base.origin} would be named '{cut(name)}'; the name of its folder must "
@@ -315,7 +318,7 @@ def _stops(
 
 
 def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
-    """Yield a stop with each of the seeds; nothing else of a scenario depends on one, so it is not read anew."""
+    """Yield a stop with each of the seeds; only the seed changes, so the scenario is not validated again."""
     for seed in draws.seeds():
         yield PlannedStop(
             name=f"{stop.name}-{seed}",
@@ -326,7 +329,7 @@ def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
 
 
 def _with_expected(path: Path, entries: Sequence[Expected], stops: tuple[PlannedStop, ...]) -> tuple[PlannedStop, ...]:
-    """Return stops with the outcome of the first entry that matches; refuse an entry that matches none."""
+    """Return stops with the outcome of the first matching entry; raise an error for an entry without a match."""
     idle = next((entry for entry in entries if not any(_matches(entry.match, stop.variants) for stop in stops)), None)
     if idle is not None:
         raise ScenarioError(f"{path.name}: [[expected]] match {idle.match} is none of the stops; correct or remove it")
@@ -344,7 +347,7 @@ def _matches(entry: Mapping[str, str | tuple[str, ...]], variants: Mapping[str, 
 
 
 def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Any]]) -> None:
-    """Refuse a match that names an axis or variant that is not there: it would never be one."""
+    """Raise an error for a match with an unknown axis or variant, which could never match."""
     matches: dict[str, Sequence[Mapping[str, str | tuple[str, ...]]]] = {
         "exclude": campaign.exclude,
         "reference": [reference.match for reference in campaign.reference],
@@ -370,4 +373,4 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
 
 
 def _spelled(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value, default=str)  # a date of TOML, as it is written
+    return value if isinstance(value, str) else json.dumps(value, default=str)  # a date of TOML, as written

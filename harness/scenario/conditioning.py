@@ -1,8 +1,8 @@
-"""Repeats of the stops of a campaign: with perturbed parameters of the plant, and with other lots of sensors.
+"""Repeats of the stops of a campaign: with perturbed parameters of the plant, and with different sensor errors.
 
-Perturbations in the seventh digit separate distances that rounding decides from those that it does not. A lot of
-sensors is one draw of their errors and noise; a distance with one lot is one draw, too. The file of a
-campaign is written by `railgrip maintain conditioning`.
+Perturbations in the seventh digit identify distances that depend on rounding. A lot of sensors is one draw of their
+errors and noise; a distance with one lot is one draw, too. The file of a campaign is written by `railgrip maintain
+conditioning`.
 """
 
 import json
@@ -22,28 +22,28 @@ from railgrip.scenario.quantity import NotNegative, Number
 from railgrip.scenario.table import Table
 
 SPREAD = 1e-3
-"""Relative range from which on a distance is a range: the tolerance that a baseline has for other arithmetic."""
+"""Relative range above which a distance is given as a range: the tolerance of a baseline for other arithmetic."""
 
 SMOOTH = 0.02
-"""Range of the repeats [m] up to which a distance is smooth: the accepted one is then kept to as much."""
+"""Range of the repeats [m] up to which a distance is smooth: the accepted distance then has the same tolerance."""
 
 CERTAINTY = 0.99
-"""Of the interval in which a figure of one more repeat lies."""
+"""Probability that a figure of one more repeat is inside the interval."""
 
 ROUNDING = 1e-4
-"""Relative tolerance of a figure whose repeats agree: `SMOOTH` is that of some 200 m."""
+"""Relative tolerance of a figure whose repeats agree: `SMOOTH` over some 200 m."""
 
 NOTHING = 1e-9
 """Tolerance of a figure that is zero in every repeat."""
 
 LOOSEST = 5e-3
-"""Relative tolerance above which a figure is not compared: a change of one per cent would hide in it."""
+"""Relative tolerance above which a figure is not compared: it would hide a change of one per cent."""
 
 
 class Repeated(Table):
     """The distances of one stop.
 
-    `None` stands for a repeat without standstill, which counts as an endless distance.
+    `None` represents a repeat without standstill, which counts as an infinite distance.
     """
 
     digest: str = Field(description="of the scenario of the stop")
@@ -69,7 +69,7 @@ class Repeated(Table):
 
     @property
     def median(self) -> float:
-        """Of the distances [m]."""
+        """Median distance [m]."""
         return float(np.median(self._all()))
 
     @property
@@ -79,21 +79,22 @@ class Repeated(Table):
 
     @property
     def spreads(self) -> bool:
-        """Whether rounding decides the distance, so that it is a range and no number."""
+        """Whether the distance depends on rounding, so that it is given as a range."""
         return self.highest - self.lowest > SPREAD * self.lowest
 
     @property
     def is_smooth(self) -> bool:
-        """Whether the distance moves by no more than `SMOOTH`."""
+        """Whether the range of the distance is `SMOOTH` or less."""
         return self.highest - self.lowest <= SMOOTH
 
     def tolerance_of(
         self, figure: str, value: float, certainty: float = CERTAINTY, loosest: float = LOOSEST
     ) -> float | None:
-        """Return how far another run may be from the accepted value of a figure.
+        """Return the tolerance of a figure in another run, relative to its accepted value.
 
-        From the repeats follows the prediction interval of one more, t s √(1 + 1/n) about their mean; the value itself
-        may lie off the mean. None where there are no repeats, or where the interval is wider than `loosest`, relative.
+        The repeats give the prediction interval of one more, t s √(1 + 1/n) about their mean; the offset of the
+        accepted value from the mean is added. None without repeats, or if the relative interval is wider than
+        `loosest`.
         """
         repeats = np.asarray(self.figures.get(figure, ()))
         count = len(repeats)
@@ -109,10 +110,10 @@ class Repeated(Table):
         return float(np.median(_endless(self.steps[divisor]))) / self.median - 1.0
 
     def noise_of_step(self, divisor: int) -> float:
-        """Return the half width of the 95 % interval of `moved_by_step` where the step has no effect at all.
+        """Return the half width of the 95 % interval of `moved_by_step` if the step has no effect.
 
-        Both medians are of normal draws with the deviation of the undivided repeats, of which the median's standard
-        error is √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
+        Both medians are of normal draws with the deviation of the undivided repeats; the median's standard error is
+        √(π/2) σ/√n (Kendall and Stuart, The Advanced Theory of Statistics 1, 1969, §14.12).
         """
         first, second = len(self.distances), len(self.steps[divisor])
         deviation = float(np.std(self._all(), ddof=1)) if first > 1 else 0.0
@@ -120,17 +121,17 @@ class Repeated(Table):
 
     @property
     def margin(self) -> float:
-        """How far beyond the range another run may lie [m]: a quarter of it, with which 20 normal draws span ±2.8 σ.
+        """Tolerance beyond the range for another run [m]: a quarter of it, so that 20 normal draws span ±2.8 σ.
 
-        20 normal draws span 3.73 σ on average (Tippett, Biometrika 17, 1925). Where nothing spreads, the tolerance that
-        a baseline has for other arithmetic.
+        20 normal draws span 3.73 σ on average (Tippett, Biometrika 17, 1925). Without a spread, it is the tolerance of
+        a baseline for other arithmetic.
         """
         return 0.25 * (self.highest - self.lowest) if self.spreads else SPREAD * self.lowest
 
     def belongs(self, digest: str, distance: float | None) -> bool:
-        """Return whether these are repeats of a stop of this scenario that had this distance [m].
+        """Return whether these are repeats of a stop of this scenario with this distance [m].
 
-        A digest does not cover the controllers: the distance does, which lies elsewhere with another one.
+        A digest does not cover the controllers; the distance does, because another controller changes it.
         """
         length = math.inf if distance is None else distance
         return digest == self.digest and self.lowest - self.margin <= length <= self.highest + self.margin
@@ -155,7 +156,7 @@ def _endless(distances: Sequence[float | None]) -> list[float]:
 
 
 class Conditioning(Table):
-    """What the file says."""
+    """Content of the file."""
 
     relative: Number = Field(gt=0, description="most that a parameter of the plant moved by, as a share of its value")
     stops: dict[str, Repeated]
@@ -165,7 +166,7 @@ def read_conditioning(path: Path) -> Conditioning:
     """Return the conditioning in a file.
 
     Raises:
-        ScenarioError: Missing, or not such a file.
+        ScenarioError: The file is missing or has other content.
     """
     try:
         table = parse_json(path, read_bytes(path, LARGEST_JSON))
@@ -177,7 +178,7 @@ def read_conditioning(path: Path) -> Conditioning:
 
 
 def text_of(conditioning: Conditioning) -> str:
-    """Return the text of the file, a line a stop."""
+    """Return the text of the file, one line per stop."""
     stops = ",\n  ".join(
         f"{json.dumps(name)}: {stop.model_dump_json()}" for name, stop in sorted(conditioning.stops.items())
     )

@@ -1,4 +1,4 @@
-"""The user's own curves: CSV files with one axis, and one column of a quantity or one for each wheelset or group."""
+"""Read users' curves: CSV files with one axis, and one column of a quantity or one for each wheelset or group."""
 
 import csv
 import math
@@ -16,22 +16,22 @@ from railgrip.base.files import read_text
 from railgrip.base.units import conversion, unit
 
 _HEADER: Final = re.compile(r"\s*(.*?)\s*(?:\[(.*)\]|\((.*)\))?\s*")
-"""Name of a column, and its unit in brackets if it states one."""
+"""Name of a column, and its unit in brackets if it has one."""
 _LARGEST: Final = 64 << 20  # bytes; a point every 0.1 m over 100 km takes a third of it
 _BEGINS_EARLY: Final = 0.1
-"""Share of the shortest possible stop; a curve that ends before it has another unit, or only its last value matters."""
+"""Share of the shortest possible stop; a curve that ends earlier probably has another unit."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Columns:
-    """A quantity over a rising axis, in SI units; straight lines between points, constant beyond.
+    """A quantity over a rising axis, in SI units; linear between points, constant beyond.
 
     Attributes:
         axis: Name of the axis, such as time.
         unit: SI unit of the axis.
         has_unit: Whether the file states the unit of the axis.
-        points: Of the axis, rising, shape (n,), n ≥ 2.
-        values: Of the quantity, shape (n, 1) for all, or (n, columns).
+        points: Points of the axis, rising, shape (n,), n ≥ 2.
+        values: Values of the quantity, shape (n, 1) for all, or (n, columns).
     """
 
     axis: str
@@ -41,11 +41,11 @@ class Columns:
     values: NDArray[np.float64]
 
     def doubt(self, shortest: float, longest: float) -> str:
-        """Return why the unit of the axis may be another one, in words that follow the name of the file, or ''.
+        """Return the reason to doubt the unit of the axis, in words that follow the name of the file, or ''.
 
         Args:
-            shortest: Time [s] or distance [m] of the shortest stop that is possible.
-            longest: That of the longest.
+            shortest: Time [s] or distance [m] of the shortest possible stop.
+            longest: Time or distance of the longest one.
         """
         first, last, name = self.points[1], self.points[-1], self.unit
         if self.has_unit:
@@ -63,11 +63,11 @@ class Columns:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Curve:
-    """Friction at points of an axis; straight lines between them, constant beyond.
+    """Friction at points of an axis; linear between them, constant beyond.
 
     Attributes:
-        over: What the axis is: time [s] or distance [m].
-        columns: The file.
+        over: Kind of the axis: time [s] or distance [m].
+        columns: Content of the file.
     """
 
     over: Literal["time", "distance"]
@@ -88,7 +88,7 @@ def read_curve(path: Path) -> Curve:
     """Read the columns time or distance, and mu0 or mu0_1 … mu0_n; without a unit in s, m and 1.
 
     Raises:
-        ValueError: What is wrong and in which line, without the file's name.
+        ValueError: The file is wrong; the message has the line, but not the file's name.
     """
     columns = read_columns(
         path, axes={"time": "s", "distance": "m"}, name="mu0", si="1", span=(0.0, 1.0), above=True, example="%"
@@ -111,16 +111,16 @@ def read_columns(
     A column may state its unit, as `distance [km]` or `pressure (psi)`; without one it is in SI units.
 
     Args:
-        path: Of a CSV file whose first line names its columns.
-        axes: Name → SI unit of what the axis may be; one of them.
-        name: Of the quantity: one column, or name_1 … name_n.
+        path: Path of a CSV file whose first line names its columns.
+        axes: Name → SI unit of the possible axes; the file has one of them.
+        name: Name of the quantity: one column, or name_1 … name_n.
         si: SI unit of the quantity.
-        span: Smallest and largest value in it.
-        above: The smallest value is excluded.
-        example: Another unit of the quantity, for a sentence.
+        span: Minimum and maximum of the values in it.
+        above: Whether the minimum is excluded.
+        example: Another unit of the quantity, for a message.
 
     Raises:
-        ValueError: What is wrong and in which line, without the file's name.
+        ValueError: The file is wrong; the message has the line, but not the file's name.
     """
     try:
         lines = enumerate(csv.reader(read_text(path, _LARGEST).splitlines()), start=1)
@@ -174,7 +174,7 @@ def read_columns(
 
 
 def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.float64]:
-    """Return the numbers of rows, each with the number of its line, shape (rows, count)."""
+    """Return the numbers of rows, each given with its line number, shape (rows, count)."""
     try:
         values = np.array([row for _, row in rows], dtype=np.float64)
         if values.shape[1:] == (count,) and all(_is_of_numbers(row, count) for _, row in rows):
@@ -182,7 +182,7 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
     except ValueError:  # a cell is not a number, or rows differ in length
         pass
     line = next(line for line, row in rows if not _is_of_numbers(row, count))
-    # The content is not repeated: a user of somebody else's scenario may have replaced the file.
+    # The content is not repeated: in a scenario from elsewhere the path may point to a private file.
     raise ValueError(f"line {line}: {count} finite numbers are expected")
 
 

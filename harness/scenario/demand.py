@@ -1,4 +1,4 @@
-"""The table [demand]: what the driver asks of brakes and traction; without it full brake from the start."""
+"""The table [demand]: the driver's demands of brakes and traction; without it full brake from the start."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, fields
@@ -27,7 +27,7 @@ Deceleration = Annotated[float, Unit("m/s2", above=0, at_most=10, because="no wh
 
 
 class Until(Table):
-    """What ends a phase: one of these."""
+    """The condition that ends a phase: exactly one key."""
 
     time: Delay | None = optional("since the start")
     duration: Duration | None = optional("of the phase")
@@ -43,17 +43,17 @@ class Until(Table):
 
     @property
     def kind(self) -> Literal["time", "duration", "distance", "speed_below", "speed_above"]:
-        """Which of them it is."""
+        """Key of the condition."""
         return cast("Any", next(iter(self.model_fields_set)))
 
     @property
     def limit(self) -> float:
-        """Its value [s, m or m/s]."""
+        """Value of the condition [s, m or m/s]."""
         return getattr(self, self.kind)
 
 
 class Traction(Table):
-    """A force that pushes the whole train, as one of the track does; through no wheelset."""
+    """A force that pushes the whole train, like the track force; it does not load the wheelsets."""
 
     force: Annotated[float, Unit("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
     power: Annotated[float, Unit("W", above=0, at_most=1e9)] | None = optional("most of it, where there is a limit")
@@ -109,7 +109,7 @@ class Phase(Table):
 
 
 class Demand(Table):
-    """What the driver asks for: phases in their order, or a profile over time in a file."""
+    """The driver's demands: phases in their order, or a profile over time in a file."""
 
     phases: tuple[Phase, ...] = optional("demands, one after the other", default=())
     file: NamedFile | None = optional(
@@ -130,7 +130,7 @@ class Demand(Table):
 
     @property
     def has_traction(self) -> bool:
-        """Whether anything pushes the train."""
+        """Whether a phase pushes the train."""
         return any(phase.traction is not None and phase.traction.force > 0 for phase in self.phases)
 
     @property
@@ -139,10 +139,10 @@ class Demand(Table):
         return any(phase.stop_at is not None for phase in self.phases)
 
     def profile(self) -> Columns:
-        """Return the times [s] of the file and pressures [Pa], for all or each group.
+        """Return the times [s] of the file and pressures [Pa], for all groups or for each.
 
         Raises:
-            PydanticCustomError: For the sentence of a validator: it is no profile.
+            PydanticCustomError: The file is not a profile.
         """
         assert self.file is not None
         try:
@@ -152,17 +152,17 @@ class Demand(Table):
 
 
 _FAINTEST = 1e3
-"""Smallest pressure of a brake cylinder that can be meant [Pa]: pads touch at some 0.2 bar."""
+"""Smallest plausible pressure of a brake cylinder [Pa]: pads touch at some 0.2 bar."""
 
 
 @lru_cache(maxsize=1)
 def _read_profile(path: Path, digest: str) -> Columns:  # pyright: ignore[reportUnusedParameter]
-    """Return `Demand.profile` of a file of this digest: read to check it, and not again to drive by it."""
+    """Return `Demand.profile` of a file; cached by its digest, since it is read for validation and for the stop."""
     return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
 
 
 EndOfPhase = Literal["end", "time", "duration", "distance", "speed_below", "speed_above"]
-"""What ends a phase, in the order of the enum in the loop's driver.h; the last phase has no end."""
+"""Event that ends a phase, in the order of the enum in the loop's driver.h; the last phase has no end."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,17 +170,17 @@ class DemandedPhase:
     """A phase in numbers.
 
     Attributes:
-        until: What ends it.
+        until: Event that ends the phase.
         limit: Time or duration [s], distance [m] or speed [m/s] that ends it.
         begin: Time from which pressures change by their slopes [s].
         pressures: Brake cylinder pressure of each group at `begin` [Pa].
         slopes: Their change [Pa/s].
         target: Distance at which to stop [m]; NaN brakes by the pressures.
-        deceleration: Of the braking curve to the target [m/s²].
-        full_deceleration: That the driver expects of full brake [m/s²].
-        force: Greatest force of the traction [N].
-        power: Greatest power of the traction [W]; may be infinite.
-        rate: Greatest change of the force [N/s]; may be infinite.
+        deceleration: Deceleration of the braking curve to the target [m/s²].
+        full_deceleration: Deceleration that the driver expects of full brake [m/s²].
+        force: Maximum force of the traction [N].
+        power: Maximum power of the traction [W]; may be infinite.
+        rate: Maximum rate of change of the force [N/s]; may be infinite.
     """
 
     until: EndOfPhase = "end"
@@ -202,11 +202,11 @@ def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[Deman
     Those of a file, which may have a million rows, are an array with the fields of `DemandedPhase`.
 
     Args:
-        full: Of each group.
-        origin: Name of the scenario, to open sentences with.
+        full: Full pressure of each group.
+        origin: Name of the scenario, the opening word of messages.
 
     Raises:
-        ScenarioError: It gives pressures for another number of groups, or more than any brake has.
+        ScenarioError: The demand gives pressures for another number of groups, or above the maximum of a brake.
     """
     if demand.file is None:
         return tuple(_written(demand, full, f"{origin}: [demand.phases"))
@@ -241,7 +241,7 @@ def _written(demand: Demand, full: Sequence[float], where: str) -> Iterator[Dema
 
 
 def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> NDArray[np.void]:
-    """Return straight lines between points, shapes (n,) and (n, groups), and what is constant before and beyond."""
+    """Return phases with linear pressures between points, shapes (n,) and (n, groups), and constant ones outside."""
     none = (0.0,) * pressures.shape[1]
     constant = DemandedPhase(pressures=none, slopes=none)
     names = [field.name for field in fields(DemandedPhase)]
@@ -258,7 +258,7 @@ def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> 
 
 
 def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
-    """Return the pressure of each group; none has more than its full brake."""
+    """Return the pressure of each group, limited to its full brake."""
     _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
     pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
     return tuple(map(min, pressures, full))

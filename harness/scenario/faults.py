@@ -1,4 +1,4 @@
-"""The tables [[faults]] and [truth]: component faults, and how the true train differs from the nominal one."""
+"""The tables [[faults]] and [truth]: component faults, and differences of the true train from the nominal one."""
 
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
@@ -22,20 +22,20 @@ READ_BY: Final[Mapping[str, str]] = MappingProxyType(
         "deflection_sensor": "deflection",
     }
 )
-"""What each sensor reads."""
+"""Quantity that each sensor reads."""
 
 Place = Annotated[StrictInt, Field(ge=1, le=256)]
 """Number of a group or wheelset."""
 
 
 class Fault(Table):
-    """Something that is broken for a while.
+    """A component fault with a beginning and an end.
 
-    Each kind is a class of its own in a module of `railgrip.simulate.faults`, with its keys and, by the methods
-    here, what it does.
+    Each kind is a subclass in a module of `railgrip.simulate.faults`, with its keys and, by the methods here, its
+    effects.
     """
 
-    part: Any  # the names that each class says as literals
+    part: Any  # each class lists its names as literals
     kind: Any
     begin: Delay = Field(default=0.0, description="since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
@@ -44,17 +44,17 @@ class Fault(Table):
 
     @property
     def lasts(self) -> bool:
-        """Whether it holds for the whole stop."""
+        """Whether it lasts for the whole stop."""
         return not self.begin and self.end is None
 
     def samples(self, scenario: Any, period: float | None = None) -> dict[str, int]:
-        """Return `begin`, the first sample of a stop with it, and `end`, the first one without it again.
+        """Return `begin`, the first sample of a stop with the fault, and `end`, the first sample after it.
 
         Samples are a period [s] apart, by default a communication step.
         """
         period = period or float(scenario.periods.communication)
         end = scenario.horizon + 1.0 if self.end is None else self.end
-        # A time is meant to the nearest sample; a fault lasts one at least.
+        # Times are rounded to the nearest sample; a fault lasts at least one.
         begin = round(self.begin / period)
         return {"begin": begin, "end": max(round(end / period), begin + 1)}
 
@@ -63,7 +63,7 @@ class Fault(Table):
         return ()
 
     def of_commands(self, site: Any) -> Iterable[Any]:
-        """Return what it does to the commands of single groups, `CommandFault`s."""
+        """Return its `CommandFault`s of single groups."""
         return ()
 
 
@@ -76,13 +76,13 @@ def amount_of(value: Magnitude, unit: str, where: str, kind: str = "") -> float:
     """Return the value of a fault in a unit.
 
     Args:
-        value: As written.
-        unit: SI.
-        where: To open sentences with.
-        kind: Of a fault whose value is above 0.
+        value: Value as written.
+        unit: SI unit.
+        where: Opening words of messages.
+        kind: Kind of the fault if its value must be above 0, else ''.
 
     Raises:
-        ScenarioError: It has another dimension, or is not above 0.
+        ScenarioError: The value has another dimension, or is not above 0.
     """
     amount = in_units(where, {"value": value}, {"value": unit})["value"]
     if kind and amount <= 0.0:
@@ -97,9 +97,9 @@ _Factors = Annotated[tuple[_Factor, ...], ONE_OR_EACH, Field(min_length=1)]
 
 
 class Truth(Table):
-    """How the true train differs from the one that controller, estimator and driver assume: factors on nominal data.
+    """Differences of the true train from the one that controller, estimator and driver assume: factors on nominal data.
 
-    A factor is one for all or a list: of wheelsets for the load, of groups for what groups have.
+    A factor is one number for all, or a list by wheelset (load) or by group (others).
     """
 
     load: _Factors = Field(default=(1.0,), description="on the mass on each wheelset")
@@ -115,7 +115,7 @@ class Truth(Table):
     )
 
     def factors(self) -> dict[str, tuple[float, ...]]:
-        """Return the factors of parameters that plants have by these names, without those that change nothing."""
+        """Return the factors by parameter name of the plants, without those that are 1."""
         every = {
             "m_wheelset": self.load, "r_wheel": self.wheel_radius, "J": self.inertia, "mu_b_nominal": self.pad_friction,
             "mu_b_start": self.pad_friction, "eta_rigging": (self.efficiency,),

@@ -1,4 +1,4 @@
-"""A file that a scenario names: kept as written, found from the scenario's folder, known by its content."""
+"""A file that a scenario names: kept as written, found relative to the scenario's folder, identified by its content."""
 
 import os
 from collections.abc import Mapping
@@ -15,11 +15,11 @@ from railgrip.base.units import cut, place, short
 from railgrip.fmus.native.library import library_digest, library_of
 
 DIRECTORY = "directory"
-"""Key of the validation context that holds the folder of the scenario file."""
+"""Key of the validation context for the folder of the scenario file."""
 
 
 def is_file(path: Path) -> bool:
-    """Say whether there is a file; a path that no system takes, of 5000 characters, names none."""
+    """Return whether a path is a file; also for paths that the system rejects, such as one of 5000 characters."""
     try:
         return path.is_file()
     except (OSError, ValueError):
@@ -27,7 +27,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_folder(path: Path) -> bool:
-    """Say whether there is a folder; as `is_file`."""
+    """Return whether a path is a folder; as `is_file`."""
     try:
         return path.is_dir()
     except (OSError, ValueError):
@@ -35,16 +35,16 @@ def is_folder(path: Path) -> bool:
 
 
 def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "") -> Path:
-    """Return the file that an entry means: a path from a folder, or a bare name of the library, such as `trapezoid`.
+    """Return the file for an entry: a path relative to a folder, or a bare name in the library, such as `trapezoid`.
 
     Args:
-        entry: As written.
-        kind: Of what the library has by that name.
-        folder: From which paths start.
-        where: Words to open a sentence with: file and key of the entry.
+        entry: Entry as written.
+        kind: Kind of library entry.
+        folder: Folder that paths are relative to.
+        where: Opening words of messages: file and key of the entry.
 
     Raises:
-        ScenarioError: A bare name with neither a file nor an entry of this kind in the library.
+        ScenarioError: A bare name matches neither a file nor a library entry of this kind.
     """
     path, name = folder / entry, Path(entry)
     if is_file(path) or name.suffix or len(name.parts) != 1:
@@ -55,7 +55,7 @@ def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = 
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Return a path as a file of a folder says it, alike on all platforms."""
+    """Return a path relative to a folder, with the same text on all platforms."""
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:  # on another drive of Windows
@@ -63,10 +63,11 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 class Elsewhere(str):
-    """A text of a file that another one extends: a path in it starts at the folder of the file it stands in.
+    """A string of a file that another one extends: a path in it is relative to the folder of the file that it is
+    written in.
 
     Attributes:
-        folder: That folder.
+        folder: Folder of that file.
     """
 
     __slots__ = ("folder",)
@@ -74,7 +75,7 @@ class Elsewhere(str):
 
     @classmethod
     def within(cls, value: Any, folder: Path) -> Any:
-        """Return tables, lists or a text with the folder at each text that has none yet."""
+        """Return tables, lists or a string with the folder attached to each string that has no folder yet."""
         if isinstance(value, Mapping):
             return {key: cls.within(inner, folder) for key, inner in cast("Mapping[str, Any]", value).items()}
         if isinstance(value, list):
@@ -88,27 +89,26 @@ class Elsewhere(str):
 
 @dataclass(frozen=True, slots=True)
 class NamedFile:
-    """A file beside the scenario.
+    """A file that a scenario refers to.
 
     Attributes:
-        entry: The path as the scenario says it; the only part that results repeat, so that they do not
-            depend on where the project lies.
-        path: Where it is on this machine.
+        entry: The path as written; results record only this, so that they do not depend on the location of the project.
+        path: Path of the file on this machine.
     """
 
     entry: str
     path: Path
 
     def digest(self) -> str:
-        """Return the SHA-256 of the content; a `package.mo` stands for all Modelica files of its library."""
+        """Return the SHA-256 of the content; for a `package.mo`, that of all Modelica files of its library."""
         return library_digest(library_of(self.path))
 
     @classmethod
     def find(cls, entry: object, info: ValidationInfo) -> "NamedFile":
-        """Resolve a text against the scenario's folder.
+        """Resolve a string relative to the scenario's folder.
 
         Raises:
-            PydanticCustomError: Not a path, or nothing is there.
+            PydanticCustomError: The entry is not a path, or the file does not exist.
         """
         if isinstance(entry, NamedFile):
             return entry
@@ -132,7 +132,6 @@ class NamedFile:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Read by `find`; serialise as written."""
         return core_schema.with_info_plain_validator_function(
             cls.find,
             json_schema_input_schema=core_schema.str_schema(min_length=1),

@@ -1,4 +1,4 @@
-"""JSON schemas of files, by which editors complete and check them while somebody writes."""
+"""JSON schemas of files, which editors use for completion and checks."""
 
 import json
 from copy import deepcopy
@@ -12,11 +12,11 @@ from railgrip.scenario.campaign import CampaignFile
 from railgrip.scenario.schema import Scenario
 
 _CHANGE = "change."
-"""Prefix of tables of which any key may be missing."""
+"""Prefix of schemas in which all keys are optional."""
 
 
 class _Generator(GenerateJsonSchema):
-    """As pydantic makes them, for TOML, which has no null, and for editors, which know draft 7."""
+    """Pydantic's generator, adapted to TOML, which has no null, and to editors, which support draft 7."""
 
     schema_dialect = "http://json-schema.org/draft-07/schema#"
 
@@ -35,12 +35,12 @@ class _Generator(GenerateJsonSchema):
 
 
 def schema_of(model: type[BaseModel]) -> dict[str, Any]:
-    """Return the schema of a file that a table of pydantic describes."""
+    """Return the JSON schema of a file that is a pydantic model."""
     return {"$schema": _Generator.schema_dialect, **model.model_json_schema(schema_generator=_Generator)}
 
 
 def extending_schema(model: type[BaseModel], kind: str) -> dict[str, Any]:
-    """Return the schema of a complete file, or of one that holds only its changes to the file that `extends` names."""
+    """Return the schema of a complete file, or of one with changes to the file that `extends` names."""
     name, schema = model.__name__, schema_of(model)
     dialect, tables = schema.pop("$schema"), schema.pop("$defs")
     changes = _any_key({**tables, name: schema})
@@ -59,7 +59,7 @@ def extending_schema(model: type[BaseModel], kind: str) -> dict[str, Any]:
 
 
 def scenario_schema() -> dict[str, Any]:
-    """Return the schema of a scenario, which is named after its file unless it has a name."""
+    """Return the schema of a scenario, whose name is optional and defaults to that of its file."""
     schema = extending_schema(Scenario, "scenario")
     schema["$defs"]["Scenario"]["required"].remove("name")
     return schema
@@ -78,7 +78,7 @@ def campaign_schema() -> dict[str, Any]:
 
 
 def _any_key(tables: dict[str, Any]) -> dict[str, Any]:
-    """Return schemas of tables of which any key may be missing, the one that selects their kind included."""
+    """Return schemas of tables in which all keys are optional, including the one that selects their kind."""
 
     def relaxed(node: Any) -> Any:
         if isinstance(node, list):
@@ -88,7 +88,7 @@ def _any_key(tables: dict[str, Any]) -> dict[str, Any]:
         kept = {
             key: relaxed(value) for key, value in node.items() if not (key == "required" and isinstance(value, list))
         }
-        if isinstance(kept.get("oneOf"), list):  # without its kind, a table fits several
+        if isinstance(kept.get("oneOf"), list):  # without its kind, a table matches several
             kept["anyOf"] = kept.pop("oneOf")
             kept.pop("discriminator", None)
         return kept

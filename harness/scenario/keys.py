@@ -14,13 +14,13 @@ from railgrip.scenario.schema import Scenario
 
 @cache
 def units_of_keys() -> Mapping[str, str]:
-    """Return key, as `start.speed`, → SI unit; none for a key whose unit depends on the kind of its table."""
+    """Return key, as `start.speed`, → SI unit, without keys whose unit depends on the kind of their table."""
     return _unambiguous((key, entry.unit) for key, entry in _entries(Scenario, "") if isinstance(entry, Unit))
 
 
 @cache
 def meanings_of_keys() -> Mapping[str, str]:
-    """Return key → description; none for a key whose description depends on the kind of its table."""
+    """Return key → description, without keys whose description depends on the kind of their table."""
     return _unambiguous(
         (key, entry.description or "") for key, entry in _entries(Scenario, "") if isinstance(entry, FieldInfo)
     )

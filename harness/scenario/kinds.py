@@ -1,4 +1,4 @@
-"""Tables whose kind decides their keys: a class of this project for each, or a class of one's own."""
+"""Tables whose kind determines their keys: a built-in class for each kind, or a user-defined class."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from railgrip.scenario.table import Table
 
 
 class Custom(Table):
-    """A class of the user's own; see `railgrip.simulate.custom` for the required methods.
+    """A user-defined class; see `railgrip.simulate.custom` for the required methods.
 
-    `railgrip.simulate.importing` says from where it is imported.
+    `railgrip.simulate.importing` describes from where it is imported.
     """
 
     kind: str = Field(description="module:Class, or the name of an entry point in the group railgrip.<table>s")
@@ -23,7 +23,7 @@ class Custom(Table):
 
 
 def kinds_of(table: type[BaseModel]) -> tuple[str, ...]:
-    """Return the kinds that a table may have; none where any text will do."""
+    """Return the kinds of a table; empty if any string is accepted."""
     field = table.model_fields.get("kind")
     return get_args(field.annotation) if field else ()
 
@@ -38,9 +38,9 @@ class ByKind:
     """Annotation of a field with a table of one of several kinds, read by the class for its kind.
 
     Attributes:
-        ours: Returns kind → table of this project.
-        role: Of classes of one's own, which a kind may name, too; None where it may not.
-        custom: Table of those.
+        ours: Function that returns kind → table of the built-in kinds.
+        role: Role of user-defined classes; None if they are not allowed.
+        custom: Table for user-defined classes.
     """
 
     ours: Callable[[], Mapping[str, type[Table]]]
@@ -48,7 +48,7 @@ class ByKind:
     custom: type[Table] = Custom
 
     def table_of(self, kind: object) -> type[Table] | None:
-        """Return the table of a kind; None where there is none."""
+        """Return the table of a kind, or None."""
         if not isinstance(kind, str):
             return None
         if table := self.ours().get(kind):
@@ -57,11 +57,11 @@ class ByKind:
         return self.custom if is_custom else None
 
     def read(self, entry: Any, info: ValidationInfo) -> Table:
-        """Return the table that an entry is.
+        """Return the table of an entry.
 
         Raises:
-            PydanticCustomError: It is no table, has no kind, or there is no such kind.
-            ValidationError: What is wrong with its keys.
+            PydanticCustomError: The entry is not a table, lacks a kind, or its kind is unknown.
+            ValidationError: There are errors in its keys.
         """
         if isinstance(entry, Table):
             return entry
@@ -76,11 +76,9 @@ class ByKind:
         return table.model_validate(entry, context=info.context)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Read by `read`; serialise as the table that it is."""
         return core_schema.with_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, source: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        """Describe it as the table of any of its kinds."""
         kinds: dict[type[Table], list[str]] = {}
         for kind, table in self.ours().items():
             kinds.setdefault(table, []).append(kind)

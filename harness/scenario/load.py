@@ -1,4 +1,4 @@
-"""From a TOML file and overrides to a `Scenario`, or to sentences that say what to correct."""
+"""Load a `Scenario` from a TOML file and overrides, with one sentence for each error."""
 
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ _MARKS: Final[tuple[tuple[Kind, tuple[str, ...]], ...]] = (
     ("scenario", ("vehicle", "controller")),
     ("scenario", ("extends",)),
 )
-"""Keys that only files of this kind have together."""
+"""Keys that identify a kind of file: only files of this kind have all of them."""
 _COMMANDS: Final[Mapping[str, str]] = {
     "scenario": "run", "campaign": "campaign", "estimation": "estimate", "train": "train show",
 }  # fmt: skip
@@ -32,19 +32,19 @@ _COMMANDS: Final[Mapping[str, str]] = {
 _Scenario = TypeVar("_Scenario", bound=Scenario)
 
 _LONGEST_CHAIN = 30
-"""Files that extend each other; the longest chain of the library has three."""
+"""Maximum length of a chain of files that extend each other; the longest chain of the library has three."""
 
 
 def load(path: Path, overrides: Sequence[str] = (), equipment: Sequence[str] = ()) -> Scenario:
-    """Return the scenario of a TOML file, or of the package by its name.
+    """Return the scenario of a TOML file, or of the library by its name.
 
     Args:
-        path: File or name.
-        overrides: `table.key=value` texts, laid over all else.
-        equipment: Files or names of ours, whose tables are laid over the scenario.
+        path: Path or name of the file.
+        overrides: Strings `table.key=value`, applied last.
+        equipment: Files or names of equipment, whose tables override those of the scenario.
 
     Raises:
-        ScenarioError: A file is missing, not TOML, or not a scenario; each problem in one sentence.
+        ScenarioError: A file is missing, not TOML, or not a scenario; one sentence per problem.
     """
     tables = read_scenario(path)
     for part in equipment:
@@ -54,13 +54,13 @@ def load(path: Path, overrides: Sequence[str] = (), equipment: Sequence[str] = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tables:
-    """The tables of a scenario file, laid over those of the files that it extends.
+    """The tables of a scenario file, merged with those of the files that it extends.
 
     Attributes:
         origin: Name of the file.
-        directory: From where the files it names are found.
-        table: All, as one.
-        layers: Each with the name of its file, the uppermost first.
+        directory: Folder that the file's paths are relative to.
+        table: The merged tables.
+        layers: The tables of each file with its name, the uppermost first.
     """
 
     origin: str
@@ -74,43 +74,43 @@ class Tables:
         return cls(origin=origin, directory=directory, table=dict(table), layers=((origin, table),))
 
     def named(self, origin: str) -> "Tables":
-        """Return them with other words for their file in sentences."""
+        """Return the tables with other words for their file in messages."""
         return replace(self, origin=origin, layers=((origin, self.layers[0][1]), *self.layers[1:]))
 
     def laid(self, name: str, change: Mapping[str, Any]) -> "Tables":
-        """Return them with others on top."""
+        """Return the tables with changes on top."""
         return replace(self, table=merged(self.table, change), layers=((name, change), *self.layers))
 
     def value(self, kind: type[_Scenario]) -> _Scenario:
-        """Return the scenario that they describe.
+        """Return the scenario of these tables.
 
         Raises:
-            ScenarioError: They describe none.
+            ScenarioError: They are not a valid scenario.
         """
         return validated(kind, self.table, directory=self.directory, origin=self.origin, layers=self.layers)
 
 
 def read_scenario(path: Path) -> Tables:
-    """Return the tables of a scenario file or name; its name is that of the file unless it has another.
+    """Return the tables of a scenario file or name; the scenario's name defaults to that of the file.
 
     Raises:
-        ScenarioError: It cannot be read, is of another kind, or extends what cannot be read.
+        ScenarioError: The file cannot be read, is of another kind, or extends a file that cannot be read.
     """
     path = located(path, "scenarios")
     return _tables_in(path, (path,))
 
 
 def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequence[Path] = ()) -> Tables:
-    """Return tables laid over those of the scenario that their key `extends` names.
+    """Return tables merged with those of the scenario that their key `extends` names.
 
     Args:
-        table: With or without that key.
-        folder: From where its files are found.
-        origin: What to call the source in a sentence.
-        chain: Files that have been read on the way here.
+        table: Tables, with or without that key.
+        folder: Folder that their paths are relative to.
+        origin: Name of the source in messages.
+        chain: Files that have been read before this one.
 
     Raises:
-        ScenarioError: There is no such scenario, or it is one of the chain.
+        ScenarioError: The scenario does not exist, or is already in the chain.
     """
     keys = {key: value for key, value in table.items() if key != "extends"}
     if "extends" not in table:
@@ -133,7 +133,7 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
 
 
 def require_straight(path: Path, chain: Sequence[Path], origin: str) -> None:
-    """Check that the next file of a chain of `extends` is not one of the chain, and that the chain is not too long.
+    """Check that the next file of a chain of `extends` is not in the chain, and that the chain is not too long.
 
     Raises:
         ScenarioError: The chain is circular or has more than `_LONGEST_CHAIN` files.
@@ -157,8 +157,8 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
 def _equipped(tables: Tables, file: Path) -> Tables:
     """Return tables with those of a file of equipment on top.
 
-    Its plant is for scenarios of the train that equipment comes in variants of; others keep theirs. What it says of an
-    estimator is for scenarios that have one.
+    The plant of the equipment replaces only that of the train that equipment is made for; other plants are kept. Its
+    keys of an estimator apply only to scenarios with an estimator.
     """
     table, variants = read_toml(file), [read_toml(path).get("vehicle") for path in shelf("equipment").values()]
     if tables.table.get("vehicle") not in (None, *variants):
@@ -172,7 +172,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file.
 
     Raises:
-        ScenarioError: Missing, unreadable, or not TOML.
+        ScenarioError: The file is missing, unreadable, or not TOML.
     """
     try:
         return parsed(read_text(path))
@@ -185,10 +185,10 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def require_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) -> None:
-    """Refuse a file of another kind, in one sentence in place of one for each of its keys.
+    """Raise an error for a file of another kind: one sentence instead of one for each of its keys.
 
     Raises:
-        ScenarioError: It says which command is for the file.
+        ScenarioError: The file is of another kind; the message names the command for it.
     """
     kind_of_file = next((kind for kind, keys in _MARKS if all(key in table for key in keys)), kind_of_command)
     if kind_of_file != kind_of_command:
@@ -198,14 +198,14 @@ def require_kind(table: Mapping[str, Any], kind_of_command: Kind, path: Path) ->
 
 
 def scenario_of(table: Mapping[str, Any], *, directory: Path, origin: str) -> Scenario:
-    """Return the scenario that plain tables describe.
+    """Return the scenario of plain tables.
 
     Args:
-        table: As TOML or `Scenario.resolved` give it.
-        directory: From where the files it names are found.
-        origin: What to call the source in a sentence.
+        table: Tables as read from TOML or returned by `Scenario.resolved`.
+        directory: Folder that their paths are relative to.
+        origin: Name of the source in messages.
 
     Raises:
-        ScenarioError: Not a scenario.
+        ScenarioError: The tables are not a valid scenario.
     """
     return Tables.of(table, directory, origin).value(Scenario)

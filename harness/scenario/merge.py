@@ -11,7 +11,7 @@ from railgrip.base.units import cut, short
 from railgrip.scenario.file import Elsewhere
 
 _DEEPEST = 12
-"""Levels of tables and lists; the deepest file of ours has five."""
+"""Maximum depth of tables and lists; the deepest file of the library has five."""
 
 _PART = re.compile(r"""[A-Za-z0-9_-]+|"[^"]*"|'[^']*'""")
 _KEY = re.compile(rf"(?:{_PART.pattern})(?:\s*\.\s*(?:{_PART.pattern}))*")
@@ -24,7 +24,7 @@ def parsed(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text.
 
     Raises:
-        TOMLDecodeError: It is none, or none that anybody wrote: nested too deep, an integer of thousands of digits.
+        TOMLDecodeError: The text is not TOML, or hostile: nested too deep, or an integer of thousands of digits.
     """
     try:
         table = tomllib.loads(text)
@@ -54,12 +54,12 @@ _ELEMENT = re.compile(r"(.+)\[(\d{1,9})\]")
 def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
     """Return `base` with the keys of `change` overlaid, table by table.
 
-    A change of a table's `kind` starts that table anew, because another kind has other keys; kinds of one filter, which
-    differ only in how it is computed, have the same.
+    A change of a table's `kind` discards the other keys, because another kind has other keys; kinds of the same filter,
+    which differ only in its computation, have the same keys.
 
-    The value of an array element is that of the highest layer that names the element: `r_wheel`, a list or one value
-    for all, names all of them, and `"r_wheel[2]"` the second. A layer with a list and an element of it stays as it is;
-    `railgrip.scenario.table.Parameters` refuses it.
+    The value of an array element is that of the highest layer that names it: `r_wheel`, a list or one value for all,
+    names all elements, and `"r_wheel[2]"` the second. A layer with both a list and an element of it is not resolved
+    here; `railgrip.scenario.table.Parameters` rejects it.
     """
     result = {key: value for key, value in base.items() if _array_of(key) not in change}
     for key, value in change.items():
@@ -80,7 +80,7 @@ def _array_of(key: Any) -> str | None:
 
 
 def _replace(table: dict[str, Any], array: str, key: str, value: Any) -> bool:
-    """Replace an element of a list in a table; return whether there is such a list with such an element."""
+    """Replace an element of a list in a table; return whether the list and the element exist."""
     values, index = table.get(array), int(key[len(array) + 1 : -1]) - 1
     if not isinstance(values, list | tuple) or not 0 <= index < len(values):
         return False
@@ -89,17 +89,17 @@ def _replace(table: dict[str, Any], array: str, key: str, value: Any) -> bool:
 
 
 _PLANT = ("plant", "model", "library", "train")
-"""Keys of [vehicle] that say which plant it is."""
+"""Keys of [vehicle] that select the plant."""
 
 
 def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the keys of a [vehicle] with others laid over them; the plant is the new one where they name one."""
+    """Return the keys of a [vehicle] overridden by others; if these select a plant, it replaces the former one."""
     names_one = any(key in keys for key in _PLANT)
     return merged({key: value for key, value in vehicle.items() if not (names_one and key in _PLANT)}, keys)
 
 
 def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
-    """Say whether the keys of a table mean the same under another kind; None is no change of it."""
+    """Return whether the keys of a table are valid for another kind; None is no change of the kind."""
     present = table.get("kind")
     return (
         kind is None or present == kind or (kind in _KINDS_OF_ONE_FILTER and present in (*_KINDS_OF_ONE_FILTER, None))
@@ -107,10 +107,10 @@ def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
 
 
 def parts_of(key: Any) -> tuple[str, ...]:
-    """Return the parts of a key with dots; one that has dots or brackets itself stands in quotes, as in TOML.
+    """Return the parts of a dotted key; a part with dots or brackets is quoted, as in TOML.
 
     Raises:
-        ScenarioError: It is no such key.
+        ScenarioError: The key is malformed.
     """
     if not isinstance(key, str) or not _KEY.fullmatch(key):
         raise ScenarioError(
@@ -124,10 +124,10 @@ def parts_of(key: Any) -> tuple[str, ...]:
 
 
 def nested(changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return keys with dots and their values, which stay as they are, as one tree of tables.
+    """Return dotted keys and their values, which are not changed, as one tree of tables.
 
     Raises:
-        ScenarioError: A key is none; see `parts_of`.
+        ScenarioError: A key is malformed; see `parts_of`.
     """
     tree: dict[str, Any] = {}
     for key, value in changes.items():
@@ -143,14 +143,14 @@ def nested(changes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
-    """Return `table.key=value` texts as one tree of tables.
+    """Return strings `table.key=value` as one tree of tables.
 
-    The value is read as TOML (`5`, `true`, `[1, 2]`, `"text"`), and as plain text where it is none, so that
-    `start.speed=80 km/h` needs no quotes. For keys see `parts_of`: `vehicle.parameters."r_wheel[2]"=0.37`. Paths start
-    at the current folder, as all others on a command line.
+    The value is parsed as TOML (`5`, `true`, `[1, 2]`, `"text"`), and otherwise used as plain text, so that
+    `start.speed=80 km/h` needs no quotes. For keys see `parts_of`: `vehicle.parameters."r_wheel[2]"=0.37`. Paths are
+    relative to the current folder, as elsewhere on a command line.
 
     Raises:
-        ScenarioError: Not of that form.
+        ScenarioError: An override is malformed.
     """
     tree: dict[str, Any] = {}
     for override in overrides:
@@ -165,7 +165,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
 
 
 def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
-    """Lay `layer` into `tree`; whatever the order of overrides, a `kind` takes away none of the others."""
+    """Merge `layer` into `tree`; unlike in files, a `kind` does not discard other keys, whatever their order."""
     for key, value in layer.items():
         below = tree.get(key)
         if isinstance(value, Mapping) and isinstance(below, dict):
@@ -175,10 +175,10 @@ def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
 
 
 def _toml_value(text: str) -> Any:
-    """Return the value that TOML reads in a text, or else the text itself."""
+    """Parse a text as a TOML value; return the text itself if that fails."""
     try:
         table = parsed(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text
-    # A text that continues after its value has more than one line.
+    # A text with a newline could continue with other keys after its value.
     return table["value"] if len(table) == 1 else text

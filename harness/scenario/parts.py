@@ -1,4 +1,4 @@
-"""The tables of who acts and when: actuation, estimator, controller, limits, periods."""
+"""The tables of actuation, estimator, controller, limits and periods."""
 
 import math
 from fractions import Fraction
@@ -17,13 +17,13 @@ from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Pe
 
 
 class Actuation(Table):
-    """What a command to the plant means: a cylinder pressure (ideal) or a valve position (pneumatic)."""
+    """Kind of command to the plant: cylinder pressures (ideal) or valve positions (pneumatic)."""
 
     kind: Literal["ideal", "pneumatic"] = Field(description="ideal: cylinder pressures; pneumatic: positions of valves")
 
 
 class NoEstimator(Table):
-    """The controller sees readings only."""
+    """No estimator: the controller gets readings only."""
 
     kind: Literal["none"]
 
@@ -33,7 +33,7 @@ class KalmanFilter(Table):
 
     `fmu` evaluates a prediction FMU through FMI 2.0; `compiled` has the equations of the same class as C in the filter,
     the fastest form, for campaigns of thousands of stops; `python` is the reference in numpy; `decentralised` has a
-    part for each bogie or group, at a cost linear in them.
+    separate filter for each bogie or group, at a linear cost.
     """
 
     kind: str = Field(description="a module of `railgrip.estimators.filters`")
@@ -93,7 +93,7 @@ Estimator = Annotated[NoEstimator | KalmanFilter | Custom, ByKind(_estimators, "
 
 
 class _OverTheTrain(Table):
-    """What groups have in common under any law."""
+    """Keys that apply to groups under any law."""
 
     redistribute: StrictBool = optional(
         "ask of groups with adhesion left what others cannot give of the driver's demand", default=False
@@ -104,7 +104,7 @@ class _OverTheTrain(Table):
 
 
 class Law(_OverTheTrain):
-    """A control law of this project and what differs from its own parameter set."""
+    """A built-in control law, with changes of its parameter set."""
 
     kind: str = Field(description="a law of `railgrip list controllers`")
     tuning: str | None = Field(
@@ -120,7 +120,10 @@ class Law(_OverTheTrain):
     @field_validator("tuning")
     @classmethod
     def _set_of_the_law(cls, tuning: str | None, info: ValidationInfo) -> str | None:
-        """Return the name of the set, with the paper's for a default; None is the searched one of a law without it."""
+        """Return the name of the set, by default the paper's.
+
+        None for the searched set, or for a law without a paper's set.
+        """
         kind, files = info.data.get("kind", ""), registry.files(registry.LAWS)
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
         names = [name for name, file in sets.items() if file in files]
@@ -135,11 +138,11 @@ class Law(_OverTheTrain):
 
 
 class ControllerFmu(_OverTheTrain):
-    """A controller of one's own, as a co-simulation FMU 2.0.
+    """A user-defined controller, as a co-simulation FMU 2.0.
 
-    It may take speed, acceleration, wheelset_speed, slip, adhesion, pad_friction, pressure and driver_demand, and gives
-    demand, the pressures of the groups, or command, the valves' positions. Speed and slip are NaN until a sensor has
-    read the speed.
+    Its inputs may be speed, acceleration, wheelset_speed, slip, adhesion, pad_friction, pressure and driver_demand; its
+    output is demand, the pressures of the groups, or command, the valves' positions. Speed and slip are NaN until a
+    sensor has read the speed.
     """
 
     kind: Literal["fmu"]
@@ -154,7 +157,7 @@ class ControllerFmu(_OverTheTrain):
 
 
 class CustomLaw(Custom, _OverTheTrain):
-    """A control law that is a class of the user's own."""
+    """A control law that is a user-defined class."""
 
 
 def _controllers() -> dict[str, type[Table]]:
@@ -167,7 +170,7 @@ _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 
 
 class ForeignFmus(FmuLimits, frozen=True):
-    """What an FMU from outside may take of this machine."""
+    """Limits on the resources that a foreign FMU may use."""
 
     patience: Duration = Field(default=FMU_LIMITS.patience, description="real time one call may last")
     budget: Duration = optional(
@@ -176,7 +179,7 @@ class ForeignFmus(FmuLimits, frozen=True):
 
 
 class Limits(Table):
-    """Where a stop ends and what adhesion may be used."""
+    """Limits of a stop and of the adhesion that may be used."""
 
     horizon: Duration | None = optional(
         "a stop that takes longer ends here, with that outcome; without it twice the time that locked wheels would "
@@ -205,7 +208,7 @@ class Limits(Table):
 
 
 def _communication(before: dict[str, Any]) -> float:
-    """Return the period of the plant [s] from the keys that stand before another one."""
+    """Return the period of the plant [s] from the keys that precede another one."""
     return before.get("communication", 1e-3)
 
 
@@ -245,7 +248,7 @@ class Periods(Table):
 
 
 def steps_between(period: float, step: float) -> Fraction:
-    """Return the number of steps [s] in a period [s] as the fraction that both mean as decimals; 1 at least."""
+    """Return the number of steps [s] in a period [s] as the exact ratio of their decimal values; at least 1."""
     ratio = period / step
     # 1e-9 is far above the rounding of decimal fractions of a second, and five orders below any real mismatch.
     if math.isclose(ratio, round(ratio), rel_tol=1e-9):

@@ -25,7 +25,7 @@ def named_set(name: str) -> Mapping[str, float]:
     """Return k_A, k_S, A and B of a named creep curve.
 
     Raises:
-        PydanticCustomError: There is none of that name.
+        PydanticCustomError: The name is unknown.
     """
     files = registry.files(registry.CREEP_CURVES)
     if name not in files:
@@ -67,15 +67,14 @@ class Polach(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _name_or_numbers(cls, entry: Any) -> Any:
-        """Replace the name of a set by its numbers."""
         return {"name": entry, **named_set(entry)} if isinstance(entry, str) else entry
 
     @classmethod
     def __get_pydantic_json_schema__(cls, source: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        """Describe the name of a set beside its numbers."""
+        """Return the schema of a name or of the numbers."""
         names = list(registry.files(registry.CREEP_CURVES))
         return {"description": "name of a creep curve, or its numbers", "anyOf": [{"enum": names}, handler(source)]}
 
     def plant_parameters(self) -> dict[str, float]:
-        """Return the same numbers under the names of the plant FMU's parameters."""
+        """Return the numbers by parameter name of the plant FMUs."""
         return {"k_A": self.k_A, "k_S": self.k_S, "A_falling": self.A, "B_falling": self.B}

@@ -1,4 +1,4 @@
-"""The table [adhesion]: the kinds of friction profile a scenario can lay on the rail."""
+"""The table [adhesion]: the kinds of friction profile that a scenario may have."""
 
 from typing import Annotated, Literal, Self
 
@@ -22,7 +22,7 @@ class Conditioning(Table):
 
 
 class Recovery(Table):
-    """What the energy of slip makes of the rail, for the wheel that slips and for those behind it.
+    """Cleaning of the rail by slip energy, for the wheel that slips and for those behind it.
 
     Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128; the law is in
     `railgrip.simulate.loop.rail.Field`.
@@ -45,14 +45,14 @@ LONGEST_RAIL = 20e3
 
 
 class Extent(Magnitude):
-    """A length or a duration: which one is wanted depends on `over`."""
+    """A length or a duration, depending on `over`."""
 
 
 Frictions = Annotated[tuple[Friction, ...], ONE_OR_EACH]
 
 
 class Patch(Table):
-    """A place on the rail of other friction, as leaves, oil or sand make it."""
+    """A section of the rail with other friction, such as leaves, oil or sand."""
 
     begin: Length = Field(description="distance of the first wheelset at which it gets there")
     length: Length = Field(description="of the place along the rail")
@@ -64,7 +64,7 @@ class Patch(Table):
 
 
 class _Profile(Table):
-    """What all profiles share."""
+    """Keys of all profiles."""
 
     polach: Polach = Field(description="shape of the creep curve: the name of a set, such as dry, or its numbers")
     polach_of_wheelset: tuple[Polach, ...] = optional(
@@ -101,7 +101,7 @@ class _Profile(Table):
 
     @property
     def curves(self) -> tuple[Polach, ...]:
-        """All creep curves of the rail, each once, that of `polach` first."""
+        """All creep curves of the rail, without repetition, starting with that of `polach`."""
         of_places = (patch.polach for patch in self.patch if patch.polach is not None)
         return tuple(dict.fromkeys((self.polach, *self.polach_of_wheelset, *of_places)))
 
@@ -122,14 +122,14 @@ class _Profile(Table):
 
 
 class Constant(_Profile):
-    """The same friction everywhere, for the train or for each wheelset, but for patches of the rail."""
+    """The same friction everywhere, for the train or for each wheelset, except for patches of the rail."""
 
     kind: Literal["constant"]
     mu0: Frictions = Field(description="one number for the whole train, or one for each wheelset")
 
     @property
     def over(self) -> Over:
-        """What friction changes with: the place if there are patches."""
+        """The axis of the friction: the distance if there are patches."""
         return "distance" if self.patch else "time"
 
     @property
@@ -164,12 +164,12 @@ class Leaves(_Profile):
 
     @property
     def over(self) -> Over:
-        """The axis that friction changes along: patches have places."""
+        """The axis of the friction; patches have places."""
         return "distance"
 
     @property
     def curves(self) -> tuple[Polach, ...]:
-        """All creep curves of the rail, each once, that of `polach` first."""
+        """All creep curves of the rail, without repetition, starting with that of `polach`."""
         of_patches = () if self.polach_of_patches is None else (self.polach_of_patches,)
         first, *others = super().curves
         return tuple(dict.fromkeys((first, *of_patches, *others)))
@@ -193,7 +193,7 @@ class _Varying(_Profile):
 
     @property
     def unit(self) -> str:
-        """Unit of the axis the profile runs over."""
+        """Unit of the axis of the profile."""
         return "s" if self.over == "time" else "m"
 
     def extent(self, name: str) -> float:
@@ -213,7 +213,7 @@ class _Varying(_Profile):
 
 
 class Trapezoid(_Varying):
-    """High, ramp down, low, ramp up, over and over; begins with the high."""
+    """Repeated trapezoids: high, ramp down, low, ramp up; starting high."""
 
     kind: Literal["trapezoid"]
     minimum: Friction = Field(description="maximum friction of the low stretches")
@@ -239,7 +239,7 @@ class Trapezoid(_Varying):
 
 
 class SineSweep(_Varying):
-    """A sine whose frequency rises (or falls) evenly on a logarithmic scale, then stays.
+    """A sine whose frequency changes from start to end evenly on a logarithmic scale, then is constant.
 
     Frequencies are in 1/s over time, in 1/m over distance.
     """
@@ -298,7 +298,7 @@ class Random(_Varying):
 
 
 class Points(_Varying):
-    """Straight between points, constant beyond them; with scatter of a relative deviation where one is given.
+    """Linear between points, constant beyond them; optionally with scatter of a relative standard deviation.
 
     The scatter is a Gauss–Markov process of autocorrelation e^(−|d|/correlation), cut off at three deviations; drawn
     from the seed.
@@ -315,7 +315,7 @@ class Points(_Varying):
 
     @property
     def places(self) -> tuple[float, ...]:
-        """Where the points are, in the unit of the axis."""
+        """Places of the points, in the unit of the axis."""
         return tuple(place.si(self.unit) for place, _ in self.points)
 
     @model_validator(mode="after")
@@ -334,7 +334,7 @@ class Points(_Varying):
 
 
 class FromTable(_Profile):
-    """The user's own curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
+    """A user's curve: a CSV with columns time or distance, and mu0 or mu0_1 … mu0_n."""
 
     kind: Literal["table"]
     file: NamedFile = Field(
@@ -362,7 +362,7 @@ class FromTable(_Profile):
 
     @property
     def over(self) -> Over:
-        """The axis that the file's first column names."""
+        """The axis by the file's first column."""
         return self.curve.over
 
 

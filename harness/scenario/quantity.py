@@ -1,4 +1,4 @@
-"""Numbers with units as people write them ("80 km/h"), made SI floats at the edge of a file, and what is plausible."""
+"""Quantities with units as text ("80 km/h"), converted to SI floats when a file is read, and their plausible ranges."""
 
 import math
 import operator
@@ -16,20 +16,20 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import quantity, short, to_si, unit
 
 _LIMITS = {"above": operator.gt, "at least": operator.ge, "below": operator.lt, "at most": operator.le}
-"""Words for a limit → what a value and the limit have to be."""
+"""Words for a limit → comparison of a value with it."""
 
 _DENORMAL = f"too small to calculate with; give 0, or at least {sys.float_info.min:.2g}"
-"""End of the refusal of a denormal number, which has lost digits and is nobody's quantity."""
+"""End of the message for a denormal number, which has lost digits and is not a meaningful quantity."""
 
 _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
-"""A number with its unit, for the schema that editors use."""
+"""Pattern of a number with its unit, for the schema that editors use."""
 
 
 class Unit:
     """Annotation of a float field: its SI unit and range.
 
-    `Annotated[float, Unit("m/s", above=0)]` accepts "80 km/h" (converted, dimension checked) and 22.2 (taken
-    as SI).
+    `Annotated[float, Unit("m/s", above=0)]` accepts "80 km/h", which is converted after a check of its dimension, and
+    22.2, which is in SI.
     """
 
     def __init__(
@@ -43,15 +43,15 @@ class Unit:
         or_zero: bool = False,
         because: str = "",
     ) -> None:
-        """Keep unit and limits.
+        """Store unit and limits.
 
         Args:
             unit: SI unit, "1" for a ratio.
-            above: Limit in that unit, as the next three.
-            at_least: Limit.
-            below: Limit.
-            at_most: Limit.
-            or_zero: Whether the value may also be 0, whatever the limits.
+            above: Lower limit in that unit, exclusive.
+            at_least: Lower limit, inclusive.
+            below: Upper limit, exclusive.
+            at_most: Upper limit, inclusive.
+            or_zero: Whether 0 is valid regardless of the limits.
             because: Reason of the limits.
         """
         self.unit, self.or_zero = unit, or_zero
@@ -59,7 +59,7 @@ class Unit:
         self.limits = dict(zip(_LIMITS, (above, at_least, below, at_most), strict=True))
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Read before pydantic does: what leaves here is a float in `unit`."""
+        """Parse before pydantic validates: the result is a float in `unit`."""
         above, at_least, below, at_most = self.limits.values()
         at_least = 0.0 if self.or_zero else at_least
         si = core_schema.float_schema(gt=above, ge=at_least, lt=below, le=at_most)
@@ -68,10 +68,10 @@ class Unit:
         )
 
     def read(self, entry: object) -> float:
-        """Return the SI value of what the file says.
+        """Return the SI value of an entry in a file.
 
         Raises:
-            PydanticCustomError: Not a number, wrong dimension, or out of range.
+            PydanticCustomError: The entry is not a number, has the wrong dimension, or is out of range.
         """
         if isinstance(entry, bool) or not isinstance(entry, int | float | str):
             raise _refusal(f"is {_spell(entry)}, but a number in {self._name} is expected")
@@ -87,7 +87,7 @@ class Unit:
             raise _refusal(f"is {_spell(entry)}, {_DENORMAL}")
         for words, limit in self.limits.items() if value or not self.or_zero else ():
             if limit is not None and not _LIMITS[words](value, limit):
-                # That a speed is above zero needs no reason.
+                # A lower limit of zero needs no reason.
                 reason = "" if limit == 0.0 else self.because
                 suffix = "" if self.unit == "1" else f" {self.unit}"
                 span = self._span(suffix)
@@ -95,7 +95,7 @@ class Unit:
         return value
 
     def _span(self, suffix: str) -> str:
-        """Return the expected range as the rest of a sentence, where both of its ends say something."""
+        """Return the expected range as the rest of a sentence, if both of its ends are informative."""
         above, at_least, below, at_most = self.limits.values()
         low, high = above if at_least is None else at_least, below if at_most is None else at_most
         return f"; expected is {'0, or ' * self.or_zero}{low:g} to {high:g}{suffix}" if low and high and low > 0 else ""
@@ -110,7 +110,7 @@ class InList:
     """An element of a list of parameters, as written.
 
     Attributes:
-        entry: Its value.
+        entry: Value of the element.
         count: Number of elements of the list.
     """
 
@@ -119,23 +119,23 @@ class InList:
 
 
 BOOLEAN: Final = "boolean"
-"""In place of the unit of a parameter that is true or false."""
+"""Placeholder for the unit of a boolean parameter."""
 
 Number = Annotated[float, Strict(), Field(allow_inf_nan=False)]
-"""A number without a unit; unlike float it is not read from true or false, or from a text."""
+"""A number without a unit; unlike float it accepts neither booleans nor strings."""
 
 NotNegative = Annotated[Number, Field(ge=0.0)]
 
 
 class Magnitude:
-    """A parameter of a model: the value in its unit, and the dimension if the file states one.
+    """A parameter of a model: the value in its unit, and the dimension if the file gives one.
 
     The model defines the expected unit, so the dimension can only be checked after the model has been read:
     `magnitude.si("Pa")`.
 
     Attributes:
-        entry: Number or text, as written; in a `Parameter` also true or false.
-        count: Number of elements of the list that the file gives it in; None where it is given by itself.
+        entry: Number or string, as written; for a `Parameter` also a boolean.
+        count: Number of elements of the list that it is part of; None outside of lists.
     """
 
     __slots__ = ("count", "entry")
@@ -143,10 +143,10 @@ class Magnitude:
     takes_booleans: ClassVar[bool] = False
 
     def __init__(self, entry: float | str, count: int | None = None) -> None:
-        """Keep the entry of a file.
+        """Store the entry of a file.
 
         Raises:
-            ValueError: A text that is not a number with a unit, or a number that is not finite.
+            ValueError: A string is not a number with a unit, or a number is not finite.
         """
         try:
             number = float(quantity(entry)[0] if isinstance(entry, str) else entry)
@@ -159,11 +159,11 @@ class Magnitude:
         self.entry, self.count = entry, count
 
     def si(self, unit: str | units.Unit | None) -> float:
-        """Return the value in a unit, mostly an SI one ("kg.m2"); None, "" and "1" mean a ratio, `BOOLEAN` a bool.
+        """Return the value in a unit, usually an SI one ("kg.m2"); None, "" and "1" mean a ratio, `BOOLEAN` a bool.
 
         Raises:
-            ValueError: The file states a unit of another dimension, or a number where true or false is expected or the
-                other way round; in words that follow the parameter's name.
+            ValueError: The file gives a unit of another dimension, or a number in place of a boolean or the reverse;
+                the message follows the parameter's name.
         """
         if unit == BOOLEAN:
             if self.entry not in (0, 1):
@@ -174,20 +174,17 @@ class Magnitude:
         return to_si(self.entry, unit or "1") if isinstance(self.entry, str) else float(self.entry)
 
     def __eq__(self, other: object) -> bool:
-        """Say whether both were written alike."""
         return isinstance(other, Magnitude) and self.entry == other.entry
 
     def __hash__(self) -> int:
-        """Hash what was written."""
         return hash(self.entry)
 
     def __repr__(self) -> str:
-        """Show what was written."""
         return f"Magnitude({self.entry!r})"
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Accept a number or a text with a unit, a `Parameter` also true and false; serialise as written."""
+        """Accept a number or a string with a unit, for a `Parameter` also booleans; serialise as written."""
         kinds = "a number, true, false" if cls.takes_booleans else "a number"
 
         def read(entry: object) -> "Magnitude":
@@ -211,7 +208,7 @@ class Magnitude:
 
 
 class Parameter(Magnitude):
-    """A parameter of a model that may also be true or false, which is known only when the model has been read."""
+    """A parameter of a model that may also be a boolean, which is known only when the model has been read."""
 
     __slots__ = ()
     takes_booleans: ClassVar[bool] = True
@@ -230,7 +227,10 @@ _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
     "K": (0.0, 5e3, "steel boils at 3100 K"),
     "rad/s": (-1e4, 1e4, "no wheelset turns so fast"),
 }
-"""Unit → least and largest value of a parameter in it, and why: an order of magnitude or more beyond any vehicle."""
+"""Unit → minimum and maximum of a parameter in it, with the reason.
+
+At least an order of magnitude beyond any vehicle.
+"""
 
 
 def in_units(
@@ -242,14 +242,14 @@ def in_units(
     """Return the values of a table of parameters in the units that its model expects.
 
     Args:
-        where: The table, and its file where several are at hand, to open sentences with.
-        magnitudes: By name.
-        expected: Unit of every name that may be written.
-        descriptions: Of these names, by which a name such as "mass" is recognised as `m`, "Mass of the wagon".
+        where: Table, and its file if there are several; the opening words of messages.
+        magnitudes: Parameters by name.
+        expected: Unit of every valid name.
+        descriptions: Descriptions of these names, which help to suggest `m`, "Mass of the wagon", for "mass".
 
     Raises:
-        ScenarioError: There is no such name, its unit has another dimension, or no vehicle has such a value; each
-            problem in one line.
+        ScenarioError: A name is unknown, a unit has another dimension, or a value is not plausible for a vehicle; one
+            line per problem.
     """
     values: dict[str, float] = {}
     problems: list[str] = []
@@ -266,7 +266,7 @@ def in_units(
             if name in arrays:
                 hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'
             else:
-                # A name such as "mass" of the parameter `m`, "Mass of the wagon".
+                # A name such as "mass" for the parameter `m`, "Mass of the wagon".
                 near = _described_as(name, descriptions or {})
                 hint = f"did you mean '{near[0]}'?" if near else did_you_mean(name, expected)
                 hint = hint or f"there is {', '.join(arrays) or 'none'}."
@@ -291,7 +291,7 @@ def _described_as(name: str, descriptions: Mapping[str, str]) -> list[str]:
 
 
 def _require_plausible(who: str, value: float, unit_of_value: str | units.Unit) -> None:
-    """Refuse a value that no vehicle has; what is measured in a unit of one's own is not judged."""
+    """Raise an error for an implausible value of a vehicle; values in units without a known range are not checked."""
     try:
         expected_unit = unit(unit_of_value) if isinstance(unit_of_value, str) else unit_of_value
     except ValueError:

@@ -1,4 +1,4 @@
-"""The tables [[sanders]] and [adhesion.sand]: who lays sand on the rail, and what it makes of friction."""
+"""The tables [[sanders]] and [adhesion.sand]: the sanders, and the effect of sand on friction."""
 
 from typing import Annotated
 
@@ -11,7 +11,7 @@ _Density = Annotated[float, Unit("kg/m", above=0, at_most=1, because="a kilogram
 
 
 class Sand(Table):
-    """What sand makes of the rail: with d on a metre of it, friction closes 1 − e^(−d/density) of its gap to `mu0`."""
+    """Effect of sand on the rail: a density d closes the share 1 − e^(−d/density) of the gap of friction to `mu0`."""
 
     mu0: Friction = Field(
         description="maximum friction of a rail with plenty of sand; where friction is higher it stays"
@@ -23,7 +23,7 @@ class Sand(Table):
 
 
 class Sander(Table):
-    """A pair of nozzles that lay sand on both rails in front of a wheelset."""
+    """A pair of nozzles that strew sand on both rails in front of a wheelset."""
 
     wheelset: Annotated[StrictInt, Field(ge=1, le=256)] = Field(description="in the direction of travel, from 1 on")
     rate: Annotated[float, Unit("kg/s", at_least=1e-6, at_most=1, because="sanders lay some kilograms a minute")] = (

@@ -1,8 +1,8 @@
-"""The scenario file as a type: every table, key, unit and range, and nothing that is not written there.
+"""The scenario file as a type: every table, key, unit and range; unknown keys are rejected.
 
-A quantity is a text with a unit ("80 km/h", "3.4 bar", "10 ms") or a bare number in the SI unit of its field.
-Train, speed, friction and controller have no default. What has one describes no train: sensors and actuation are
-ideal, nothing is estimated, everything is sampled each millisecond, the track is straight and level.
+A quantity is a string with a unit ("80 km/h", "3.4 bar", "10 ms") or a bare number in the SI unit of its field. Train,
+speed, friction and controller have no default. Other defaults do not describe a train: sensors and actuation are ideal,
+there is no estimator, all periods are a millisecond, the track is straight and level.
 """
 
 import hashlib
@@ -37,21 +37,23 @@ from railgrip.scenario.track.table import Track, steepest_fall
 from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
-"""First sample of the valves' dead times in the plants of this project, and the time between two [s]: offset and period
-of RailBraking.Pneumatics.ValveDelay."""
+"""First sample of the valves' dead times in the built-in plants, and the time between two samples [s].
+
+Offset and period of RailBraking.Pneumatics.ValveDelay.
+"""
 
 
 def begin_off_the_samples(step: float) -> float:
     """Return the time at which a plant with valves starts [s], so that no communication step [s] ends on their samples.
 
-    Where they coincide, rounding decides whether a command acts before or after the sample, and a solver may have
-    to integrate over the rounding error, at which that of OpenModelica's FMUs gives up. The start is 0 where no
-    multiple of the step is a sample, as for whole milliseconds; otherwise it is half of the greatest common divisor of
-    the step and the samples' period, by which commands then act earlier: 0.25 ms for a step of 0.5 ms.
+    If they coincide, rounding decides whether a command acts before or after the sample, and a solver may have to
+    integrate over the rounding error, where that of OpenModelica's FMUs fails. The start is 0 if no multiple of the
+    step is a sample, as for whole milliseconds; otherwise it is half of the greatest common divisor of the step and the
+    samples' period, by which commands then act earlier: 0.25 ms for a step of 0.5 ms.
     """
     first, interval = SAMPLES
     exact = Fraction(step).limit_denominator(10**9)
-    # n step = first + k interval has whole solutions where what divides step and interval divides first, too.
+    # n step = first + k interval has integer solutions if the common divisor of step and interval also divides first.
     common = Fraction(
         math.gcd(exact.numerator * interval.denominator, interval.numerator * exact.denominator),
         exact.denominator * interval.denominator,
@@ -60,17 +62,17 @@ def begin_off_the_samples(step: float) -> float:
 
 
 _MOST_ROWS = 1_000_000
-"""Samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB where it lasts so long."""
+"""Maximum number of samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB."""
 
 _SHORTEST, _LONGEST = 120.0, 600.0
-"""Horizon that is not given [s]."""
+"""Bounds of the default horizon [s]."""
 
 _FEWEST_PERIODS = 10
-"""In a horizon, which ends with a whole one: so at most a twentieth of its time is lost."""
+"""Minimum number of periods in a horizon, which is rounded to whole ones: the change is then at most a twentieth."""
 
 
 class Scenario(Table):
-    """Everything that decides a stop."""
+    """All inputs of a stop."""
 
     name: Name = Field(description="of the scenario and of the folder of its results; that of the file without it")
     description: str = Field(default="", description="what it is about, in a line, for tables and pages")
@@ -139,13 +141,13 @@ class Scenario(Table):
 
     @property
     def horizon(self) -> float:
-        """Time at which the stop ends in any case [s]: as given, or from speed, friction and gradient.
+        """Maximum duration of a stop [s]: as given, or derived from speed, friction and gradient.
 
         A locked wheel has at least the share A of the friction, the falling friction at infinite slip velocity (Polach,
-        Wear 258, 2005, 992). The deceleration that follows from the lowest friction of the rail, less the steepest
-        gradient, is halved for cylinders that fill and controllers that vent; brakes and a driver who demand less than
-        friction allows have `_SHORTEST`. Where the gradient wins, no time is enough: it is `_LONGEST`. A train does not
-        get farther than friction over distance is tabulated.
+        Wear 258, 2005, 992). The deceleration that follows from the lowest friction of the rail, minus the steepest
+        gradient, is halved to allow for cylinders that fill and controllers that vent; `_SHORTEST` allows for brakes
+        and a driver who demand less than friction permits. If the gradient exceeds the friction, no time suffices and
+        the horizon is `_LONGEST`. A train cannot go beyond the range of tabulated friction.
         """
         if self.limits.horizon is not None:
             return self.limits.horizon
@@ -156,7 +158,7 @@ class Scenario(Table):
         if self.runs_over_distance:
             has_traction = self.demand is not None and self.demand.has_traction
             most = min(most, _SHORTEST if has_traction else max(_SHORTEST, LONGEST_RAIL // max(self.start.speed, 1.0)))
-        # Whole seconds, so that a small change of the friction hardly ever moves it.
+        # Rounded up to seconds, so that a small change of the friction rarely changes the horizon.
         return min(float(math.ceil(max(needed, _SHORTEST))), most)
 
     @property
@@ -167,11 +169,11 @@ class Scenario(Table):
 
     @property
     def runs_over_distance(self) -> bool:
-        """Whether the adhesion is a function of the place."""
+        """Whether the adhesion is a function of the position."""
         return self.adhesion.over == "distance"
 
     def files(self) -> tuple[NamedFile, ...]:
-        """Return the files beside the scenario that decide the stop, too."""
+        """Return the files outside the scenario file that affect the stop."""
         table = (self.adhesion.file,) if isinstance(self.adhesion, FromTable) else ()
         controller = (self.controller.file,) if isinstance(self.controller, ControllerFmu) else ()
         prediction = (self.estimator.library, self.estimator.file) if isinstance(self.estimator, KalmanFilter) else ()
@@ -188,10 +190,10 @@ class Scenario(Table):
         return tuple(file for file in entries if isinstance(file, NamedFile))
 
     def resolved(self) -> dict[str, Any]:
-        """Return the scenario as plain values in SI units with all defaults; it loads to the same one."""
+        """Return the scenario as plain values in SI units with all defaults; loading them gives an equal scenario."""
         return self.model_dump(mode="json")
 
     def digest(self) -> str:
-        """Return a SHA-256 of all that decides the stop: values, and the content of the files they name."""
+        """Return a SHA-256 of all inputs of the stop: values, and the content of the files they name."""
         everything = {"scenario": self.resolved(), "files": [file.digest() for file in self.files()]}
         return hashlib.sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()

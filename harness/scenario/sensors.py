@@ -1,4 +1,4 @@
-"""The table [sensors]: what stands between the plant and those who see it."""
+"""The table [sensors]: the instruments between the plant and the onboard parts."""
 
 from collections.abc import Collection
 from typing import Annotated, Any
@@ -12,16 +12,16 @@ from railgrip.scenario.table import Period, Seed, Table, optional
 
 
 class SensorModel(Table):
-    """Sensors of one kind: their table, and what reads with it.
+    """Sensors of one kind: their table, which also creates the implementation.
 
-    Each kind is a class of its own in a module of `railgrip.simulate.sensors`.
+    Each kind is a subclass in a module of `railgrip.simulate.sensors`.
     """
 
-    kind: Any  # the name that each class says as a literal
+    kind: Any  # each class lists its name as a literal
 
     @property
     def pulses(self) -> int:
-        """Teeth of each pole wheel; 0 where there are none."""
+        """Teeth of each pole wheel; 0 for sensors without pole wheels."""
         return 0
 
     @property
@@ -34,15 +34,18 @@ class SensorModel(Table):
         return 1
 
     def extra_readings(self, scenario: Any, outputs: Collection[str]) -> tuple[Any, ...]:
-        """Return the signals that they show of a plant with `outputs`, beside those that all sensors show.
+        """Return the signals that they read from a plant with `outputs`, in addition to those of all sensors.
 
         Raises:
-            ScenarioError: A quantity is named that is none, or that the plant does not show.
+            ScenarioError: A named quantity does not exist, or is not an output of the plant.
         """
         return ()
 
     def opened(self, scenario: Any, layout: Any, wheel_radius: float) -> Any:
-        """Return them at the begin of a stop, with `read(sample, truth)`; what is constant over it is drawn here."""
+        """Return the sensors of a stop, with `read(sample, truth)`.
+
+        Errors that are constant over a stop are drawn here.
+        """
         raise NotImplementedError
 
 
@@ -67,7 +70,9 @@ class SampledSensors(SensorModel):
         return max(round((self.period or 0.0) / communication), 1)
 
     def samples_in(self, communication: float) -> int:
-        """Return the number of their own samples in a communication step [s], of which the loop reads one."""
+        """Return the number of samples that the instruments take per communication step [s], of which the loop reads
+        one.
+        """
         return max(round(communication / (self.period or communication)), 1)
 
 
@@ -76,7 +81,7 @@ def _sensors() -> dict[str, type[Table]]:
 
 
 class OwnSensors(Custom, SensorModel):
-    """Sensors that are a class of the user's own, read in every communication step."""
+    """Sensors that are a user-defined class, read in every communication step."""
 
 
 Sensors = Annotated[SensorModel, ByKind(_sensors, "sensors", OwnSensors)]

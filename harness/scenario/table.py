@@ -1,4 +1,4 @@
-"""What all tables of a scenario file share: strictness, common quantities, and how a broken rule is said."""
+"""Common base of all tables of a scenario file: strictness, common quantities, and errors of validators."""
 
 from collections.abc import Collection, Mapping, Sequence
 from typing import Annotated, Any, cast, get_args
@@ -24,7 +24,7 @@ _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 200
 _LONGEST = "no braking lasts three hours"
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
-"""Of what has a folder of its own: neither leaves the folder above nor is too long for one."""
+"""Name of a folder: a plain name that cannot leave the parent folder and is not too long."""
 Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
 Friction = Annotated[float, Unit("1", above=0, at_most=1)]
 Speed = Annotated[float, Unit("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
@@ -47,7 +47,7 @@ def _elements(entry: Any) -> Any:
     """Return a parameter table with `x = [1, 2]` replaced by `"x[1]" = 1` and `"x[2]" = 2`, as FMI names them.
 
     Raises:
-        PydanticCustomError: There is an empty list, or a list and an element of it.
+        PydanticCustomError: A list is empty, or the table has a list and an element of it.
     """
     if not isinstance(entry, Mapping):
         return entry
@@ -88,28 +88,28 @@ class _OneOrEach:
 
 
 ONE_OR_EACH = _OneOrEach()
-"""Annotation of a tuple that may be written as one value for all."""
+"""Annotation of a tuple that may be written as one value for all elements."""
 
 
 def broken(words: str) -> PydanticCustomError:
-    """Return the refusal of a key or table; the words follow its name in the sentence."""
+    """Return the error for a key or table; the words follow its name in the message."""
     return PydanticCustomError("scenario", "{words}", {"words": words})
 
 
 def optional(description: str | None = None, *, default: Any = None, max_length: int | None = None) -> Any:
-    """Return a field that results leave out while it has its default."""
+    """Return a field that is omitted from results while it has its default."""
     return Field(
         default=default, exclude_if=lambda value: value == default, description=description, max_length=max_length
     )
 
 
 def not_in(names: Collection[str], name: str, between: str = ", ") -> str:
-    """Return the end of a sentence on a name that is not one of some: the name, these, and the nearest one."""
+    """Return the end of a message on an unknown name: the name, the known names, and the nearest one."""
     return f"{short(name)}; there is {between.join(names)}" + did_you_mean(name, names, before="; ")
 
 
 def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
-    """Return the annotation of a text that is one of some names."""
+    """Return the annotation of a string that must be one of some names."""
 
     def known(name: str) -> str:
         if name not in names:
@@ -120,7 +120,10 @@ def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
 
 
 def ends_after_it_begins(table: Any) -> Any:
-    """Return a table with `begin` and `end`, None for the end of the stop, if they are in this order."""
+    """Return a table with `begin` and `end`, None for the end of the stop.
+
+    Raise an error if they are in reverse order.
+    """
     if table.end is not None and table.end <= table.begin:
         raise broken(f"end {table.end:g} s is not after begin {table.begin:g} s")
     return table
@@ -133,7 +136,7 @@ class Table(BaseModel):
 
 
 def _map_entry(entry: Any) -> Any:
-    """Return a mapping entry as it stands; what it may say in detail is checked against the FMU, which knows more."""
+    """Return a mapping entry unchanged; its details are checked later, with the description of the FMU."""
     if isinstance(entry, str | dict) or (
         isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
     ):
@@ -147,4 +150,4 @@ def _map_entry(entry: Any) -> Any:
 MapEntry = Annotated[
     Any, PlainValidator(_map_entry, json_schema_input_type=str | dict[str, Any] | list[str | dict[str, Any]])
 ]
-"""Of a mapping table: our name → variable of a foreign FMU."""
+"""Annotation of a mapping entry: signal of the harness → variable of a foreign FMU."""

@@ -1,4 +1,4 @@
-"""Equipment and effects that are known in the field and that train files and scenarios do not have."""
+"""Equipment and effects that are common in the field but not supported by train files and scenarios."""
 
 import re
 from collections.abc import Mapping
@@ -36,11 +36,11 @@ UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
         ),
     }
 )
-"""Pattern of a whole key → what it is, and what to do instead."""
+"""Pattern of a whole key → its meaning, and the alternative."""
 
 
 def unsupported(key: str) -> str:
-    """Return the sentence on a key that is known in the field and not supported; empty for any other key."""
+    """Return a sentence on a key for unsupported equipment; empty for any other key."""
     name = re.sub(r"[\s.-]+", "_", key).casefold()
     found = next((words for pattern, words in UNSUPPORTED.items() if re.fullmatch(pattern, name)), None)
     return f"{found[0]} not supported in this file; {found[1]}" if found else ""

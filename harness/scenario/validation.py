@@ -1,4 +1,4 @@
-"""From plain tables to values, or to sentences that say what to correct and in which file."""
+"""Validate plain tables; each error becomes a sentence with file, key and correction."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ from railgrip.scenario.unsupported import unsupported
 _Model = TypeVar("_Model", bound=BaseModel)
 
 Layers = Sequence[tuple[str, Mapping[str, Any]]]
-"""Files with their own tables, which are laid over each other, the uppermost first."""
+"""Files with their tables, merged in this order, the uppermost first."""
 
 
 def validated(
@@ -29,14 +29,14 @@ def validated(
     """Return `table` as a value of `model`.
 
     Args:
-        model: A table of pydantic.
+        model: Pydantic model of the table.
         table: Plain values.
-        directory: From where the files it names are found.
-        origin: What to call the source in a sentence.
-        layers: What the table was made of, where several files hold its keys.
+        directory: Folder that the table's paths are relative to.
+        origin: Name of the source in messages.
+        layers: Files that the table was merged from, if there are several.
 
     Raises:
-        ScenarioError: With one line, "origin: [table] key …", for each problem.
+        ScenarioError: The table is invalid; one line, "origin: [table] key …", per problem.
     """
     try:
         return model.model_validate(table, context={DIRECTORY: directory})
@@ -44,14 +44,14 @@ def validated(
         lines: dict[str, None] = {}
         for error in problem.errors():
             path, keys = _place(model, table, error["loc"])
-            # A key that is missing may stand in a table that another one took the place of.
+            # A missing key may belong to a table that another layer has replaced.
             present = path[:-1] if error["type"] == "missing" else path
             lines[f"{_holder(layers, present) or origin}: {_sentence(model, path, keys, error)}"] = None
         raise ScenarioError("\n".join(lines)) from None
 
 
 def _holder(layers: Layers, path: Sequence[int | str]) -> str | None:
-    """Return the file of the uppermost layer that reaches farthest down a path."""
+    """Return the file of the uppermost layer with the longest match of a path."""
 
     def depth(table: Any) -> int:
         for number, step in enumerate(path):
@@ -78,10 +78,10 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
         kinds = context["expected_tags"].replace("'", "")
         return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"
     if not path:
-        return _ended(error["msg"])  # a rule between tables names them itself
+        return _ended(error["msg"])  # a rule between tables names them in its text
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
     if isinstance(error["input"], Mapping) and kind == "scenario":
-        key = _table(path)  # a problem of a whole table names its keys itself
+        key = _table(path)  # a problem of a whole table names its keys in its text
     if kind in {"quantity", "file", "scenario"}:
         return _ended(f"{key} {error['msg']}")
     if kind == "literal_error":
@@ -101,10 +101,10 @@ def _ended(sentence: str) -> str:
 def _place(
     model: type[BaseModel], table: Mapping[str, Any], location: tuple[int | str, ...]
 ) -> tuple[list[int | str], list[str]]:
-    """Return pydantic's location as the path in the file, and the keys that the table of its last step knows.
+    """Return pydantic's location as a path in the file, and the known keys of the table of its last step.
 
-    Pydantic puts the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum), and the branch of
-    a union of values, into the location; the file has neither.
+    Pydantic adds the tag of a union of tables ("trapezoid" in adhesion.trapezoid.minimum), and the branch of a union of
+    values; the file has neither.
     """
     path: list[int | str] = []
     node: Any = table
@@ -129,7 +129,7 @@ def _place(
 
 
 def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
-    """Return the tables inside an annotation or a field; of those that its kind chooses the one of an entry."""
+    """Return the tables in an annotation or a field; of tables with a kind, that of an entry."""
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return [annotation]
     if isinstance(annotation, FieldInfo):
@@ -162,7 +162,7 @@ def _suggestion(name: str, choice: Sequence[str]) -> str:
 
 
 def _choice(found: object, expected: str) -> str:
-    """Return the names that are expected in place of the one found, with the nearest of them."""
+    """Return the expected names, with the one that is nearest to the name found."""
     if sentence := unsupported(str(found)):
         return f"{sentence}; there is {expected}"
     return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")

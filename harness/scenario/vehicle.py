@@ -1,4 +1,4 @@
-"""The tables [vehicle] and [start]: which plant, with what values, from what speed."""
+"""The tables [vehicle] and [start]: the plant, its parameters, and the initial speed."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
@@ -26,7 +26,7 @@ _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
 
 
 class FormationTable(Table):
-    """What a plant consists of that does not declare it; empty for what it declares, or what is not needed."""
+    """Components of a plant that does not declare them; empty for those that it declares, or that are not required."""
 
     wheelsets_per_group: tuple[_Wheelsets, ...] = Field(
         default=(),
@@ -62,7 +62,7 @@ class FormationTable(Table):
 
 
 class Nudge(Table):
-    """Every real parameter of the plant, moved a little at random: what that does to a distance is its conditioning."""
+    """Random perturbation of every real parameter of the plant, which reveals the conditioning of a distance."""
 
     relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
         description="most that a parameter moves by, as a share of its value"
@@ -71,28 +71,28 @@ class Nudge(Table):
 
 
 def _is_class(entry: str) -> bool:
-    """Say whether a text is module:Class, as Python writes it also for a class inside a function."""
+    """Return whether a text has the form module:Class, including Python's notation for a class inside a function."""
     module, colon, name = entry.partition(":")
     return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
 
 
 @dataclass(frozen=True, slots=True)
 class Recipe:
-    """A plant of this project, by the name of its FMU recipe."""
+    """A built-in plant, by the name of its FMU recipe."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class TrainFile:
-    """A train of this project or a train file, of which a Modelica class is written."""
+    """A built-in train or a train file, from which a Modelica class is generated."""
 
     file: NamedFile
 
 
 @dataclass(frozen=True, slots=True)
 class LibraryClass:
-    """A Modelica class of the user's own, by its full name, and its library."""
+    """A user's Modelica class, by its full name, and its library."""
 
     name: str
     library: NamedFile
@@ -100,24 +100,24 @@ class LibraryClass:
 
 @dataclass(frozen=True, slots=True)
 class FmuFile:
-    """An FMU from outside."""
+    """A foreign FMU."""
 
     file: NamedFile
 
 
 @dataclass(frozen=True, slots=True)
 class PythonClass:
-    """A class of the user's own in Python, module:Class."""
+    """A user's class in Python, module:Class."""
 
     name: str
 
 
 OfOurParts = Recipe | TrainFile
-"""Plants of the library RailBraking alone: their physics is known, mass and creep law among it."""
+"""Plants of the library RailBraking only: their physics, such as mass and creep law, is known."""
 CompiledHere = OfOurParts | LibraryClass
-"""Plants from Modelica: their code is trusted, and their parameters have our names."""
+"""Plants from Modelica: their code is trusted, and their parameters have the names of the library."""
 Source = CompiledHere | FmuFile | PythonClass
-"""What a plant is made of."""
+"""Source of a plant."""
 
 
 class Vehicle(Table):
@@ -189,18 +189,18 @@ class Vehicle(Table):
 
     @property
     def source(self) -> Source:
-        """What the plant is made of."""
+        """Source of the plant."""
         if self.train is not None:
             return TrainFile(self.train)
         if self.model is not None and self.library is not None:
             return LibraryClass(self.model, self.library)
         if isinstance(self.plant, NamedFile):
             return FmuFile(self.plant)
-        assert self.plant is not None  # `_one_plant` refuses a table with none
+        assert self.plant is not None  # `_one_plant` rejects a table without a plant
         return PythonClass(self.plant) if _is_class(self.plant) else Recipe(self.plant)
 
 
 class Start(Table):
-    """The state at t = 0, which is the brake demand where the driver asks for nothing else."""
+    """The state at t = 0, the time of the brake demand unless [demand] delays it."""
 
     speed: StartSpeed = Field(description="0 for a train at rest, which then wants traction in [demand]")

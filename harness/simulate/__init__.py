@@ -1,6 +1,6 @@
-"""From a scenario to the parts of its stop, and the stop.
+"""Assemble the parts of a stop from its scenario, and simulate the stop.
 
-`files` finds the FMUs, and `vehicle` says what is known of the vehicle. `plant`, `rail`, `faults`, `sensors`,
-`estimator` and `controller` each open a part, and `parts` opens all of them. `loop` steps them; `run` judges the stop.
-`ideal` is the shortest stop that the rail allows.
+`files` finds or builds the FMUs, and `vehicle` collects the data of the vehicle. `plant`, `rail`, `faults`, `sensors`,
+`estimator` and `controller` each open one part, and `parts` opens all of them. `loop` steps the parts; `run` runs a
+scenario and returns its stop. `ideal` computes the shortest stop that the rail allows.
 """

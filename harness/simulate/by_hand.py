@@ -1,4 +1,4 @@
-"""A stop stepped by hand: the caller is the controller."""
+"""Step a stop by hand: the caller acts as the controller."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -20,19 +20,19 @@ from railgrip.vehicle.formation import Formation
 
 
 class ByHand:
-    """The controller that a stop names which was stepped by hand."""
+    """Controller that is recorded in a stop which was stepped by hand."""
 
     def start(self, formation: Formation) -> None:
-        """Keep what is controlled."""
+        """Store the formation."""
         self.formation = formation
 
     def decide(self, observation: Observation) -> ArrayLike:
-        """Decide nothing: the caller does."""
+        """Raise an error: the caller of `Bench.step` decides."""
         raise NotImplementedError
 
 
 class Bench:
-    """A scenario whose stop is stepped from decision to decision; closed as a context manager.
+    """A scenario whose stop is stepped from decision to decision; a context manager, which closes the parts.
 
     with railgrip.open(scenario) as bench:
         observation = bench.reset()
@@ -42,7 +42,6 @@ class Bench:
     """
 
     def __init__(self, scenario: Scenario, objects: CustomParts) -> None:
-        """Open nothing yet; `reset` does."""
         self._law = ByHand()
         self._scenario, self._objects = scenario, replace(objects, controller=self._law)
         self._stack = ExitStack()
@@ -54,23 +53,21 @@ class Bench:
         self._stop: Stop | None = None
 
     def __enter__(self) -> Self:
-        """Return the bench."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close what is open; the stop stays."""
         self.close()
 
     @property
     def ended(self) -> bool:
-        """Whether the stop has ended."""
+        """True once the stop has ended."""
         return self._end is not None
 
     @property
     def formation(self) -> Formation:
-        """What is controlled; known after `reset`."""
+        """Formation under control; available after `reset`."""
         return self._law.formation
 
     @property
@@ -78,7 +75,7 @@ class Bench:
         """The stop, once it has ended.
 
         Raises:
-            ScenarioError: It has not.
+            ScenarioError: The stop has not ended.
         """
         if self._end is None or self._parts is None:
             raise ScenarioError("bench: there is no stop before it has ended; go on with step() until `ended`")
@@ -87,7 +84,7 @@ class Bench:
         return self._stop
 
     def reset(self) -> Observation:
-        """Begin the stop, or begin it anew, and return what is shown at the brake demand.
+        """Start or restart the stop, and return the observation at the brake demand.
 
         Raises:
             ScenarioError: The scenario asks for something that its parts cannot do, or ends before a decision.
@@ -103,13 +100,13 @@ class Bench:
         return self._observation
 
     def step(self, pressures: ArrayLike) -> Observation:
-        """Demand pressures until the next decision, and return what is shown then; at the end what was shown last.
+        """Apply pressures until the next decision, and return the observation then, or the last one at the end.
 
         Args:
             pressures: Demanded brake cylinder pressure of each group, shape (groups,) [Pa].
 
         Raises:
-            ScenarioError: They are something else, or the stop has not begun or has ended.
+            ScenarioError: The pressures are not finite numbers of that shape, or the stop has not begun or has ended.
         """
         if self._observation is None or self._end is not None:
             raise ScenarioError("bench: reset() comes before step(), and again after the end of a stop")
@@ -125,11 +122,10 @@ class Bench:
         return self._observation
 
     def close(self) -> None:
-        """Close plant and parts; a stop that has not ended is dropped."""
+        """Close the plant and the other parts; an unfinished stop is discarded."""
         self._stack.close()
 
     def _advance(self) -> None:
-        """Go on to the next decision, or to the end."""
         assert self._parts is not None
         try:
             if self._loop is None:

@@ -20,12 +20,12 @@ _ORDER = ("slip", "speed", "load", "mu0")
 def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str, float]) -> Contact:
     """Return adhesion as a function of slip, speed [m/s], load [N] and mu0, element by element.
 
-    Its argument `curve`, if given, has Polach's four numbers of each element in the order of `shape`.
+    The optional argument `curve` gives Polach's four numbers of each element in the order of `shape`.
 
     Args:
-        model: `RailBraking.FMUs.ContactPoint`: the physics is written once.
-        parameters: Of wheel and rail, where they are not those of the class.
-        shape: Of the creep curve, where `curve` is not given.
+        model: `RailBraking.FMUs.ContactPoint`, so that the plant and this function use the same equations.
+        parameters: Wheel and rail parameters that differ from those of the class.
+        shape: Parameters of the creep curve, used where `curve` is not given.
     """
     values = {variable.name: variable.start for variable in model.parameters} | parameters | shape
     of_all = np.array([[value] for value in shape.values()])
@@ -47,9 +47,9 @@ def compiled_contact(model: Model, parameters: dict[str, float], shape: dict[str
 
 @cache
 def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None], ca.Function, tuple[str, ...]]:
-    """Return the contact in C, what of it wheel and rail alone decide as a function of theirs, and the names of theirs.
+    """Return the contact in C, a function that precomputes its geometry terms, and the geometry parameters.
 
-    The axes of the contact patch are three powers of numbers that never change; the compiled function is given them.
+    The axes of the contact patch are three powers of constants; they are computed once and passed to the C function.
     """
     symbols = {variable.name: ca.SX.sym(variable.name) for variable in model.parameters}
     geometry = tuple(name for name in symbols if name not in shape)

@@ -1,4 +1,4 @@
-"""The controller of a scenario and what its commands go through: laws, valves, FMUs of one's own."""
+"""Controllers of a scenario, from built-in laws to users' FMUs, and the valve logic behind them."""
 
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
@@ -31,12 +31,12 @@ def controlling(
     notify: Callable[[str], None],
     stack: ExitStack,
 ) -> tuple[Controller, bool]:
-    """Open the controller of a scenario; return also whether it commands the valves itself.
+    """Open the controller of a scenario; also return whether it commands the valves directly.
 
-    An FMU that takes part adds itself to `fmus`.
+    The description of a controller FMU is added to `fmus`.
 
     Raises:
-        ScenarioError: A parameter is wrong, or the controller asks for something that is not there.
+        ScenarioError: A parameter is wrong, or the controller requires something that the scenario does not provide.
         FmuError: An FMU does not fit.
     """
     scenario, table = vehicle.scenario, vehicle.scenario.controller
@@ -58,19 +58,19 @@ def controlling(
 
 
 def controller_of(vehicle: VehicleData) -> Controller:
-    """Return the control law of a scenario with what is decided for the whole train.
+    """Return the control law of a scenario, wrapped in the decisions for the whole train.
 
     Raises:
-        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+        ScenarioError: A parameter is wrong, or the controller is not a built-in law.
     """
     return _decided_over_the_train(vehicle, _group_law(vehicle))
 
 
 def over_the_train(vehicle: VehicleData) -> Law | None:
-    """Return what is decided for the whole train over a controller that is no law of ours, if anything is.
+    """Return the decisions for the whole train over a controller that is not a built-in law, or None.
 
     Raises:
-        ScenarioError: Redistribution has nothing to share out.
+        ScenarioError: Redistribution has no groups to shift pressure between.
     """
     alone = pass_through(vehicle.nominal.formation.brakes)
     over = _decided_over_the_train(vehicle, alone)
@@ -78,7 +78,7 @@ def over_the_train(vehicle: VehicleData) -> Law | None:
 
 
 def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
-    """Return a law with redistribution and shared valves as [controller] and the formation want them."""
+    """Return a law with redistribution and shared valves as [controller] and the formation specify."""
     scenario, groups, table = vehicle.scenario, vehicle.nominal.formation.brakes, vehicle.scenario.controller
     valves = vehicle.formation.groups_per_valve
     if table.redistribute:
@@ -102,7 +102,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     """Return the law for single groups, its named set changed by [controller.parameters].
 
     Raises:
-        ScenarioError: A parameter is wrong, or the controller is no law of ours.
+        ScenarioError: A parameter is wrong, or the controller is not a built-in law.
     """
     scenario = vehicle.scenario
     table = scenario.controller
@@ -126,12 +126,12 @@ def _group_law(vehicle: VehicleData) -> Law:
 
 
 def _law_named(kind: str) -> type[GroupLaw] | None:
-    """Return the control law of this project with a name; None for what is none."""
+    """Return the built-in law with a name, or None."""
     return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
 
 
 def law_states(controller: Controller) -> LawStates | None:
-    """Return what a controller shows of its states; None where it shows none."""
+    """Return the states of a controller that are recorded in the trace, or None."""
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
         return None
     places = np.array([place for place, _ in visible], dtype=np.longlong)
@@ -140,7 +140,7 @@ def law_states(controller: Controller) -> LawStates | None:
 
 
 def valve_logic_of(vehicle: VehicleData) -> ValveLogic | None:
-    """Return what turns demanded pressures into commands of valves; None where the plant takes pressures."""
+    """Return the logic that turns demanded pressures into valve commands; None if the plant takes pressures."""
     scenario = vehicle.scenario
     if scenario.actuation.kind == "ideal":
         return None

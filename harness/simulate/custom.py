@@ -1,4 +1,4 @@
-"""Controllers, estimators, sensors and plants of a user: the interface of each, and how it takes part in a stop."""
+"""Interfaces for users' controllers, estimators, sensors and plants, and the adapters that put them into the loop."""
 
 import inspect
 import math
@@ -35,16 +35,16 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Estimate:
-    """What an estimator of one's own gives: all that it says it provides, and None for the rest.
+    """Output of a user-defined estimator: the quantities that it provides, and None for the others.
 
     Attributes:
-        speed: Of the train [m/s].
+        speed: Train speed [m/s].
         wheelset_speed: Shape (groups,) [rad/s].
         slip: Shape (groups,) [1].
         adhesion: Shape (groups,), positive in braking [1].
         pad_friction: Shape (groups,) [1].
         adhesion_sd: Standard deviation of `adhesion`, shape (groups,) [1].
-        pad_friction_sd: The same of `pad_friction`.
+        pad_friction_sd: Standard deviation of `pad_friction`, shape (groups,) [1].
     """
 
     speed: float | None = None
@@ -57,15 +57,15 @@ class Estimate:
 
 
 PROVIDED = tuple(field.name for field in fields(Estimate))
-"""What an estimator may provide."""
+"""Names of the quantities that an estimator may provide."""
 
 
 @runtime_checkable
 class Controller(Protocol):
-    """A control law. It may have an attribute `needs`, the estimates that it cannot do without: ("adhesion",)."""
+    """A control law. The optional attribute `needs` names the estimates that it requires: ("adhesion",)."""
 
     def start(self, formation: Formation) -> None:
-        """Begin a stop; also after another one."""
+        """Start a stop; called again for each further stop."""
         ...
 
     def decide(self, observation: Observation) -> ArrayLike:
@@ -75,60 +75,60 @@ class Controller(Protocol):
 
 @runtime_checkable
 class Estimator(Protocol):
-    """What is believed about the train.
+    """Estimates of the state of the train.
 
     Attributes:
-        provides: Names of the fields of `Estimate` that each step gives; for all others the trace has no variable and
-            the controller sees None, or what is read.
+        provides: Names of the fields of `Estimate` that each step sets. All other fields are absent from the trace, and
+            the controller gets None or the reading in their place.
     """
 
     provides: tuple[str, ...]
 
     def start(self, first: Observation, formation: Formation) -> None:
-        """Begin a stop with what is read first; also after another one."""
+        """Start a stop with the first observation; called again for each further stop."""
         ...
 
     def step(self, observation: Observation) -> Estimate:
-        """Return the estimates from what is read now; called each period of the estimator, with `first`, too."""
+        """Return the estimates for an observation; called each period of the estimator, including for `first`."""
         ...
 
 
 @runtime_checkable
 class Sensors(Protocol):
-    """What the train's instruments make of the truth."""
+    """Instruments of the train: they turn the true signals into readings."""
 
     def start(self, formation: Formation, random: np.random.Generator) -> None:
-        """Begin a stop; all noise comes from `random`, which the seed of the scenario decides."""
+        """Start a stop; draw all noise from `random`, which is seeded by the scenario."""
         ...
 
     def read(self, time: float, truth: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
         """Return speed, wheelset_speed, deflection, acceleration and cylinder_pressure, in SI units.
 
         Args:
-            time: Since the brake demand [s]; called each communication period, from 0 on.
-            truth: By the names of a trace's variables, such as speed, wheelset_speed and slip.
+            time: Time since the brake demand [s]; called each communication period, starting at 0.
+            truth: True signals by the names of a trace's variables, such as speed, wheelset_speed and slip.
 
-        A reading that is left out, or NaN, brings nothing new.
+        A reading that is omitted or NaN is not new.
         """
         ...
 
 
 @runtime_checkable
 class Plant(Protocol):
-    """The train itself."""
+    """The simulated vehicle."""
 
     def start(self, formation: Formation, speed: float, period: float) -> Mapping[str, ArrayLike]:
-        """Begin a stop, also after another one, and return what the train shows at the brake demand; see `step`.
+        """Start a stop, or start again, and return the outputs at the brake demand; see `step`.
 
         Args:
-            formation: Of the scenario; brakes and loads are nominal.
-            speed: At the start [m/s].
-            period: Of each step [s].
+            formation: Formation of the scenario, with nominal brakes and loads.
+            speed: Initial speed [m/s].
+            period: Duration of each step [s].
         """
         ...
 
     def step(self, inputs: Mapping[str, Array]) -> Mapping[str, ArrayLike]:
-        """Hold `inputs` over one period and return what the train shows at its end.
+        """Hold `inputs` constant over one period and return the outputs at its end.
 
         Args:
             inputs: pressure_command (groups,) [Pa], or valve_command [1] with pneumatic actuation; mu0 (wheelsets,)
@@ -136,26 +136,26 @@ class Plant(Protocol):
                 rail has several creep curves.
 
         Returns:
-            By the names of a trace's variables and in their units, the same at each step: distance, speed,
-            acceleration, wheelset_speed and cylinder_pressure, and of slip, adhesion, wheelset_load, brake_torque and
-            the others what the plant has. Slip that it does not show follows from the speeds.
+            Outputs by the names of a trace's variables and in their units, the same ones at each step: distance, speed,
+            acceleration, wheelset_speed and cylinder_pressure are required; slip, adhesion, wheelset_load, brake_torque
+            and the others are optional. Slip that is not returned is computed from the speeds.
         """
         ...
 
 
 class _KnownBrake(Brake):
-    """A brake that raises an error when a user's class reads a datum that neither plant nor scenario gives."""
+    """A brake that raises an error when a user's class reads data that neither plant nor scenario gives."""
 
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        """Check nothing: the data are those of a `Brake`."""
+        """Skip the checks: the data come from a valid `Brake`."""
 
     def __getattribute__(self, name: str) -> Any:
         """Return an attribute.
 
         Raises:
-            ScenarioError: It is a datum that is not given.
+            ScenarioError: The attribute is a datum that is not given.
         """
         value = super().__getattribute__(name)
         if name in BRAKE and math.isnan(value):
@@ -166,13 +166,12 @@ class _KnownBrake(Brake):
         return value
 
     def __repr__(self) -> str:
-        """Return all data, NaN for those that are not given."""
         data = {name: super(_KnownBrake, self).__getattribute__(name) for name in BRAKE}
         return f"Brake({', '.join(f'{name}={value!r}' for name, value in data.items())})"
 
 
 def _known(formation: Formation) -> Formation:
-    """Return a formation whose brakes refuse to give data that are missing; the same if there are none missing."""
+    """Return a formation whose missing brake data raise an error when read; the same formation if none are missing."""
     brakes = [{name: getattr(brake, name) for name in BRAKE} for brake in formation.brakes]
     if not any(math.isnan(value) for data in brakes for value in data.values()):
         return formation
@@ -181,24 +180,28 @@ def _known(formation: Formation) -> Formation:
 
 _PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
 _LEAST_SHARE = 0.01
-"""Of full pressure: pads do not touch below some 5 %, so that a law that never demands more brakes nothing; bar, kPa,
-mbar and shares of full brake, taken for Pa, are 1 % and less."""
+"""Share of full pressure.
+
+Pads do not touch below about 5 %, so a law whose demands never exceed 1 % does not brake; bar, kPa, mbar and shares of
+full brake, mistaken for Pa, are 1 % or less.
+"""
 _ROUNDING = 1e-9
-"""Of full pressure: what a law's own arithmetic may be beyond it."""
+"""Share of full pressure by which rounding may take a demand out of range."""
 _LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pressure": 2e4}
-"""Magnitudes in SI units from which sensors, with offsets of some percent of full scale, show the unit of a signal."""
+"""Magnitudes in SI units above which the unit of a signal can be recognised, given offsets of some percent of full
+scale."""
 _MOST_RATIO = 1.5
-"""Above any adhesion, pad friction or slip: such an estimate is in percent."""
+"""Above any adhesion, pad friction or slip: a larger estimate is in percent."""
 
 
 class CustomController:
-    """A control law of the user's own in the loop."""
+    """Puts a user's control law into the loop."""
 
     def __init__(self, controller: Controller, formation: Formation) -> None:
-        """Start it.
+        """Start the law.
 
         Raises:
-            ScenarioError: It is no controller, or fails to start.
+            ScenarioError: It lacks the methods of a controller, or fails to start.
         """
         require_methods(controller, type(controller).__name__, "controllers")
         self._part, self._shape = controller, (formation.groups,)
@@ -208,14 +211,14 @@ class CustomController:
 
     @property
     def place(self) -> str:
-        """Class and method that decide, and where they are written."""
+        """Class and method that decide, with file and line."""
         return _place(self._part, "decide")
 
     def decide(self, observation: Observation) -> Array:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
-            ControllerFailed: It raised an exception, or returned something else.
+            ControllerFailed: The law raised an exception, or returned anything but pressures.
         """
         try:
             demands = self._decide(observation)
@@ -238,25 +241,26 @@ def _no_demands(place: str, found: str, groups: int, time: float) -> ControllerF
 
 
 class DemandLimits:
-    """Limits demands from outside of this project to what cylinders take, and remembers how often.
+    """Limits the demands of other than built-in laws to what cylinders take, and counts the decisions it changed.
 
     Attributes:
-        most: Highest pressure of each group [Pa].
+        most: Maximum pressure of each group [Pa].
         is_pascal: Whether the demands have been large enough to be in Pa.
-        limited: Number of decisions that were lowered or raised.
+        limited: Number of decisions that were limited.
     """
 
     def __init__(self, formation: Formation, place: str = "The controller") -> None:
-        """Limit nothing yet; `place` says in messages whose demands they are."""
+        """Start without limited decisions; `place` names the source of the demands in messages."""
         self.most, self.is_pascal, self.limited = formation.pressure_max, False, 0
         self._place, self._lowest, self._highest = place, 0.0, 0.0
         self._share, self._since = 0.0, math.inf
 
     def limit(self, demands: Array, observation: Observation) -> Array:
-        """Return demands between none and the highest pressure of each cylinder [Pa]; count those that were outside.
+        """Return demands limited to 0 and the maximum pressure of each cylinder [Pa]; count decisions that were
+        outside.
 
         Raises:
-            ControllerFailed: They are not finite, or all of them are too small to be Pa.
+            ControllerFailed: The demands are not finite, or all of them are too small to be in Pa.
         """
         self.require_finite(demands, observation)
         within = np.clip(demands, 0.0, self.most)
@@ -268,16 +272,16 @@ class DemandLimits:
         return within
 
     def require_finite(self, demands: Array, observation: Observation) -> None:
-        """Refuse demands that are infinite or no numbers.
+        """Raise an error for demands that are infinite or NaN.
 
         Raises:
-            ControllerFailed: Some of them are.
+            ControllerFailed: A demand is not finite.
         """
         if not np.isfinite(demands).all():
             raise _no_demands(self._place, str(demands.tolist()), demands.size, observation.time)
 
     def sentence(self, decisions: int) -> str:
-        """Return what was limited in a number of decisions, as a sentence after others; empty if nothing was."""
+        """Return a sentence on the decisions that were limited, out of all `decisions`; empty if there were none."""
         if not self.limited:
             return ""
         return (
@@ -287,7 +291,7 @@ class DemandLimits:
         )
 
     def _refuse_another_unit(self, demands: Array, observation: Observation) -> None:
-        """Refuse demands that brake nothing although the driver asks for it, for a second after the first of them."""
+        """Raise an error if, for a second after the first demand, no demand brakes although the driver requires it."""
         full = float(self.most.max())
         self._share = max(self._share, float((demands / self.most).max()))
         self.is_pascal = self._share > _LEAST_SHARE
@@ -303,14 +307,17 @@ class DemandLimits:
 
 
 class _UnitCheck:
-    """Compares the first second of a signal with what it should show, and names the mistake of units it looks like."""
+    """Compares the first second of a signal with expected values, and names the likely mistake of units."""
 
     def __init__(self, least: float) -> None:
-        """Compare where the expected magnitude is `least` or more: below, a ratio is that of offsets and noise."""
+        """Compare only where the expected magnitude is at least `least`.
+
+        Below it, offsets and noise dominate the ratio.
+        """
         self._least, self._since, self._ratios, self._done = least, math.inf, list[Array](), False
 
     def mistake(self, time: float, value: Any, expected: Any) -> str:
-        """Return the mistake, once a second of a stop is over, or ''."""
+        """Return the likely mistake, once a second of the stop has passed; else ''."""
         value, expected = np.atleast_1d(value), np.atleast_1d(expected)
         if self._done or not np.isfinite(value).all() or not (np.abs(expected) >= self._least).all():
             return ""
@@ -319,28 +326,28 @@ class _UnitCheck:
         if time < self._since + _PATIENCE:
             return ""
         self._done = True
-        # The median: a sensor that fails now and then, or a wheel that locks, is no mistake of units.
+        # The median: a sensor that fails now and then, or a wheel that locks, must not look like a wrong unit.
         medians: list[float] = np.median(self._ratios, axis=0).tolist()
         return next((f"; it looks like {words}" for ratio in medians if (words := mistake(ratio))), "")
 
     def mistake_of_ratio(self, time: float, value: Any) -> str:
-        """Return whether a ratio is in percent, once a second of a stop is over, or ''."""
+        """Return a clause if a ratio is in percent, once a second of the stop has passed; else ''."""
         values = np.atleast_1d(value)
         return self.mistake(time, np.where(np.abs(values) > _MOST_RATIO, 100.0, 1.0), np.ones(values.shape))
 
 
 class CustomEstimator:
-    """An estimator of the user's own in the loop.
+    """Puts a user's estimator into the loop.
 
     Attributes:
-        provides: As it says.
+        provides: Names of the estimates that it provides.
     """
 
     def __init__(self, estimator: Estimator, formation: Formation) -> None:
-        """Take it; it is started by the first step.
+        """Check the estimator; the first step starts it.
 
         Raises:
-            ScenarioError: It is no estimator, or does not say what it provides.
+            ScenarioError: It lacks the methods of an estimator, or provides no estimates.
         """
         require_methods(estimator, type(estimator).__name__, "estimators")
         self.provides = _names(estimator, "provides", PROVIDED)
@@ -356,10 +363,10 @@ class CustomEstimator:
         }
 
     def step(self, observation: Observation) -> Mapping[str, Array]:
-        """Return what it provides, each at least of one dimension.
+        """Return the estimates that it provides, as arrays of one dimension or more.
 
         Raises:
-            EstimatorFailed: It raised an exception, or gave something else than it provides.
+            EstimatorFailed: The estimator raised an exception, or returned anything but these estimates.
         """
         estimator = self._part
         if not self._has_started:
@@ -386,20 +393,20 @@ class CustomEstimator:
     def _mistake(self, name: str, value: ArrayLike, observation: Observation) -> str:
         if name in _LEAST:
             return self._checks[name].mistake(observation.time, value, getattr(observation, name))
-        # Of ratios nothing is read beside them, and a deviation may be as large as one likes.
+        # Slip, adhesion and friction have no reading to compare with, and a standard deviation has no upper bound.
         return "" if name.endswith("_sd") else self._checks[name].mistake_of_ratio(observation.time, value)
 
 
 class CustomSensors:
-    """Sensors of the user's own in the loop."""
+    """Puts a user's sensors into the loop."""
 
     def __init__(
         self, sensors: Sensors, layout: Layout, formation: Formation, period: float, random: np.random.Generator
     ) -> None:
-        """Start them.
+        """Start the sensors.
 
         Raises:
-            ScenarioError: They are no sensors, or fail to start.
+            ScenarioError: They lack the methods of sensors, or fail to start.
         """
         require_methods(sensors, type(sensors).__name__, "sensors")
         self._part, self._layout, self._period = sensors, layout, period
@@ -410,10 +417,10 @@ class CustomSensors:
         _called(ScenarioError, sensors, "start", _known(formation), random)
 
     def read(self, sample: int, truth: Array) -> Array:
-        """Return the reading of a sample; NaN where there is no new one.
+        """Return the readings of a sample as a vector; NaN where a reading is not new.
 
         Raises:
-            SensorsFailed: They raised an exception, or gave something else than readings.
+            SensorsFailed: The sensors raised an exception, or returned anything but readings.
         """
         self._truth[:] = truth
         time = sample * self._period
@@ -441,19 +448,19 @@ class CustomSensors:
 
 
 class CustomPlant:
-    """A plant of the user's own in the loop."""
+    """Puts a user's plant into the loop."""
 
     def __init__(
         self, plant: Plant, layout: Layout, *, speed: float, period: float, required: Collection[str], command: str
     ) -> None:
-        """Take it; the loop starts it.
+        """Check the plant; the loop starts it.
 
         Args:
-            required: Names of outputs that it cannot do without.
-            command: Name of its command to the brakes.
+            required: Names of the outputs that the plant must return.
+            command: Name by which the plant gets its brake command.
 
         Raises:
-            ScenarioError: It is no plant.
+            ScenarioError: It lacks the methods of a plant.
         """
         require_methods(plant, type(plant).__name__, "plants")
         self._part, self._layout, self._speed, self._period = plant, layout, speed, period
@@ -463,10 +470,10 @@ class CustomPlant:
         self._shapes = _shapes(layout.output)
 
     def start(self, inputs: Array) -> Array:
-        """Start it and return what it shows; NaN for what it does not.
+        """Start the plant and return its outputs as a vector; NaN for outputs that it lacks.
 
         Raises:
-            PlantFailed: It raised an exception, or showed something else.
+            PlantFailed: The plant raised an exception, or returned anything but its outputs.
         """
         self._steps = 0
         formation = _known(self._layout.formation)
@@ -482,7 +489,7 @@ class CustomPlant:
         return self._vector("start", by_name)
 
     def step(self, inputs: Array) -> Array:
-        """Step it and return what it shows, as `start`."""
+        """Step the plant and return its outputs, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
         outputs = _called(PlantFailed, self._part, "step", self._inputs_by_name, time=self._time)
@@ -516,7 +523,7 @@ def _shapes(places: Mapping[str, slice]) -> dict[str, tuple[int, ...]]:
 
 
 def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str, Array]]:
-    """Return a vector that we write, and read-only views of the signals in it."""
+    """Return a vector to write to, and read-only views of the signals in it by name."""
     vector = np.empty(length)
     view = vector.view()
     view.flags.writeable = False
@@ -524,7 +531,7 @@ def _by_name(length: int, places: Mapping[str, slice]) -> tuple[Array, dict[str,
 
 
 def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> str:
-    """Return what a value is that should have been finite numbers of a shape; empty if it is that."""
+    """Describe a value that is not finite numbers of a shape; return '' for one that is. With `nan`, NaN is allowed."""
     numbers = _numbers(value)
     if numbers is None:
         return _short(value)
@@ -535,10 +542,10 @@ def problem_with(value: Any, shape: tuple[int, ...], *, nan: bool = False) -> st
 
 
 def _numbers(value: Any) -> Array | None:
-    """Return integers or floats as an array; None for all else that NumPy would make floats of without a word.
+    """Return integers or floats as an array; None for anything else that NumPy would silently convert to floats.
 
-    That is complex numbers, whose imaginary parts it drops, masked elements, texts, truth values, None, and integers
-    that no float holds.
+    Such are complex numbers, whose imaginary parts it drops, masked elements, strings, booleans, None, and integers
+    that a float cannot represent.
     """
     if type(value) is np.ndarray and value.dtype == np.float64:
         return value
@@ -555,7 +562,7 @@ def _numbers(value: Any) -> Array | None:
 
 
 def _by_its_names(value: Any) -> dict[Any, Any] | None:
-    """Return a mapping of the user's as a dict; None if it is none, or fails when it is read."""
+    """Return a user's mapping as a dict; None if it is not a mapping, or if reading it fails."""
     try:
         return dict(value.items()) if isinstance(value, Mapping) else None
     except Exception:
@@ -575,10 +582,10 @@ _METHODS: Mapping[Role, tuple[str, str, str]] = {
 
 
 def require_methods(part: object, name: str, role: Role) -> None:
-    """Refuse a class or an object without the methods of its role.
+    """Check that a class or an object has the methods of its role.
 
     Raises:
-        ScenarioError: It names them.
+        ScenarioError: Methods are missing; the message names them.
     """
     what, *names = _METHODS[role]
     missing = foreign(
@@ -590,7 +597,10 @@ def require_methods(part: object, name: str, role: Role) -> None:
 
 
 def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
-    """Return what a user's code returns; whatever it raises, SystemExit too, becomes `failed` of its type and text."""
+    """Call a user's code and return its result.
+
+    Any exception, SystemExit included, becomes `failed` of its type and text.
+    """
     try:
         return call()
     except (KeyboardInterrupt, Interrupted):
@@ -600,10 +610,10 @@ def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
 
 
 def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, ...]:
-    """Return an attribute of a user's object that is names of estimates; empty where it has no such attribute.
+    """Return an attribute of a user's object that holds names of estimates; empty if the attribute is missing.
 
     Raises:
-        ScenarioError: It is something else.
+        ScenarioError: The attribute is not a collection of such names.
     """
 
     def refusal(found: str) -> ScenarioError:
@@ -621,7 +631,7 @@ def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, 
 def _called(
     failed: type[RailgripError], part: object, method: str, *arguments: object, time: float | None = None
 ) -> Any:
-    """Return what a method of the user's class returns, or raise `failed` with the sentence and time [s]."""
+    """Call a method of the user's class and return its result; on an exception raise `failed`, with the time [s]."""
     try:
         return getattr(part, method)(*arguments)
     except (KeyboardInterrupt, Interrupted):
@@ -645,7 +655,7 @@ def _require_numbers(
     time: float | None = None,
     nan: bool = False,
 ) -> None:
-    """Raise `failed` unless a returned value is finite numbers of a shape, or NaN where that is allowed."""
+    """Raise `failed` unless a returned value is an array of finite numbers of a shape; with `nan`, NaN is allowed."""
     problem = problem_with(value, shape, nan=nan)
     if problem:
         kind = "numbers" if nan else "finite numbers"
@@ -663,13 +673,13 @@ def _text_of(problem: BaseException) -> str:
 
 
 def _place(part: object, method: str) -> str:
-    """Return class, method, and where that is written."""
+    """Return class and method, with file and line."""
     name, code = f"{type(part).__name__}.{method}", getattr(getattr(part, method, None), "__code__", None)
     return name if code is None else f"{name} ({_file(code.co_filename)}, line {code.co_firstlineno})"
 
 
 def _failure(part: object, method: str, problem: BaseException) -> str:
-    """Return an exception of the user's class as a sentence, with the last line of their file that led to it."""
+    """Describe an exception of a user's class, with the last line of its file in the traceback."""
     frames = traceback.extract_tb(problem.__traceback__)[1:]  # the first one is the call from here
     try:
         file = inspect.getsourcefile(type(part))

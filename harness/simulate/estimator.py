@@ -1,4 +1,4 @@
-"""The Kalman filter of a scenario, over a prediction of this project, of a Modelica class or of nominal data."""
+"""The Kalman filter of a scenario, with a prediction from nominal data, a Modelica class or a user's FMU."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
@@ -43,7 +43,7 @@ Vector = NDArray[np.float64]
 _Central = CasadiPrediction | FmuPrediction
 
 RELEASED_PADS = 1500.0
-"""Normal force of both pads of a unit [N] below which nothing is learned of their friction; see `pad_gate`."""
+"""Normal force of both pads of a unit [N] below which the filter does not update pad friction; see `pad_gate`."""
 
 _PREDICTION_DATA = ("r_wheel", "A_piston", "i_rigging", "eta_rigging", "F_spring")
 _NOISE_PREFIX = {
@@ -61,13 +61,13 @@ def state_estimator(
     stack: ExitStack,
     notify: Callable[[str], None],
 ) -> StateEstimator:
-    """Return the estimator of a scenario, which holds its first belief; an FMU that takes part adds itself to `fmus`.
+    """Return the estimator of a scenario in its initial state; the description of a prediction FMU is added to `fmus`.
 
     Args:
-        notify: Gets a sentence for the user where an FMU has no directional derivatives.
+        notify: Called with a sentence for the user if an FMU lacks directional derivatives.
 
     Raises:
-        ScenarioError: There is no such noise set or parameter, or the prediction is for another vehicle.
+        ScenarioError: The noise set or a parameter does not exist, or the prediction is for another vehicle.
     """
     layout, period = vehicle.layout, vehicle.scenario.periods.estimator
     noise = _noise(table, has_ideal_sensors=vehicle.scenario.sensors.kind == "ideal")
@@ -145,10 +145,10 @@ def _of_nominal_data(
 def _of_file(
     vehicle: VehicleData, table: KalmanFilter, file: NamedFile, fmus: dict[str, Description], stack: ExitStack
 ) -> FmuPrediction:
-    """Return the prediction of an FMU of the user's own.
+    """Return the prediction of a user's FMU.
 
     Raises:
-        ScenarioError: It lacks a state or an input, or has an input that the loop does not know.
+        ScenarioError: The FMU lacks a state or an input, or has an input that the loop does not provide.
         FmuError: It is not a prediction.
     """
     layout, description = vehicle.layout, description_of(file.path, vehicle.scenario.limits.fmu)
@@ -178,14 +178,14 @@ def _of_file(
 
 
 def _opened(description: Description, fmus: dict[str, Description], stack: ExitStack, **names: Any) -> FmuPrediction:
-    """Return an open prediction FMU, which joins `fmus`; `names` are further arguments of `FmuPrediction`."""
+    """Open a prediction FMU and add it to `fmus`; `names` are further arguments of `FmuPrediction`."""
     name = description.file.name
     fmus[f"prediction: {name}" if name in fmus else name] = description
     return stack.enter_context(FmuPrediction(description, **names))
 
 
 def _require_names(where: str, needs: Mapping[str, tuple[Sequence[str], Sequence[str]]]) -> None:
-    """Require names among those available, by the kind of thing they are."""
+    """Raise an error that lists the names in `needs`, by kind, that are not available."""
     for kind, (names, available) in needs.items():
         if missing := [name for name in names if name not in available]:
             raise ScenarioError(f"{where} has no {kind} {', '.join(missing[:4])}; it has {', '.join(available)}")
@@ -217,7 +217,7 @@ def _evaluated(
     fmus: dict[str, Description],
     stack: ExitStack,
 ) -> _Central:
-    """Return a model with its parameters, by its FMU where the estimator says so, or else in CasADi."""
+    """Return a model with its parameters, as an FMU if the estimator requires one, else in CasADi."""
     if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
     groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
@@ -225,10 +225,10 @@ def _evaluated(
 
 
 def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
-    """Return the model inside a filter, one of ours or of the user's own.
+    """Return the prediction model of a filter, from the built-in library or from the user's.
 
     Raises:
-        ScenarioError: It is for another vehicle, or lacks what the loop asks of every prediction.
+        ScenarioError: The model is for another vehicle, or lacks variables that the loop requires of every prediction.
     """
     library = table.library
     model = lowered(f"RailBraking.Predictions.{name}") if library is None else lower(name, library_of(library.path))
@@ -257,10 +257,10 @@ def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
 
 
 def _outlier_limits(table: KalmanFilter, prediction: Consist | _Central) -> list[float] | None:
-    """Return from how many standard deviations on each reading of a filter is left out.
+    """Return the outlier limit of each reading, in standard deviations; inf for no limit.
 
     Raises:
-        ScenarioError: The filter has no such reading, or uses every one.
+        ScenarioError: The filter lacks such a reading, or its kind uses every reading.
     """
     if isinstance(prediction, Consist):
         if table.outlier_limit:

@@ -1,4 +1,4 @@
-"""The controller of a scenario, and its valve logic, as FMUs for other tools."""
+"""Export the controller of a scenario, and its valve logic, as FMUs for other tools."""
 
 from collections.abc import Iterable, Sequence
 
@@ -15,20 +15,20 @@ from railgrip.simulate.vehicle import VehicleData
 _VALVES = "valves."
 _MEMORY = "memory."
 PERIODS = frozenset({"period", _VALVES + "period"})
-"""Parameters that say how often the step is called: those of the FMU's own, and any other would be wrong."""
+"""Parameters for the period of the step: the FMU has a fixed one, and any other value would be wrong."""
 
 
 def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
-    """Return C code and modelDescription.xml of a controller, with its valve logic unless that stays out.
+    """Return C code and modelDescription.xml of a controller, with its valve logic if `with_valves` is set.
 
     They are for `railgrip.fmus.native.package.pack`. A step of the FMU is one period of the controller: outputs at its
-    end are decided on the inputs at its beginning. Inputs are those of
-    `railgrip.controllers.observation.Observation`; outputs are what the scenario's plant takes, never more than
-    `driver_demand`, which is full pressure until it is set. Parameters may be set before the first step, but for the
-    period: that is the FMU's own, and its step refuses any other.
+    end are decided on the inputs at its beginning. Inputs are those of `railgrip.controllers.observation.Observation`.
+    Outputs are the commands of the scenario's plant, limited to `driver_demand`, which is full pressure until it is
+    set. Parameters may be set before the first step, except for the period, which is fixed: a step with another period
+    is refused.
 
     Raises:
-        ScenarioError: The controller is no law of ours, such as the ideal bound.
+        ScenarioError: The controller is not a built-in law, such as the ideal bound.
     """
     vehicle = VehicleData(scenario)
     groups = vehicle.nominal.formation.brakes
@@ -36,7 +36,7 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
     assert isinstance(law, Sampled)
     states = variables(law.formula.states, law.state, _MEMORY)
     parameters = variables(law.formula.parameters, law.parameters)
-    # A law that redistributes holds the driver's demand itself, and asks some groups for more.
+    # A law that redistributes applies the driver's demand itself, and raises it for some groups.
     limited = law.step if scenario.controller.redistribute else _limited(law, len(groups))
     outputs, step = law.formula.outputs, limited
     if valves is not None:
@@ -61,7 +61,10 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
 
 
 def valves_fmu(scenario: Scenario) -> Source | None:
-    """Return the same of the valve logic alone, from demanded and measured pressures; None where the plant has none."""
+    """Return the source of the valve logic alone, from demanded and measured pressures.
+
+    None if the plant has no valves.
+    """
     valves = valve_logic_of(VehicleData(scenario))
     if valves is None:
         return None
@@ -76,7 +79,7 @@ def valves_fmu(scenario: Scenario) -> Source | None:
             parameters=variables(formula.parameters, valves.parameters),
             outputs=variables(formula.outputs, [0.0] * len(formula.outputs)),
             step=valves.step,
-            # Without it, a moment without a demand would be held for the shortest pulse.
+            # Without it, an instant without a demand would be held for the minimum pulse.
             waits=len(formula.inputs),
             hidden=PERIODS,
         )
@@ -84,14 +87,14 @@ def valves_fmu(scenario: Scenario) -> Source | None:
 
 
 def _limited(law: Sampled, groups: int) -> ca.Function:
-    """Return the step of a law with its demands lowered to the driver's, which stand before the pressures, the last."""
+    """Return the step of a law with its demands limited to the driver's, which are the inputs before the pressures."""
     state, inputs, parameter = (law.step.sx_in(place) for place in range(3))
     following, demand = law.step(state, inputs, parameter)
     return ca.Function("step", [state, inputs, parameter], [following, ca.fmin(demand, inputs[-2 * groups : -groups])])
 
 
 def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int) -> ca.Function:
-    """Return one step of both: valves take the law's limited demands, and of its inputs the pressures, the last."""
+    """Return one step of the law followed by the valves, which take its limited demands and the pressures it reads."""
     state, inputs, parameter = (
         ca.SX.sym(name, count)
         for name, count in (
@@ -108,7 +111,7 @@ def _in_series(law: Sampled, limited: ca.Function, valves: Sampled, groups: int)
 
 
 def variables(quantities: Sequence[Quantity], starts: Iterable[float], prefix: str = "") -> tuple[Variable, ...]:
-    """Return quantities of a formula as variables of an FMU."""
+    """Convert quantities of a formula to variables of an FMU."""
     return tuple(
         Variable(
             name=prefix + quantity.name,

@@ -1,4 +1,4 @@
-"""The FMUs and Modelica classes that a scenario names, found or built, each once in a process."""
+"""The FMUs and Modelica classes that a scenario names, found or built, and cached in the process."""
 
 from functools import cache
 from hashlib import sha256
@@ -34,7 +34,7 @@ def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
 
 @cache
 def recipe_file(name: str) -> Path:
-    """Return the FMU of a recipe, built when it is not up to date; looked up once in a process."""
+    """Return the FMU of a recipe, built if it is out of date; cached in the process."""
     return fmu(name)
 
 
@@ -45,7 +45,7 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 
 @cache
 def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
-    # Not with this module: the schema of a train file takes as long to load as numpy does, and few scenarios have one.
+    # Imported here: the schema of a train file takes as long to load as numpy, and few scenarios use one.
     from railgrip.rolling_stock.files import load_train
     from railgrip.rolling_stock.modelica import class_name, class_text
 
@@ -59,7 +59,10 @@ def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:
 
 @cache
 def _curved_file(recipe: str) -> Path:
-    """Return the FMU of a recipe's class with inputs for its creep curves; where it cannot have them, as it is."""
+    """Return the FMU of a recipe's class with inputs for its creep curves.
+
+    The plain FMU if the class cannot have them.
+    """
     entry = read_recipes().recipes[recipe]
     if not entry.curve:
         return recipe_file(recipe)
@@ -90,15 +93,15 @@ def _built(name: str, text: str) -> Path:
 
 @cache
 def lowered(class_name: str) -> Model:
-    """Return a class as CasADi functions; compiled once in a process."""
+    """Return a Modelica class as CasADi functions; compiled once in a process."""
     return lower(class_name)
 
 
 def plant_description(scenario: Scenario) -> Description:
-    """Return the description of the plant FMU of a scenario; of a plant in Python, which has none, an empty one.
+    """Return the description of a scenario's plant FMU; an empty one for a plant in Python, which has no FMU.
 
     Raises:
-        ScenarioError: [vehicle] train names a file that is no train.
+        ScenarioError: [vehicle] train names a file that is not a train file.
     """
     has_several_curves = len(scenario.adhesion.curves) > 1
     match scenario.vehicle.source:
@@ -124,7 +127,7 @@ def plant_description(scenario: Scenario) -> Description:
 
 
 def prediction_description(table: KalmanFilter, consist: Path | None = None) -> Description:
-    """Return the description of the FMU that an estimator predicts with: of its class, or of a ConsistPrediction."""
+    """Return the description of an estimator's prediction FMU: of its class, or of a ConsistPrediction."""
     model, library = table.model, table.library
     if model is None:
         assert consist is not None
@@ -135,10 +138,10 @@ def prediction_description(table: KalmanFilter, consist: Path | None = None) -> 
 
 
 def is_trusted(scenario: Scenario) -> bool:
-    """Return whether the plant may be loaded into this process: it was compiled here, or the scenario trusts it.
+    """Return whether the plant may be loaded into this process: it was compiled here, or the scenario declares trust.
 
-    Modelica sources that a user names are compiled on this machine, by either compiler; only a finished binary comes
-    from outside.
+    Modelica sources that a user names are compiled on this machine, by either compiler; only a prebuilt binary is code
+    from elsewhere.
     """
     return isinstance(scenario.vehicle.source, CompiledHere) or scenario.vehicle.trust
 
@@ -153,7 +156,7 @@ def parameters_of(description: Description) -> dict[str, float]:
 
 
 def units_of(description: Description) -> dict[str, Unit | str]:
-    """Return the units of an FMU's parameters, `BOOLEAN` for those that are true or false."""
+    """Return the units of an FMU's parameters, `BOOLEAN` for booleans."""
     return {
         v.name: BOOLEAN if v.kind == "Boolean" else v.unit or v.unit_name
         for v in description.variables.values()

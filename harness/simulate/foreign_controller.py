@@ -1,4 +1,4 @@
-"""A controller of the user's own: a co-simulation FMU that is shown what a law sees."""
+"""User-defined controllers as co-simulation FMUs, which get the same observation as a built-in law."""
 
 from collections.abc import Callable, Collection, Generator
 from contextlib import contextmanager
@@ -31,27 +31,28 @@ def _signals(names: tuple[str, ...], groups: int) -> tuple[Signal, ...]:
 
 
 def controller_signals(groups: int) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
-    """Return the inputs that a controller FMU may have, and the outputs of which it has one."""
+    """Return the inputs that a controller FMU may have, and its alternative outputs, of which it has one."""
     return _signals((*_READ, *_BELIEVED), groups), _signals(_DECISIONS, groups)
 
 
 class ForeignController:
     """An FMU as a control law.
 
-    A step of the FMU lasts from one decision to the next. Its inputs are what is seen at the first, held; its outputs
-    at the end of the step are the decision, at once: a sampled law decides on what it is shown, and a law in
-    continuous time is ahead by the period it is given. As for our own laws, what no sensor has read yet is NaN.
+    A step of the FMU lasts from one decision to the next. Its inputs are the observation at the start of the step, held
+    constant. Its outputs at the end of the step are the decision, which is applied at once: a sampled law decides on
+    its current inputs, and a law in continuous time leads by one period. As for built-in laws, readings that no sensor
+    has delivered yet are NaN.
     """
 
     def __init__(self, fmu: Plant, binding: Binding, gives: str) -> None:
-        """Decide by an open FMU that has not been started; `gives` names its output, demand or command."""
+        """Decide by an open FMU that has not been started; `gives` is the name of its output, demand or command."""
         self._fmu = fmu
         self._inputs = np.zeros(binding.inputs.size)
         self._decision = binding.outputs.layout[gives]
         self._has_started = False
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
-        """Return the demanded pressure of each group [Pa], or the valve command if that is what the FMU gives.
+        """Return the demanded pressure of each group [Pa], or the valve command if that is the FMU's output.
 
         Raises:
             ControllerFailed: The FMU failed.
@@ -72,10 +73,10 @@ class ForeignController:
 def binding_of(
     scenario: Scenario, table: ControllerFmu, description: Description, groups: int, estimates: Collection[str]
 ) -> tuple[Binding, str]:
-    """Tie what a law sees and gives to the variables of the FMU; return that and what it gives, demand or command.
+    """Bind observation and decision to variables of the FMU; return the binding and the output, demand or command.
 
     Raises:
-        FmuError: It does not fit the FMU, or the FMU gives nothing that brakes.
+        FmuError: The map does not fit the FMU, or the FMU has neither output.
     """
     where = f"{scenario.name}: [controller.map]"
     if not table.map:
@@ -114,13 +115,13 @@ def foreign_controller(
     estimates: Collection[str],
     notify: Callable[[str], None],
 ) -> Generator[tuple[ForeignController, bool]]:
-    """Open the FMU of a scenario's controller; yield the law and whether it commands the valves itself.
+    """Open the FMU of a scenario's controller; yield the law and whether it commands the valves directly.
 
-    Inputs of it that nothing drives, such as an adhesion that is not estimated, are reported.
+    Inputs without a source, such as an adhesion that is not estimated, are reported.
 
     Raises:
-        FmuError: It does not fit.
-        PlantFailed: It does not load.
+        FmuError: The FMU does not fit.
+        PlantFailed: The FMU does not load.
     """
     binding, gives = binding_of(scenario, table, description, groups, estimates)
     if binding.unused:

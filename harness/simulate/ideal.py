@@ -1,10 +1,10 @@
-"""Analyses of a scenario: how well any controller could brake, by the ideal bound and by control that knows the truth.
+"""Bounds on the performance of any controller: the ideal bound, and a controller that knows the true state.
 
-A scenario names one as the kind of its controller; sensors, estimator and controller have no part in it.
+A scenario selects one as the kind of its controller; sensors, estimator and controller are then not used.
 
-In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant. No controller
-that keeps to α_max stops in a distance shorter by more than 0.25 %, on a rail that slip does not change; none
-reaches the bound, because pressure takes time to build up and the peak must be found first. What is integrated is the
+In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant. A controller
+that observes α_max cannot stop more than 0.25 % shorter on a rail that slip does not change. A real controller does not
+reach the bound, because pressure takes time to build up and the peak must be found first. The bound integrates the
 train as a point mass; the physics comes from the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
@@ -45,13 +45,14 @@ _CLOSE = 1e-3  # m; a thousandth of what a change of controller moves
 
 
 def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
-    """Return the stop that the ideal bound gives.
+    """Return the stop of the ideal bound.
 
-    Speed over time is found by iteration: the bound depends on speed (falling friction) and, over distance, on place.
+    Speed over time is found by iteration: the bound depends on speed (falling friction) and on position along the
+    track.
 
     Raises:
-        ScenarioError: Slip changes the rail, the plant does not show its brakes, or the iteration does not settle; it
-            contracts where friction changes little with speed and place.
+        ScenarioError: Slip changes the rail, the plant does not output its brakes, or the iteration does not converge;
+            it contracts if friction changes little with speed and position.
     """
     _require_unchanged_rail(scenario)
     vehicle = VehicleData(scenario)
@@ -109,7 +110,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
 
 
 def _require_unchanged_rail(scenario: Scenario) -> None:
-    """Refuse a rail that changes under the wheelsets: there is no best stop that does not depend on the others."""
+    """Raise an error for a rail that slip changes: the best run of a wheelset then depends on those ahead of it."""
     changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
     for table in (table for table, present in changes.items() if present):
         raise ScenarioError(
@@ -121,7 +122,7 @@ def _require_unchanged_rail(scenario: Scenario) -> None:
 def _full_braking(
     scenario: Scenario, vehicle: VehicleData, progress: Callable[[float], None] | None
 ) -> tuple[Array, Array, Array, Array]:
-    """Return brakes, resistance and transfer of load of a train from a stop on its track without slides.
+    """Return brakes, resistance and load transfer of a train, from a stop on its track without slides.
 
     Returns:
         Speeds, rising, shape (k,) [m/s]; pad friction of each group there, shape (k, groups); running resistance
@@ -145,20 +146,21 @@ def _full_braking(
 
 
 class _Tracking:
-    """Control by the true state: it holds the best slip of every group through the actuation that there is.
+    """Controller that knows the true state: it holds the optimum slip of every group through the given actuation.
 
-    From the torque balance of a group, J ω̇ = F r − T, with s = 1 − rω/v, slip goes to s* at the rate κ where
+    From the torque balance of a group, J ω̇ = F r − T, with s = 1 − rω/v, slip approaches s* at the rate κ if
 
-        T = F r + J/r (κ (s* − s) v − (1 − s) v̇),   F r at most as α_max allows
+          T = F r + J/r (κ (s* − s) v − (1 − s) v̇),   F r limited by α_max
 
-    s* lies a little below the slip at which the creep curve will peak once the valves have answered, where a slide is
-    still stable. Below it F is what the curve gives at s*, so that a wheel gets there whatever the band of valves
-    leaves of the second term; above it, the true braking force, scaled by how the peak will change. No controller is
-    shown this much; one that anticipated the whole rail could still do a little better.
+    s* is slightly below the slip at the peak of the creep curve at the time when the valves will have answered, so that
+    the slide is stable. For slip below s*, F is the force of the curve at s*, so that the wheel gets there whatever the
+    dead band of the valves leaves of the second term; above it, F is the true braking force, scaled by the predicted
+    change of the peak. Real controllers do not have this information; a controller that anticipated the whole rail
+    could still do slightly better.
     """
 
     def __init__(self, vehicle: VehicleData, recorder: Recorder) -> None:
-        """Control the stop that a recorder is written of."""
+        """Control the stop that is written to a recorder."""
         scenario, self._formation = vehicle.scenario, vehicle.formation
         self._profile = profile_of(scenario, self._formation)
         self._contact, self._brakes, self._curves = vehicle.contact, vehicle.true.brakes, vehicle.curves
@@ -169,7 +171,7 @@ class _Tracking:
         self._due, self._slip, self._most, self._change = 0.0, np.zeros(0), np.zeros(0), np.zeros(0)
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
-        """Return the demanded pressure of each group [Pa]; of the observation only the time is looked at."""
+        """Return the demanded pressure of each group [Pa]; only the time of the observation is used."""
         row, at = self._recorder.rows[round(observation.time / self._period)], self._recorder.columns
         speed, distance = float(row[at["speed"]][0]), float(row[at["distance"]][0])
         if speed < _SLOWEST:
@@ -196,7 +198,7 @@ class _Tracking:
         return tuple(pressures)
 
     def _look(self, time: float, distance: float, speed: float, load: Array) -> None:
-        """Find slip and adhesion to hold when the valves will have answered, and how much higher the peak is then."""
+        """Find slip and adhesion to hold when the valves will have answered, and the ratio of the peaks."""
         ahead = self._ahead
         times, places = np.array([time, time + ahead]), np.array([distance, distance + speed * ahead])
         friction, loads, speeds = self._profile.table(times, places), np.stack([load, load]), np.full(2, speed)
@@ -224,10 +226,10 @@ _BELOW = 0.9  # of the slip of the peak; on published curves there is 99 % of it
 
 
 def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Stop:
-    """Return the stop of a controller that knows the truth, with the actuation and the broken parts of the scenario.
+    """Return the stop of a controller that knows the true state, with the actuation and the faults of the scenario.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parts cannot do, or the plant does not show its
+        ScenarioError: The scenario requires something that its parts cannot do, or the plant does not output its
             brakes.
     """
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
@@ -245,7 +247,7 @@ ANALYSES: Final[Mapping[str, Callable[[Scenario, Callable[[float], None] | None]
 
 
 def _full_brake(scenario: Scenario) -> Scenario:
-    """Return the same train and track with a rail where nothing slides, fully braked."""
+    """Return the same train and track, fully braked on a rail without slides."""
     changes: dict[str, Any] = {
         "adhesion": {"kind": "constant", "mu0": _GRIPPY, "polach": "dry"},
         "faults": [],
@@ -254,7 +256,7 @@ def _full_brake(scenario: Scenario) -> Scenario:
 
 
 def _bare(scenario: Scenario, changes: dict[str, Any]) -> Scenario:
-    """Return a scenario with other tables, fully braked, with no controller between plant and brakes."""
+    """Return a scenario with the tables in `changes`, fully braked without a controller."""
     parts = {"sensors": {"kind": "ideal"}, "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
     return Scenario.model_validate(scenario.resolved() | parts | changes)
 
@@ -265,7 +267,7 @@ def _write_motion(recorder: Recorder, distance: Array, speed: Array, acceleratio
 
 
 def _end(speed: Array, stop_speed: float) -> int:
-    """Return the first sample at standstill, 0 if there is none."""
+    """Return the first sample at standstill, 0 if the train does not stop."""
     return int(np.argmax(speed <= stop_speed))
 
 
@@ -275,7 +277,7 @@ def _first_guess(scenario: Scenario, time: Array) -> tuple[Array, Array, Array]:
 
 
 def _integrated(start: float, slowing: Array, count: int, period: float) -> tuple[Array, Array, Array]:
-    """Integrate a deceleration over time by the trapezoidal rule; beyond its end it stays as it was last."""
+    """Integrate a deceleration over time by the trapezoidal rule; after its end its last value is held."""
     acceleration = -np.concatenate([slowing, np.full(count - len(slowing), slowing[-1])])
     steps = 0.5 * (acceleration[1:] + acceleration[:-1]) * period
     speed = np.maximum(start + np.concatenate([[0.0], np.cumsum(steps)]), 0.0)

@@ -1,4 +1,4 @@
-"""Classes that a scenario names, and what a result says of them."""
+"""Import the user-defined classes that a scenario names, and record their origin in results."""
 
 import hashlib
 import inspect
@@ -34,12 +34,12 @@ def part_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> Any:
 def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
     """Import the class that a table names.
 
-    Text in a file decides what is imported here, so that only two places are trusted: `folders`, which the command line
-    or a caller names, and entry points of installed packages. Nothing is called before it is a class with the methods
-    of its role.
+    Text in a file decides which code is imported here, so only two places are trusted: `folders`, which the command
+        line or a caller names, and entry points of installed packages. A class is called only after its type and the
+        methods of its role have been checked.
 
     Raises:
-        ScenarioError: The module is in neither place or cannot be imported, or there is no such class in it.
+        ScenarioError: The module is in neither place or cannot be imported, or it lacks the class.
     """
     who = f"{_table(role)} kind {cut(table.kind)}"
     points = installed_names(role)
@@ -78,7 +78,7 @@ def instance_of(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
     """Return a new object of a user's class.
 
     Raises:
-        ScenarioError: The class does not take these parameters, or fails; it begins with `where`.
+        ScenarioError: The class does not take these parameters, or raises; the message begins with `where`.
     """
     return custom.foreign(
         lambda: kind(**parameters),
@@ -93,15 +93,15 @@ def _table(role: Role) -> str:
 
 
 def table_of(part: object, table: type[_Table] = Custom, **keys: Any) -> _Table:
-    """Return the table that stands for an object given as such; `keys` are others of that table."""
+    """Return the table that represents an object given by a caller; `keys` are further keys of that table."""
     return table(kind=_name(type(part)), parameters=_plain_attributes(part), **keys)
 
 
 def origin_of(part: object, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a result says of an object's class, as JSON values: its name, a digest of its source, its arguments.
+    """Return the origin of an object's class, as JSON values: its name, a digest of its source, its arguments.
 
-    The digest is that of the module's file, else of the class's source text; None where there is neither. The arguments
-    of an object that was given as such are its public plain attributes.
+    The digest is that of the module's file, else of the class's source text; None if neither exists. The arguments of
+    an object given by a caller are its public plain attributes.
     """
     kind = type(part)
     return {"class": _name(kind), "source_sha256": _source(kind), "parameters": dict(parameters)}
@@ -129,7 +129,10 @@ def _plain_attributes(part: object) -> dict[str, Any]:
 
 
 def _plain(value: object, levels: int = 12) -> Any:
-    """Return a number, text or array as JSON values, else None, as for lists nested in more levels."""
+    """Return a number, string or array as JSON values.
+
+    None for other types and for lists nested more deeply than `levels`.
+    """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, list | tuple):

@@ -1,4 +1,4 @@
-"""Tables of a scenario for an FMU from outside: drafted by names and, for a plant, corrected by a short run."""
+"""Drafts of a scenario's tables for a foreign FMU: by names and, for a plant, corrected by a short run."""
 
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -38,14 +38,14 @@ _UNITS = {
     ("m/s", 3.6): "km/h", ("Pa", 1e-5): "bar", ("Pa", 1e-3): "kPa", ("m", 1e-3): "km", ("m", 1e3): "mm",
     ("1", 100.0): "percent",
 }  # fmt: skip
-"""Our unit and what a mistake multiplies by → unit to state where the FMU says none."""
+"""(SI unit, factor of a mistake) → unit to state in the map for a variable without a declared unit."""
 _PRESSURES = (1e5, 1e3, 1e6, -1.0)
-"""Commands in bar, kPa or MPa, or with the other sign."""
+"""Factors for commands in bar, kPa or MPa, or with the opposite sign."""
 _ROUNDS = 6
 _NAMED = 20
-"""Unused variables that are listed: an FMU may have thousands of parameters."""
+"""Number of unused variables that are listed: an FMU may have thousands of parameters."""
 _LOCKED = 0.3
-"""Share of the rolling speed below which a wheel on a good rail slides: no train's full brake does that."""
+"""Share of the rolling speed below which a wheel on a good rail slides, which full brake never causes there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +53,10 @@ class Entry:
     """One signal of [vehicle.map].
 
     Attributes:
-        signal: Ours.
+        signal: Signal of the harness.
         variables: Name, pattern or names in the FMU.
-        scale: Ours over theirs, the conversion of units left out.
-        unit: Stated where the FMU says none; "" where it does, or where none is needed.
+        scale: Value in the harness over value in the FMU, after conversion of units.
+        unit: Unit stated for a variable without one; "" if the FMU declares it, or if none is needed.
     """
 
     signal: Signal
@@ -65,7 +65,7 @@ class Entry:
     unit: str
 
     def scaled(self, factor: float) -> "Entry":
-        """Return the entry with values of ours `factor` times as large, by another unit where that says it."""
+        """Return the entry with harness values `factor` times as large, by another unit where that expresses it."""
         unit = _UNITS.get((self.signal.unit, _rounded(1.0 / factor))) if self.unit == self.signal.unit else None
         return replace(self, unit=unit) if unit else replace(self, scale=_rounded(self.scale * factor))
 
@@ -86,7 +86,7 @@ class Draft:
     """Tables of a scenario for an FMU.
 
     Attributes:
-        table: Entries of the map by the names of our signals.
+        table: Entries of the map by signal.
         missing: Signals that the FMU must have and that were not found.
         unused: If signals are missing, the inputs, outputs and parameters of the FMU that the table does not use.
         formation: Groups and wheelsets of the FMU.
@@ -185,18 +185,18 @@ def mapped(
     period: float,
     notify: Callable[[str], None] = lambda sentence: None,
 ) -> Draft:
-    """Return a mapping that a short run of the FMU agrees with, as far as there is one.
+    """Return a mapping that agrees with a short run of the FMU, as far as such a mapping exists.
 
     Args:
-        description: Of the FMU.
-        wheelsets_per_group: Empty for what the FMU says, or its arrays let guess.
-        speed: Of the run at its start [m/s].
-        period: Communication period of it [s].
-        notify: Gets a sentence before each trial run.
+        description: Description of the FMU.
+        wheelsets_per_group: Formation; if empty, it is read from the FMU's parameters or guessed from its arrays.
+        speed: Initial speed of the run [m/s].
+        period: Communication period of the run [s].
+        notify: Called with a sentence before each trial run.
 
     Raises:
-        FmuError: It does not fit.
-        PlantFailed: The run ended before its time.
+        FmuError: The FMU does not fit.
+        PlantFailed: The run ended early.
     """
     declared = frozenset(name.partition("[")[0] for name in description.names("parameter")) & DESCRIPTIVE.keys()
     draft = replace(_drafted(description, wheelsets_per_group), declared=declared)
@@ -215,7 +215,7 @@ def mapped(
 
 
 def _nominal_parameters(description: Description, formation: Formation) -> dict[str, tuple[float, ...]]:
-    """Return the nominal data that an FMU has as parameters under our names and in our units."""
+    """Return the nominal data that an FMU has as parameters under the harness's names and in its units."""
     units = units_of_nominal_data(formation)
     values = {
         name: value
@@ -237,7 +237,7 @@ def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
 
 
 def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> Draft:
-    """Return the draft by names, of the formation for which most is found."""
+    """Return the draft by names, for the formation with the fewest missing signals."""
     declared = wheelsets_per_group or counts_of(parameters_of(description))
     sizes = [(1,) * size for size in sizes_of(description, "input")]
     choices = [declared] if declared else [catalogue_counts(), *sizes, (1,)]
@@ -252,7 +252,6 @@ def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> 
 
 
 def _unused(description: Description, draft: Draft) -> tuple[str, ...]:
-    """Return the inputs, outputs and parameters of an FMU that a draft does not use."""
     used = {name for entry in draft.table.values() for name in _variables(entry, draft.formation.wheelsets)}
     return tuple(
         name for kind in ("input", "output", "parameter") for name in description.names(kind) if name not in used
@@ -266,7 +265,6 @@ def _variables(entry: Entry, count: int) -> Iterator[str]:
 
 
 def _some(names: Sequence[str]) -> str:
-    """Return the first of some names in one line."""
     return ", ".join([*names[:_NAMED], *(["…"] if len(names) > _NAMED else [])])
 
 
@@ -280,7 +278,7 @@ def _entry(description: Description, signal: Signal, variables: str | tuple[str,
 
 
 Run = Callable[[Mapping[str, Entry]], Trials]
-"""Runs the FMU with a table."""
+"""Function that runs the FMU with a table."""
 
 
 def _run(
@@ -306,8 +304,6 @@ def _run(
 
 
 def _rescaled(trials: Trials, factors: Mapping[str, float]) -> Trials:
-    """Return trials whose outputs are `factors` times as large."""
-
     def one(trial: Trial) -> Trial:
         rows = trial.rows.copy()
         for name, factor in factors.items():
@@ -326,7 +322,7 @@ def _radius(trial: Trial) -> list[float]:
 
 
 def _judged(trials: Trials, formation: Formation, speed: float) -> list[Finding]:
-    """Return what trials show; wheels of any radius that wheels have are right."""
+    """Return the findings of two trials; any usual wheel radius is accepted."""
     groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
     radius = [
         radius_ if _SMALLEST <= radius_ <= _LARGEST else group.wheel_radius
@@ -348,11 +344,11 @@ def _judged(trials: Trials, formation: Formation, speed: float) -> list[Finding]
 
 
 Factors = Mapping[str, float]
-"""Signal → what its values of ours are multiplied by."""
+"""Signal → factor on its values in the harness."""
 
 
 def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
-    """Return the draft with the corrections under which the run contradicts it least."""
+    """Return the draft with the corrections that leave the fewest contradictions in the run."""
     table, corrections = dict(draft.table), list[str]()
     trials = run(table)
     found = _judged(trials, draft.formation, speed)
@@ -394,12 +390,12 @@ def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
 
 
 def _doubt(found: Sequence[Finding]) -> int:
-    """Return how much is wrong; a train that does not brake hides other mistakes."""
+    """Return a weighted number of contradictions; a train that does not brake hides other mistakes."""
     return sum(3 if finding.signal == "pressure_command" else 1 for finding in found if not finding.good)
 
 
 def _applied(trials: Trials, table: Mapping[str, Entry], factors: Factors, run: Run) -> Trials:
-    """Return the trials with a correction; only one of what is sent wants another run."""
+    """Return the trials with a correction; the run is repeated only if an input is corrected."""
     layout: Layout = trials[0].layout
     if all(name in layout.output for name in factors):
         return _rescaled(trials, factors)
@@ -407,7 +403,7 @@ def _applied(trials: Trials, table: Mapping[str, Entry], factors: Factors, run: 
 
 
 def _proposals(wrong: Sequence[Finding], trial: Trial) -> Iterator[Factors]:
-    """Yield corrections that may explain what is wrong, those that want no further run first."""
+    """Yield corrections that may explain the contradictions, starting with those that need no further run."""
     by_signal = {finding.signal.partition("[")[0]: finding for finding in wrong}
     outputs = [name for name in by_signal if name in trial.layout.output]
     single: dict[str, float] = {}
@@ -436,7 +432,10 @@ def _proposals(wrong: Sequence[Finding], trial: Trial) -> Iterator[Factors]:
 
 
 def _wheel_correction(measured: Sequence[float]) -> Factors:
-    """Return what makes radii of wheels of speeds over wheel speeds, if a usual mistake does."""
+    """Return the usual mistake of the wheel speeds that explains ratios of speed to wheel speed [m].
+
+    {} if none does.
+    """
     radius = float(np.median(measured))
     for factor in (-1.0, 3.6, 1 / 3.6, 1 / (2 * np.pi), 30 / np.pi):
         if _SMALLEST <= radius * factor <= _LARGEST:
@@ -445,7 +444,6 @@ def _wheel_correction(measured: Sequence[float]) -> Factors:
 
 
 def _sentence(name: str, factor: float, *, found: Sequence[Finding]) -> str:
-    """Return what was corrected and what showed it."""
     shown = next((finding for finding in found if finding.signal.partition("[")[0] == name), found[0])
     likely = mistake(1.0 / factor) or f"{1.0 / factor:.4g} times what is meant"
     return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"
@@ -456,7 +454,6 @@ def _rounded(value: float) -> float:
 
 
 def _toml(entry: Any) -> str:
-    """Return an entry of a mapping as TOML."""
     if isinstance(entry, str):
         return '"' + entry.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(entry, list):

@@ -43,11 +43,11 @@ _MOST_OF_THE_RAIL = 1.005
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CustomParts:
-    """Objects of the user's own that take the place of what a scenario names; see `railgrip.simulate.custom`.
+    """User-defined objects that replace parts of a scenario; see `railgrip.simulate.custom`.
 
     Attributes:
-        controller, estimator, sensors, plant: None leaves it to the scenario.
-        folders: Where modules that a scenario names are looked for, beside the installed environment.
+        controller, estimator, sensors, plant: None keeps the part of the scenario.
+        folders: Folders that are searched for modules of a scenario, in addition to the installed environment.
     """
 
     controller: custom.Controller | None = None
@@ -57,7 +57,7 @@ class CustomParts:
     folders: tuple[Path, ...] = ()
 
     def standing_for(self, scenario: Scenario) -> Scenario:
-        """Return the scenario that names these objects' classes, as the results of a stop with them must."""
+        """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
         tables: dict[str, Any] = {}
         if self.controller is not None:
             over = {name: getattr(scenario.controller, name) for name in ("redistribute", "shared_valve")}
@@ -73,19 +73,19 @@ class CustomParts:
 
 
 NO_CUSTOM_PARTS = CustomParts()
-"""None but those that the scenario names."""
+"""Only the parts that the scenario names."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assembled:
-    """The parts of a stop, open.
+    """The opened parts of a stop.
 
     Attributes:
-        vehicle: What is known of the scenario's.
-        parts: What the loop is given.
-        fmus: Those that take part, by name.
-        classes: Of the user's own that take part, by part; see `origin_of`.
-        limits: What limits the demands of a controller that is no law of ours.
+        vehicle: Data of the scenario's vehicle.
+        parts: Parts for the loop.
+        fmus: FMUs of the stop, by name.
+        classes: Origin of user-defined classes, by part; see `origin_of`.
+        limits: Limits on the demands of a controller that is not built-in.
     """
 
     vehicle: VehicleData
@@ -96,14 +96,14 @@ class Assembled:
 
     @property
     def recorder(self) -> Recorder:
-        """What the loop writes into."""
+        """Recorder that the loop writes to."""
         return self.parts.recorder
 
     def run(self, progress: Callable[[float], None] | None = None) -> Ending:
         """Run the stop to its end, once.
 
         Args:
-            progress: Called with the train speed [m/s] now and then.
+            progress: Called with the train speed [m/s] at intervals.
         """
         try:
             return Loop(self.parts, progress).run()
@@ -115,8 +115,8 @@ class Assembled:
         return Ending(outcome=Outcome.PLANT_FAILED, reason=str(problem), samples=self.recorder.written)
 
     def stop(self, ending: Ending) -> Stop:
-        """Return the stop that a run of the loop gave."""
-        # A plant that does not even start leaves one row without a number: rows are memory as it was found.
+        """Return the stop of a run of the loop."""
+        # A plant that fails to start leaves one row, which must not show the old contents of the memory.
         self.recorder.rows[self.recorder.written : 1] = np.nan
         stop = judged(self.vehicle, self.recorder, ending, self.fmus)
         return replace(
@@ -137,12 +137,12 @@ def assembled(
     """Open the parts of a scenario's stop; they are closed when the block ends.
 
     Args:
-        notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
-        objects: Objects in place of what the scenario names.
-        capacity: Of the recorder; all samples without it.
+        notify: Called with sentences for the user, such as that a foreign FMU runs in a separate process.
+        objects: Objects that replace parts of the scenario.
+        capacity: Rows of the recorder; None for all samples.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parts cannot do.
+        ScenarioError: The scenario requires something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
     scenario = objects.standing_for(scenario)
@@ -195,18 +195,18 @@ def assembled(
 
 @dataclass(frozen=True, slots=True)
 class _Players:
-    """The user's own objects that play a part in a stop.
+    """The user-defined objects among the parts of a stop.
 
     Attributes:
-        objects: Those that were handed over.
-        classes: Where each comes from, by part; see `origin_of`.
+        objects: Objects that the caller provided.
+        classes: Origin of each, by part; see `origin_of`.
     """
 
     objects: CustomParts
     classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
     def part(self, role: Role, table: object, instance: object) -> Any:
-        """Return the object of the user's own that plays a part, if one does."""
+        """Return the user-defined object for a part; None if the part is built-in."""
         if not isinstance(table, Custom):
             return None
         player = part_of(table, role, self.objects.folders) if instance is None else instance
@@ -215,7 +215,6 @@ class _Players:
 
 
 def _clock(scenario: Scenario) -> Clock:
-    """Return when what is due in a scenario's stop."""
     period = scenario.periods.communication
     return Clock(
         period=period,
@@ -227,7 +226,6 @@ def _clock(scenario: Scenario) -> Clock:
 
 
 def _plant(vehicle: VehicleData, players: _Players, stack: ExitStack, notify: Callable[[str], None]) -> Plant:
-    """Return the plant of a stop."""
     source, plant = vehicle.scenario.vehicle.source, players.objects.plant
     if not isinstance(source, PythonClass):
         return fmu_plant(vehicle, notify, stack)
@@ -243,7 +241,7 @@ def _estimator(
     stack: ExitStack,
     notify: Callable[[str], None],
 ) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
-    """Return the estimator of a stop, and what it estimates; a prediction FMU joins `fmus`."""
+    """Return the estimator of a stop, and the names of its estimates; a prediction FMU is added to `fmus`."""
     scenario = vehicle.scenario
     if (estimator := players.part("estimators", scenario.estimator, players.objects.estimator)) is not None:
         custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
@@ -267,7 +265,7 @@ def _sensors(vehicle: VehicleData, players: _Players, radius: float) -> Instrume
 def _signals(
     vehicle: VehicleData, of_controller: Sequence[Signal], filter_: object, estimates: Collection[str]
 ) -> tuple[Signal, ...]:
-    """Return the signals of a stop in the order of its trace."""
+    """Return the signals of a stop in the order of the trace."""
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
         *layout.plant_signals,
@@ -282,7 +280,7 @@ def _signals(
 
 
 def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
-    """Refuse a driver's demand beside a controller that commands the valves."""
+    """Raise an error for a driver's demand if the controller commands the valves."""
     if commands_valves and scenario.demand is not None:
         raise ScenarioError(
             f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
@@ -291,7 +289,7 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
 
 
 def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
-    """Refuse a law that needs a quantity that is not estimated."""
+    """Raise an error for a law that needs quantities that are not estimated."""
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
         choice = ", ".join(sorted(estimates)) or "nothing"
@@ -302,11 +300,11 @@ def _require_estimates(scenario: Scenario, controller: Controller, estimates: Co
 
 
 def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
-    """Return the stop that a run of the loop gave, with bound and figures."""
+    """Return the stop of a run of the loop, with ideal bound and metrics."""
     scenario = vehicle.scenario
     trace = recorder.trace(max(ending.samples, 1), scenario.periods.communication)
-    # The bound is that of the simulated truth: the plant's own brakes and the scenario's creep curve. A foreign plant
-    # that does not show its brakes has none; the figures that need it are empty.
+    # The bound uses the true data: the plant's own brakes and the scenario's creep curve. A foreign plant without brake
+    # outputs has no bound; metrics that require it are empty.
     with suppress(ScenarioError):
         trace = with_bound(
             trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max, vehicle.resistance_lever

@@ -1,4 +1,4 @@
-"""Parts of a scenario's stop as FMUs or a static library: the loop's C, with its memory before the first sample."""
+"""Export parts of a stop as FMUs or a static library: the C code of the loop, with its initial state."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -42,26 +42,26 @@ _FIELDS = {
         "row", "radius", "full", "estimator_every", "controller_every",
     ),
 }  # fmt: skip
-"""Of `Cycle` in cycle.h, what each part works with."""
+"""Fields of `Cycle` in cycle.h that each part uses."""
 
 _OBSERVED = (
     Signal("speed", "train", "m/s", "speed of the train"),
     Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
     *(Signal(name, "group", unit, meaning) for name, unit, meaning in OF_GROUPS if name != "driver_demand"),
 )
-"""What an estimator shows a law, beside the driver's demand."""
+"""Quantities that an estimator outputs to a law; the driver's demand is not among them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Role:
-    """What one kind of FMU has of a stop.
+    """The share of one kind of FMU in a stop.
 
     Attributes:
-        given, shown: Its inputs and outputs.
+        given, shown: Inputs and outputs of the FMU.
         struct: `Cycle` of cycle.h.
-        formulas: In C, by field of `struct`.
-        parameters: Of the FMU.
-        macros: See exported.c.
+        formulas: Formulas in C, by field of `struct`.
+        parameters: Parameters of the FMU.
+        macros: Macros for exported.c.
     """
 
     given: Sequence[Variable]
@@ -78,12 +78,12 @@ def part_fmu(scenario: Scenario, kind: Kind) -> Source:
 
 
 def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
-    """Return a part of a scenario's stop as a system of its own.
+    """Return a part of a scenario's stop as a separate system.
 
-    A step is one communication period. Readings are NaN where a sensor has nothing new.
+    A step is one communication period. Readings are NaN where a sensor has no new one.
 
     Raises:
-        ScenarioError: It is not in C: of Python, or an FMU of somebody else's.
+        ScenarioError: The part is in Python or a foreign FMU, and therefore not in C.
         FmuError: The plant does not fit.
     """
     scenario = _with_filter_in_c(scenario)
@@ -94,7 +94,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
 
 
 def readings_of(scenario: Scenario) -> NDArray[np.float64]:
-    """Return what the onboard part is given in each sample of a scenario's stop, shape (samples, inputs)."""
+    """Return the inputs of the onboard part in each sample of a scenario's stop, shape (samples, inputs)."""
     with assembled(_with_filter_in_c(scenario)) as opened:
         opened.run()
         recorder, parts = opened.recorder, opened.parts
@@ -106,13 +106,13 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
 
 
 def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
-    """Write the onboard part as a library for real-time targets, with readings of its stop to time it on.
+    """Write the onboard part as a library for real-time targets, with the readings of a stop to measure its run time.
 
     The files are library, header, worst_case.c, readings.csv and the folder `sources`; yield the files.
 
     Raises:
-        ScenarioError: A part of it is not in C, see `part_in_c`.
-        CompilerMissing, BuildFailed: From the C compiler.
+        ScenarioError: A part is not in C, see `part_in_c`.
+        CompilerMissing, BuildFailed: Raised by the C compiler.
     """
     system = part_in_c(scenario, "onboard")
     name, files = c_identifier(system.name), sources_of_library(system)
@@ -134,7 +134,7 @@ def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
 
 
 def _with_filter_in_c(scenario: Scenario) -> Scenario:
-    """Return the scenario with its filter in C, equal but for rounding; the decentralised one is in C."""
+    """Return the scenario with its filter in C, equal except for rounding; the decentralised filter is in C already."""
     estimator = scenario.estimator
     if not isinstance(estimator, KalmanFilter) or estimator.kind not in ("fmu", "python") or estimator.file is not None:
         return scenario
@@ -178,7 +178,7 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discre
         parameters=tuple(role.parameters),
         outputs=tuple(role.shown),
         step=WrittenStep(text="\n".join(text), files=files, units=units),
-        # A train that begins to move has nothing but zeros to wait for.
+        # A train that begins to move would only wait for zeros.
         waits=sum(not given.name.startswith("driver_demand") for given in role.given) if scenario.start.speed else 0,
         hidden=PERIODS,
     )
@@ -193,7 +193,7 @@ _DESCRIPTIONS = {
 
 
 def _called(name: str, formula: Sampled) -> str:
-    """Return C of a formula with the signature of `Call` in cycle.h."""
+    """Return C code of a formula with the signature of `Call` in cycle.h."""
     step, count = formula.step, formula.state.size
     sizes = [step.numel_in(0), step.numel_in(1), formula.parameters.size]
     return "\n".join(
@@ -295,7 +295,7 @@ def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
 
 
 def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, dict[str, Sampled]]:
-    """Return what the belief works with, and the formula that stands in for a silent radar, if there is one."""
+    """Return the fields of the filter, and the formula that substitutes a silent radar, if there is one."""
     estimator = parts.estimator
     belief = struct.copied(*_FIELDS["estimator"])
     belief.view("reference")[0] = np.nan
@@ -316,7 +316,7 @@ def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, d
 
 
 def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
-    """Return outputs of the plant as inputs, as far as it has them, and their places among all, for C."""
+    """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
     absent = np.isnan(struct.view("truth"))
     signals = [s for s in layout.plant_signals if s.name in names and not absent[layout.output[s.name]].any()]
     places = [place for signal in signals for place in range(*layout.output[signal.name].indices(layout.outputs))]
@@ -324,7 +324,6 @@ def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[V
 
 
 def _of(signals: Sequence[Signal], layout: Layout, starts: NDArray[np.float64] | None = None) -> list[Variable]:
-    """Return the variables of signals, one after the other."""
     variables: list[Variable] = []
     for signal in signals:
         numbers = [f"[{i + 1}]" for i in range(layout.formation.width(signal.extent))]

@@ -26,17 +26,17 @@ from railgrip.vehicle.signals import Layout, sent
 Vector = NDArray[np.float64]
 
 NEEDED = frozenset({"distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure"})
-"""Outputs no plant can do without; others, such as true adhesion, stay empty in the trace where a plant lacks them."""
+"""Outputs that every plant must have; others, such as true adhesion, are empty in the trace if a plant lacks them."""
 
 
 def plant_signals(
     layout: Layout, *, pneumatic: bool, track_force: bool
 ) -> tuple[tuple[Signal, ...], tuple[Signal, ...], Signal]:
-    """Return what a plant is given, what it shows, and the parameter that its speed at the start is.
+    """Return inputs and outputs of a plant, and the parameter for its initial speed.
 
     Args:
-        pneumatic: It takes positions of valves, else pressures.
-        track_force: It has to take a force of the track.
+        pneumatic: Whether the plant takes valve positions; else it takes pressures.
+        track_force: Whether the plant must have the input for the track force.
     """
     formation, command = layout.formation, "valve_command" if pneumatic else "pressure_command"
     # In the order of the loop's vector, so that each value arrives at the variable of its name.
@@ -62,10 +62,10 @@ def plant_signals(
 
 
 def binding_of(vehicle: VehicleData) -> Binding:
-    """Return how the plant's FMU is bound to the vectors of the loop.
+    """Return the binding of the plant's FMU to the vectors of the loop.
 
     Raises:
-        FmuError: It does not fit.
+        FmuError: The FMU does not fit.
     """
     scenario = vehicle.scenario
     inputs, outputs, start = plant_signals(
@@ -93,11 +93,11 @@ def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
 
 
 def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
-    """Open the plant of a scenario that is an FMU; one from outside makes two short runs before.
+    """Open the plant FMU of a scenario; a foreign one makes two short runs first.
 
     Raises:
-        ScenarioError: The short run shows what no train is, or the track is none for this one.
-        FmuError: It does not fit.
+        ScenarioError: The short run contradicts physics, or the track is too steep for the train.
+        FmuError: The FMU does not fit.
     """
     scenario, description = vehicle.scenario, vehicle.file
     table = scenario.vehicle
@@ -114,9 +114,9 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu,
     )
-    # A train file's class is of our parts; what a distributor does by speed or a long pipe late is no mistake of a map.
+    # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
     if not isinstance(source, OfOurParts) or (isinstance(source, TrainFile) and table.map):
-        # The stop itself will say how it failed.
+        # The stop will report the failure.
         with suppress(PlantFailed):
             quiet = partial(opening, notify=lambda sentence: None)
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
@@ -133,16 +133,16 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
 
 
 _read_back: set[tuple[object, ...]] = set()
-"""FMUs with parameters that were read back in this process."""
+"""FMUs with the parameters for which the read-back has been done in this process."""
 
 
 def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters: Mapping[str, float]) -> None:
-    """Compare wheel radius and creep curve that the contacts of a plant have with those it was given.
+    """Compare wheel radius and creep curve of a plant's contacts with its parameters.
 
-    The contact law of a class of the user's own may be another one: its curve is not compared.
+    The contact law of a user's class may differ, so its curve is not compared.
 
     Raises:
-        FmuError: They differ.
+        FmuError: Radius or curve differ.
     """
     scenario, layout, file = vehicle.scenario, vehicle.layout, vehicle.file.file.name
     groups = layout.formation.groups
@@ -156,7 +156,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
         return
     require_radius(file, layout, rows, known, parameters.get("v_small", V_SMALL))
     if isinstance(scenario.vehicle.source, OfOurParts):
-        # A wheel on a roller touches it as a smaller one touches a rail: their curvatures add.
+        # A wheel on a roller contacts it like a smaller wheel on a rail: their curvatures add.
         bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
         contacts = tuple(
             vehicle.contact_with({**parameters, **curve, "r_wheel": radius / (1.0 + radius * bend)}) for radius in known
@@ -168,20 +168,20 @@ def python_plant(vehicle: VehicleData, part: custom.Plant) -> Plant:
     """Return a plant in Python, after two short runs of it.
 
     Raises:
-        ScenarioError: It is no plant, or the short run shows what no train is.
+        ScenarioError: The object lacks the methods of a plant, or the short run contradicts physics.
     """
     scenario, layout = vehicle.scenario, vehicle.layout
     _refuse_steep_track(vehicle)
     command = "valve_command" if scenario.actuation.kind == "pneumatic" else "pressure_command"
     speed, period = scenario.start.speed, scenario.periods.communication
     plant = custom.CustomPlant(part, layout, speed=speed, period=period, required=NEEDED, command=command)
-    with suppress(PlantFailed):  # the stop itself will say how it failed
+    with suppress(PlantFailed):  # the stop will report the failure
         _refuse_unfit(f"{scenario.name}: the plant {type(part).__name__} is none", vehicle, lambda: nullcontext(plant))
     return plant
 
 
 def _refuse_steep_track(vehicle: VehicleData) -> None:
-    """Refuse a track that no train of this mass could run on; the mass of a plant from outside may be unknown."""
+    """Raise an error for a track that is too steep for a train of this mass; a foreign plant's mass may be unknown."""
     mass = vehicle.mass
     most, force = STEEPEST * GRAVITY * mass, max(vehicle.track_force.forces, key=abs)
     if mass and abs(force) > most:
@@ -192,10 +192,11 @@ def _refuse_steep_track(vehicle: VehicleData) -> None:
 
 
 def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
-    """Return all real parameters of a plant, each moved by a uniform share within ±`nudge.relative` of its own.
+    """Return all real parameters of a plant, each multiplied by a random factor, uniform within 1 ± `nudge.relative`.
 
-    One at the end of what it may be stays there where it would be moved beyond. What only describes the vehicle is not
-    drawn for; the counts of groups, which are as little to the plant, keep their place among the draws of old results.
+    A parameter at its bound stays there if it would be moved beyond. Parameters that only describe the vehicle get no
+    draw; the counts of groups, which do not affect the plant either, keep their draws so that old results stay
+    reproducible.
     """
     idle = DESCRIPTIVE.keys() - {COUNTS}
     real = [
@@ -215,7 +216,7 @@ def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) 
 
 
 def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[Plant]]) -> None:
-    """Refuse a plant from outside that is no train in short runs before its stop, on a good rail and on a poor one."""
+    """Raise an error for a foreign plant that contradicts physics in short runs, on a good rail and on a poor one."""
     scenario, brakes = vehicle.scenario, vehicle.nominal.formation.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)
     ideal = scenario.actuation.kind == "ideal"

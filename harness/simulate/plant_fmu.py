@@ -1,4 +1,4 @@
-"""The plant of a scenario as an FMU that begins with the scenario's parameters."""
+"""The plant of a scenario as an FMU whose start values are the scenario's parameters."""
 
 import re
 import xml.etree.ElementTree as ET
@@ -21,11 +21,11 @@ _MODEL = "sources/model.c"
 
 
 def plant_fmu(scenario: Scenario) -> Source:
-    """Return C code and modelDescription.xml of the plant; start values of its parameters are those of the stop.
+    """Return C code and modelDescription.xml of the plant, with the parameters of the stop as start values.
 
     Raises:
         ScenarioError: The plant was not compiled here from Modelica by the built-in compiler.
-        FmuError: It does not fit.
+        FmuError: The FMU does not fit.
     """
     vehicle = VehicleData(scenario)
     file = vehicle.file.file
@@ -55,7 +55,7 @@ def plant_fmu(scenario: Scenario) -> Source:
 
 
 def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
-    """Return what the track gives the plant at the start, by names of the plant's inputs."""
+    """Return the plant's inputs from the track at the start, by name."""
     inputs = np.zeros(vehicle.layout.inputs)
     rail_of(vehicle).write_inputs(inputs)
     values = dict(zip(binding.inputs.elements, inputs.tolist(), strict=True))
@@ -63,7 +63,7 @@ def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]
 
 
 def _with_starts(model: str, vehicle: VehicleData, values: Mapping[str, float]) -> str:
-    """Return the C with other start values of inputs and parameters: its tables go by their value references."""
+    """Return the C code with other start values of inputs and parameters: its tables are indexed by value reference."""
     sizes = {name: int(count) for name, count in re.findall(r"#define (NX|NU|NP) (\d+)", model)}
     first = 1 + 2 * sizes["NX"]
     for name, size in (("u", sizes["NU"]), ("p", sizes["NP"])):
@@ -79,8 +79,6 @@ def _with_starts(model: str, vehicle: VehicleData, values: Mapping[str, float]) 
 
 
 def _described(xml: str, values: Mapping[str, float]) -> str:
-    """Return modelDescription.xml with other start values."""
-
     def changed(row: re.Match[str]) -> str:
         value = values.get(ET.fromstring(row[0]).get("name", ""))
         return row[0] if value is None else re.sub(r' start="[^"]*"', f' start="{value!r}"', row[0])

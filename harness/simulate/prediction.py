@@ -1,4 +1,4 @@
-"""The prediction of a train made from its nominal data, for any formation."""
+"""The prediction model of a train, built from its nominal data for any formation."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -31,7 +31,10 @@ def _body() -> Model:
 
 @cache
 def _source(name: str, groups: int, group_of_wheelset: tuple[int, ...]) -> Path:
-    """Return the Modelica of a class of `Vehicles` with its numbers; wheelsets of bogies belong to groups from 1 on."""
+    """Write the Modelica text of a class of `Vehicles` with its sizes to the cache.
+
+    Groups of wheelsets count from 1.
+    """
     sizes = f"final n_groups={groups}, final n_bogies={len(group_of_wheelset) // 2}"
     if group_of_wheelset:
         sizes += f", final group_of_wheelset={{{', '.join(map(str, group_of_wheelset))}}}"
@@ -58,19 +61,17 @@ class _Members:
         return len(self.groups), tuple(self.groups.index(group) + 1 for group in belongs)
 
     def place(self, name: str) -> tuple[str, int]:
-        """Return the name of a variable without its index, and the index in the whole train, from 0 on."""
+        """Return the name of a variable without its index, and its zero-based index in the whole train."""
         base, bracket, _ = name.partition("[")
         of = self.bogies if base in _OF_BOGIES else self.wheelsets if base in _OF_WHEELSETS else self.groups
         return base, of[_number(name) - 1] if bracket else 0
 
     def name_in_train(self, name: str) -> str:
-        """Return the name of an element of an array in the whole train; of a scalar, its own."""
+        """Return the name of an array element in the whole train; a scalar keeps its name."""
         base, index = self.place(name)
         return f"{base}[{index + 1}]" if "[" in name else name
 
     def parameters(self, model: Model, formation: Formation, data: Mapping[str, float]) -> dict[str, float]:
-        """Return the values of a model's parameters by its names."""
-
         def value(variable: Variable) -> float:
             base, index = self.place(variable.name)
             if base == "m_group":
@@ -82,12 +83,12 @@ class _Members:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CentralPrediction:
-    """A train as one prediction, for a central filter: `ConsistPrediction` with its numbers.
+    """A train as one prediction, for a central filter: `ConsistPrediction` with sizes and parameters.
 
     Attributes:
-        source: Modelica file of the class, which is called ConsistPrediction.
+        source: Modelica file of the class, which is named ConsistPrediction.
         model: The same, translated.
-        parameters: Of the model, by its names.
+        parameters: Parameters of the model, by name.
         readings: Names of its outputs in the whole train: `deflection` by wheelset, not only those of bogies.
     """
 
@@ -98,7 +99,7 @@ class CentralPrediction:
 
 
 def units_of_predictions() -> dict[str, str]:
-    """Return the unit of every parameter that a prediction has, without indices."""
+    """Return the unit of every parameter of a prediction, by name without index."""
     models = _body(), _model("PartPrediction", 1, (1, 1))
     units = {v.name.partition("[")[0]: v.unit for model in models for v in model.parameters}
     parameters = {name: unit for name, unit in units.items() if name not in ("m", "m_group")}
@@ -106,9 +107,9 @@ def units_of_predictions() -> dict[str, str]:
 
 
 def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, float]:
-    """Return what a prediction takes of a train: nominal data, and what the formation knows where they lack it."""
+    """Return the parameters of a prediction for a train: nominal data, completed by those of the formation."""
     bases = {name.partition("[")[0] for name in nominal}
-    # The rigging of a brake is the product of its ratio and its efficiency, which is 1 then.
+    # The formation has the product of ratio and efficiency of the rigging, so the efficiency is 1 then.
     each = {
         f"{name}[{g + 1}]": float(getattr(brake, datum))
         for datum, name in {**OF_BRAKES, "rigging": "i_rigging"}.items()
@@ -124,16 +125,16 @@ def data_of(nominal: Mapping[str, float], formation: Formation) -> dict[str, flo
 def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
     """Return the prediction of a train in parts, for the decentralised filter.
 
-    A bogie of two wheelsets whose frame is known is a part with its suspension; of every other group the load is
-    static. Bogies are those of `wheelsets_per_bogie`, else of two wheelsets each where there are half as many frames.
+    A bogie of two wheelsets with a known frame is a part with its suspension; all other groups have a static load.
+    Bogies are those of `wheelsets_per_bogie`, else of two wheelsets each if there are half as many frames.
 
     Args:
         formation: Wheelsets and groups.
-        data: Parameter by the names of Modelica, of one group, wheelset or bogie (`J[2]`) or of all (`J`), SI; those
-            that are missing are as in the prediction's classes.
+        data: Parameters by their Modelica names, of one group, wheelset or bogie (`J[2]`) or of all (`J`), SI; missing
+            ones have the values of the prediction's classes.
 
     Raises:
-        ScenarioError: `wheelsets_per_bogie` has another number of wheelsets.
+        ScenarioError: The sum of `wheelsets_per_bogie` is not the number of wheelsets.
     """
     parts = [_part(members, formation, data) for members in _members(formation, data)]
     body = _body()
@@ -143,7 +144,7 @@ def consist_of(formation: Formation, data: Mapping[str, float]) -> Consist:
 
 
 def central_of(formation: Formation, data: Mapping[str, float]) -> CentralPrediction:
-    """Return the prediction of a train as one; arguments, bogies and errors are those of `consist_of`."""
+    """Return one prediction for the whole train; arguments, bogies and errors are those of `consist_of`."""
     parts = [part for part in _members(formation, data) if part.bogies]
     members = _Members(
         tuple(range(formation.groups)),
@@ -163,7 +164,7 @@ def central_of(formation: Formation, data: Mapping[str, float]) -> CentralPredic
 def start_of(
     states: Sequence[str], formation: Formation, data: Mapping[str, float], speed: float
 ) -> NDArray[np.float64]:
-    """Return the mean at the start: rolling at a speed [m/s], pads as nominal, the rest at zero; shape (n,)."""
+    """Return the initial mean: rolling at a speed [m/s], nominal pad friction, all other states zero; shape (n,)."""
     start = {"v": speed}
     for g in range(formation.groups):
         start[f"w[{g + 1}]"] = speed / radius_of(data, g)
@@ -193,7 +194,7 @@ def _value(data: Mapping[str, float], name: str, index: int, default: float) -> 
 
 
 def _members(formation: Formation, data: Mapping[str, float]) -> list[_Members]:
-    """Return the parts of a train: bogies of two wheelsets with known frames, and the groups of no such bogie."""
+    """Return the parts of a train: bogies of two wheelsets with known frames, and the groups outside such bogies."""
     ends = np.cumsum([0, *_wheelsets_per_bogie(formation, data)]).tolist()
     group_of, per_group = formation.group_of_wheelset.tolist(), formation.wheelsets_per_group
     parts: list[_Members] = []

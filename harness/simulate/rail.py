@@ -1,4 +1,4 @@
-"""What acts on the train of a scenario: the rail with its sand, and the driver."""
+"""The rail of a scenario with its sand, and the driver."""
 
 from math import inf
 
@@ -22,7 +22,7 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     """Return the rail of a scenario, before any wheel has passed.
 
     Raises:
-        ScenarioError: The positions of the wheelsets are not given, or there is no wheelset where a sander is.
+        ScenarioError: The positions of the wheelsets are not given, or a sander is at a wheelset that does not exist.
     """
     scenario, layout = vehicle.scenario, vehicle.layout
     adhesion, formation = scenario.adhesion, layout.formation
@@ -40,7 +40,7 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
 
 
 def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
-    """Return the sanders of a scenario, or those of its train."""
+    """Return the sanders of a scenario, or of its train file if the scenario lists no sanders."""
     sanders, source = scenario.sanders, scenario.vehicle.source
     if not sanders and isinstance(source, TrainFile):
         sanders = load_train(source.file.path).sanders
@@ -63,7 +63,7 @@ def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
 
 
 def doubts(scenario: Scenario) -> list[str]:
-    """Return a sentence for each file of a scenario whose axis seems to be in another unit than it states."""
+    """Return a sentence for each file of a scenario whose axis appears to have another unit than declared."""
     adhesion, demand, speed = scenario.adhesion, scenario.demand, scenario.start.speed
     has_traction = demand is not None and demand.has_traction
     sentences: list[str] = []
@@ -82,10 +82,10 @@ def doubts(scenario: Scenario) -> list[str]:
 
 
 def driver_of(vehicle: VehicleData) -> Driver:
-    """Return the driver of a scenario, who knows the brakes by their nominal data.
+    """Return the driver of a scenario, who uses the nominal data of the brakes.
 
     Raises:
-        ScenarioError: [demand] gives pressures for another number of groups, or more than any brake has.
+        ScenarioError: [demand] gives pressures for another number of groups, or above the maximum of a brake.
     """
     scenario, layout = vehicle.scenario, vehicle.layout
     brakes, demand = layout.formation.brakes, scenario.demand

@@ -1,8 +1,8 @@
-"""Wheel radius and creep curve that a plant has, read back from what it shows in a short run before its stop.
+"""Read back wheel radius and creep curve of a plant from its outputs in a short run before the stop.
 
-A compiler that drops a modifier leaves parameters at their defaults without an error: the FMU has the parameter, its
-contacts have another value. That value follows from the outputs, which are functions of each other: slip is
-(v - r w)/sqrt(v² + v_small²), and adhesion that of the contact law at slip, speed, load and mu0.
+A compiler that drops a modifier leaves parameters at their defaults without an error: the FMU has the parameter, but
+its contacts have another value. That value follows from relations between outputs: slip is (v - r w)/sqrt(v² +
+v_small²), and adhesion that of the contact law at slip, speed, load and mu0.
 """
 
 from collections.abc import Mapping
@@ -18,32 +18,37 @@ from railgrip.vehicle.signals import CURVE, Layout
 Matrix = NDArray[np.float64]
 
 RADIUS_TOLERANCE = 1e-3
-"""Relative: a solver's slip is good to 1e-6 at least, and half a millimetre is the least wear that anybody sets."""
+"""Relative.
+
+A solver's slip is accurate to 1e-6 or better, and half a millimetre is the smallest wear that users set.
+"""
 ADHESION_TOLERANCE = 1e-3
-"""Over mu0: the same, and the load is rounded by the square of 50 N over it. Published creep curves are a hundred times
-as far apart somewhere below `_SLIDING`."""
+"""Relative to mu0: the same, and the load is rounded by the square of 50 N over it.
+
+Published creep curves differ a hundred times as much somewhere below `_SLIDING`.
+"""
 _SLIDING = 0.1
 _WALKING = 2.0  # m/s; twenty times the speed below which slip is regularised
-_LONGEST = 4.0  # s; cylinders of passenger trains are full after 3 to 5 s (UIC 540), on this rail wheels slide before
+_LONGEST = 4.0  # s; passenger trains fill cylinders in 3 to 5 s (UIC 540), on this rail wheels slide before that
 _RAIL = 0.06
 _ADVICE = "the compiler lost a modifier: report it with the compiler's version, or use the other compiler."
-V_SMALL = 0.1  # m/s, of a plant that does not say it: RailBraking.Components.Wheelsets
+V_SMALL = 0.1  # m/s, of a plant that does not declare it: RailBraking.Components.Wheelsets
 
 
 def probed(
     plant: Plant, layout: Layout, *, period: float, brake: tuple[float, ...], curve: Mapping[str, float]
 ) -> Matrix:
-    """Return the outputs of a plant that brakes on a bad rail until its wheels slide, a row for each sample.
+    """Return the outputs of a plant that brakes on a poor rail until its wheels slide, one row per sample.
 
     Args:
-        plant: Not yet started.
-        layout: Of its vectors.
+        plant: Plant that has not been started.
+        layout: Layout of its vectors.
         period: Its communication period [s].
-        brake: Command of each group that applies its brakes fully.
+        brake: Full brake command of each group.
         curve: Polach's four numbers, for a plant with inputs for them.
 
     Raises:
-        PlantFailed: It refused a step.
+        PlantFailed: The plant refused a step.
     """
     inputs = np.zeros(layout.inputs)
     inputs[layout.input["command"]], inputs[layout.input["mu0"]] = brake, _RAIL
@@ -60,22 +65,22 @@ def probed(
 
 
 def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[float, ...], v_small: float) -> None:
-    """Compare the radius of each group's contacts with what is believed [m].
+    """Compare the radius of each group's contacts with the expected one [m].
 
     Args:
         file: Name of the FMU.
-        layout: Of the plant's vectors.
-        rows: Its outputs.
-        believed: Of each group.
+        layout: Layout of the plant's vectors.
+        rows: Outputs of the plant, one row per sample.
+        believed: Expected radius of each group [m].
         v_small: Speed below which slip is regularised [m/s].
 
     Raises:
-        FmuError: It is another one.
+        FmuError: A radius differs.
     """
     first = rows[0]
     v, w, slip = (first[layout.output[name]] for name in ("speed", "wheelset_speed", "slip"))
     if not np.all(w > 0.0):
-        return  # at rest no speed shows a radius; the same FMU is read when it starts moving
+        return  # at rest no speed reveals a radius; the same FMU is checked when it starts moving
     found = (v - slip * np.sqrt(v**2 + v_small**2)) / w
     for g, (here, there) in enumerate(zip(found.tolist(), believed, strict=True)):
         if abs(here / there - 1.0) > RADIUS_TOLERANCE:
@@ -88,17 +93,17 @@ def require_radius(file: str, layout: Layout, rows: Matrix, believed: tuple[floa
 def require_curve(
     file: str, layout: Layout, rows: Matrix, contacts: tuple[Contact, ...], curve: Mapping[str, float]
 ) -> None:
-    """Compare the adhesion of each wheelset with that of the creep curve that is believed.
+    """Compare the adhesion of each wheelset with that of the expected creep curve.
 
     Args:
         file: Name of the FMU.
-        layout: Of the plant's vectors.
-        rows: Its outputs on the rail of the probe.
-        contacts: Contact law of each group, with the believed curve.
-        curve: Believed, by the names of the plant's parameters.
+        layout: Layout of the plant's vectors.
+        rows: Outputs of the plant on the rail of the probe, one row per sample.
+        contacts: Contact law of each group, with the expected curve.
+        curve: Expected curve, by the names of the plant's parameters.
 
     Raises:
-        FmuError: It is another one.
+        FmuError: The curve differs.
     """
     group_of = np.repeat(np.arange(layout.formation.groups), layout.formation.wheelsets_per_group)
     speed = rows[:, layout.output["speed"]][:, 0]
@@ -106,7 +111,7 @@ def require_curve(
     for i, g in enumerate(group_of):
         rail = np.full(len(rows), _RAIL)
         expected = contacts[g](slip[:, g], speed, load[:, i], rail)
-        # At walking pace what regularises the slip counts, and a probe from there shows no curve.
+        # At walking pace the regularisation of the slip matters, and a probe from there does not reveal the curve.
         error = np.where(speed > _WALKING, np.abs(adhesion[:, i] - expected), 0.0)
         worst = int(np.argmax(error))
         if error[worst] > ADHESION_TOLERANCE * _RAIL:

@@ -1,4 +1,4 @@
-"""Roles of FMUs: what an FMU is by the names of its inputs and outputs, and the key of a scenario that takes it."""
+"""Roles of FMUs, identified by the names of their inputs and outputs, and the key of a scenario for each role."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -14,8 +14,10 @@ from railgrip.scenario.vehicle import CompiledHere, PythonClass, Recipe
 Role = Literal["onboard", "sensors", "estimator", "track", "plant", "controller", "prediction"]
 
 _SIMILAR: Final = 0.85
-"""Likeness from which a name is one of the usual names: plurals are found, and a driver's demand is not taken for that
-of a cylinder."""
+"""Similarity above which a name counts as one of the usual names.
+
+Plurals match, and a driver's demand does not match that of a cylinder.
+"""
 _READINGS: Final = ("reading_speed", "reading_wheelset_speed", "reading_acceleration")
 _COMMANDS: Final = ("pressure_command", "valve_command")
 _DECISIONS: Final = ("demand", "command", *_COMMANDS)
@@ -30,7 +32,7 @@ _MARKS: Final[Mapping[Role, tuple[tuple[Literal["input", "output"], tuple[str, .
         "prediction": (("input", ("cylinder_pressure", "pad_force")), ("output", ("wheelset_speed",))),
     }
 )
-"""Role → signals that mark it, one of each row; the first role with all of its marks is that of the FMU."""
+"""Role → signals that identify it, one of each row; an FMU has the first role whose rows all match."""
 _USES: Final[Mapping[Role, tuple[str, str]]] = MappingProxyType(
     {
         "plant": ("a plant", "name it in [vehicle] plant"),
@@ -45,7 +47,7 @@ _USES: Final[Mapping[Role, tuple[str, str]]] = MappingProxyType(
         "track": ("rail and driver for other tools", "a scenario has [track], [adhesion] and [demand] instead"),
     }
 )
-"""Role → what such an FMU is, and what to do with it."""
+"""Role → noun for such an FMU, and advice on its use."""
 
 
 def role_of(description: Description) -> Role | None:
@@ -68,15 +70,15 @@ def role_of(description: Description) -> Role | None:
 
 
 def require_role(description: Description, expected: Role, where: str) -> None:
-    """Refuse an FMU that has another role than the key that names it.
+    """Raise an error for an FMU that has another role than the key that names it.
 
     Args:
-        description: Of the FMU.
-        expected: Role that the key takes.
-        where: File and key, to open the sentence with.
+        description: Description of the FMU.
+        expected: Role for the key.
+        where: File and key, the opening words of the message.
 
     Raises:
-        FmuError: The FMU has another role; the sentence says which key takes it.
+        FmuError: The FMU has another role; the message names the key for it.
     """
     role = role_of(description)
     if role not in (expected, None):
@@ -87,10 +89,10 @@ def require_role(description: Description, expected: Role, where: str) -> None:
 
 
 def require_plant(scenario: Scenario, description: Description) -> None:
-    """Refuse an FMU that is not a plant, or is one for another kind of actuation. A map overrides what names say.
+    """Raise an error for an FMU that is not a plant, or is one for another kind of actuation; a map overrides names.
 
     Raises:
-        FmuError: The sentence says which key of the scenario to change.
+        FmuError: The FMU does not fit; the message names the key of the scenario to change.
     """
     source, kind, file = scenario.vehicle.source, scenario.actuation.kind, description.file.name
     where, names = f"{scenario.name}: [vehicle] plant", {name.partition("[")[0] for name in description.names("input")}

@@ -1,4 +1,4 @@
-"""Stops of scenarios."""
+"""Run scenarios to their stops."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -24,12 +24,12 @@ def run_stop(
     """Run a scenario and return its stop.
 
     Args:
-        progress: Called with the train speed [m/s] now and then.
-        notify: Gets sentences for the user, such as that a foreign FMU runs in a process of its own.
-        objects: Objects in place of what the scenario names.
+        progress: Called with the train speed [m/s] at intervals.
+        notify: Called with sentences for the user, such as that a foreign FMU runs in a separate process.
+        objects: Objects that replace parts of the scenario.
 
     Raises:
-        ScenarioError: The scenario asks for something that its parts cannot do.
+        ScenarioError: The scenario requires something that its parts cannot do.
         FmuError: An FMU does not fit; nothing was run.
     """
     analysis = ANALYSES.get(scenario.controller.kind)
@@ -41,17 +41,17 @@ def run_stop(
 
 
 def braking_distance(scenario: Scenario, import_from: Sequence[Path] = ()) -> float | None:
-    """Return only the distance [m], None where the train does not come to stand: for searches over many stops.
+    """Return only the distance [m], None if the train does not come to a stop: for searches over many stops.
 
     Classes that the scenario names are imported from the folders `import_from`.
     """
-    # Where a driver demands the brake in the course of it, that sample is looked for; else first and last will do.
+    # If a driver demands the brake later, all samples are needed to find the demand; else first and last suffice.
     ending, trace = _unjudged(scenario, import_from, capacity=2 if scenario.demand is None else None)
     return distance_travelled(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
 
 
 def trace_of(scenario: Scenario, import_from: Sequence[Path] = ()) -> xarray.Dataset:
-    """Return only what happened, without the ideal bound: for studies of many stops, three times as fast.
+    """Return only the trace, without the ideal bound: for studies of many stops, three times as fast.
 
     Classes that the scenario names are imported from the folders `import_from`.
 

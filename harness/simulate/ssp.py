@@ -1,4 +1,4 @@
-"""A scenario as a system of FMUs by SSP 1.0: plant, track, sensors, estimator, law and valves, connected."""
+"""Export a scenario as a system of FMUs by SSP 1.0: plant, track, sensors, estimator, law and valves, connected."""
 
 import xml.etree.ElementTree as ET
 import zipfile
@@ -26,7 +26,7 @@ _PARAMETERS = "resources/parameters.ssv"
 
 @dataclass(frozen=True, slots=True)
 class _Component:
-    """An FMU of the system, with its modelDescription.xml, which says names and units of its variables."""
+    """An FMU of the system, with its modelDescription.xml for names and units of its variables."""
 
     name: str
     content: bytes
@@ -40,7 +40,7 @@ class _Component:
 
 @dataclass(frozen=True, slots=True)
 class _Connection:
-    """From an output to an input, as (component, variable), times a gain plus a shift."""
+    """Connection of an output to an input, as (component, variable), with gain and shift."""
 
     source: tuple[str, str]
     target: tuple[str, str]
@@ -51,15 +51,15 @@ class _Connection:
 def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> Path:
     """Write a scenario's system into a file.
 
-    The parameters that the scenario sets are start values of the FMUs and, once more, in a parameter set of the system.
+    The parameters of the scenario are start values of the FMUs and, in addition, a parameter set of the system.
 
     Args:
-        scenario: What leaves.
-        path: The .ssp.
+        scenario: Scenario to export.
+        path: Path of the .ssp file.
         platforms: See `railgrip.fmus.native.package.archive_bytes`.
 
     Raises:
-        ScenarioError: A part cannot leave as an FMU.
+        ScenarioError: A part cannot be exported as an FMU.
         FmuError: The plant does not fit.
     """
     vehicle = VehicleData(scenario)
@@ -170,7 +170,6 @@ def _parameter_set(vehicle: VehicleData, components: Mapping[str, _Component]) -
 
 
 def _units(root: ET.Element, tag: str, components: Mapping[str, _Component]) -> None:
-    """Add the units of all components."""
     units = {
         unit.attrib["name"]: unit.find("BaseUnit")
         for component in components.values()

@@ -1,8 +1,8 @@
-"""A short run of a plant from outside before its stop: whether map, units and signs are what they are taken for.
+"""A short run of a foreign plant before its stop, which checks map, units and signs.
 
-The train coasts, then brakes fully on a good rail. What is compared are ratios that physics knows: distance over the
-integral of the speed, speed over that of the acceleration, speed of the train over that of its wheels. The same on a
-poor rail shows whether friction bounds its deceleration.
+The train coasts, then brakes fully on a good rail. Ratios that physics determines are compared: distance over the
+integral of the speed, speed over that of the acceleration, speed of the train over that of its wheels. A run on a poor
+rail checks whether friction bounds the deceleration.
 """
 
 import math
@@ -24,24 +24,24 @@ Matrix = NDArray[np.float64]
 _COAST, _BRAKE = 0.5, 5.0  # s; a cylinder of a passenger train is full after 3 to 5 s (UIC 540)
 GOOD_RAIL = 0.4
 POOR_RAIL = 0.01
-"""Friction of 0.1 m/s2, which is less than any full brake has, and more than what rounds a small number to 0."""
-_CLOSE = 0.01  # m/s2; of a speed that is shown in steps of 0.1 km/h, over 5 s
+"""Friction for 0.1 m/s2, which is less than any full brake, and too large to be rounded to 0."""
+_CLOSE = 0.01  # m/s2; resolution of a speed in steps of 0.1 km/h, over 5 s
 _CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
 """Polach (2005), dry."""
 _WEAR = 0.08
-"""A new wheel and a worn one differ by as much; one that differs by more looks like a wheel in slide."""
+"""Difference of radius between a new wheel and a worn one; a larger one looks like a wheel in slide."""
 _LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What the run showed of a signal.
+    """Result of the run for one signal.
 
     Attributes:
-        signal: Ours.
-        good: Whether it is as it must be.
-        sentence: Numbers, and what was expected.
-        ratio: What it shows over what was expected; NaN where that is no ratio.
+        signal: Signal of the harness.
+        good: Whether it agrees with the expectation.
+        sentence: Values, and the expectation.
+        ratio: Value over expected value; NaN where a ratio has no meaning.
     """
 
     signal: str
@@ -55,10 +55,10 @@ class Trial:
     """The outputs of a plant that coasted and braked.
 
     Attributes:
-        layout: Of the plant's vectors.
-        rows: A row for each sample, as `layout` orders the outputs; NaN where the plant shows nothing.
-        coasting: Number of them before the brakes were applied.
-        period: Of the samples [s].
+        layout: Layout of the plant's vectors.
+        rows: A row for each sample, with the outputs in the order of `layout`; NaN for outputs that the plant lacks.
+        coasting: Number of rows before the brakes were applied.
+        period: Period of the samples [s].
     """
 
     layout: Layout
@@ -86,18 +86,18 @@ def tried(
     brake: tuple[float, ...],
     friction: float = GOOD_RAIL,
 ) -> Trial:
-    """Let a plant coast and brake fully, until it has lost half of its speed or 5 s are over.
+    """Let a plant coast and brake fully, until it has lost half of its speed or after 5 s.
 
     Args:
-        layout: Of the plant's vectors.
-        plant: Not yet started.
+        layout: Layout of the plant's vectors.
+        plant: Plant that has not been started.
         period: Its communication period [s].
-        release: Command of each group that leaves the brakes released.
-        brake: The one that applies them fully.
-        friction: Of the rail.
+        release: Command of each group that releases the brakes.
+        brake: Full brake command of each group.
+        friction: Friction of the rail.
 
     Raises:
-        PlantFailed: It refused a step.
+        PlantFailed: The plant refused a step.
     """
     command = layout.input["command"]
     inputs = np.zeros(layout.inputs)
@@ -118,7 +118,7 @@ def tried(
 
 
 Trials = tuple[Trial, Trial]
-"""On a good rail and on a poor one."""
+"""Trials on a good rail and on a poor one."""
 
 
 def on_both_rails(opening: Callable[[], AbstractContextManager[Plant]], layout: Layout, **how: Any) -> Trials:
@@ -134,15 +134,15 @@ def on_both_rails(opening: Callable[[], AbstractContextManager[Plant]], layout: 
 def findings(
     trial: Trial, poor: Trial, *, speed: float, radius: tuple[float, ...], pressure: tuple[float, ...], slowing: Slowing
 ) -> tuple[Finding, ...]:
-    """Return what two trials showed; a signal that the plant lacks is not among it.
+    """Return the findings of two trials; signals that the plant lacks have none.
 
     Args:
-        trial: Of the plant on a rail of `GOOD_RAIL`.
-        poor: On one of `POOR_RAIL`.
+        trial: Trial on a rail of `GOOD_RAIL`.
+        poor: Trial on a rail of `POOR_RAIL`.
         speed: Requested initial speed [m/s].
-        radius: Of the wheels of each group, as the harness believes [m].
+        radius: Wheel radius of each group that the harness assumes [m].
         pressure: Full brake cylinder pressure of each group [Pa].
-        slowing: What slows the train beside adhesion.
+        slowing: Bounds of the train's deceleration by other causes than adhesion.
     """
     return (
         *_of_train(trial, poor, speed, slowing),
@@ -152,7 +152,7 @@ def findings(
 
 
 def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iterator[Finding]:
-    """Yield what the trials showed of the train as a whole; arguments are those of `findings`."""
+    """Yield the findings for the whole train; arguments are those of `findings`."""
     v, x, a = (trial.output(name)[:, 0] for name in ("speed", "distance", "acceleration"))
     last, braking = trial.coasting - 1, trial.deceleration
     yield _ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")
@@ -172,7 +172,7 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
 
 
 def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[Finding]:
-    """Yield what the trial on a good rail showed of a group with this radius [m] and full pressure [Pa]."""
+    """Yield the findings for a group with this radius [m] and full pressure [Pa], from the trial on a good rail."""
     last = trial.coasting - 1
     v, wheel, slip = (trial.output(name)[last, at] for name, at in (("speed", 0), ("wheelset_speed", g), ("slip", g)))
     rolling = v / wheel if wheel else math.inf
@@ -192,7 +192,7 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
 
 
 def _of_wheelsets(trial: Trial) -> Iterator[Finding]:
-    """Yield what the trial on a good rail showed of each wheelset whose adhesion the plant shows."""
+    """Yield the findings for each wheelset whose adhesion the plant outputs, from the trial on a good rail."""
     for i, adhesion in enumerate(trial.output("adhesion")[-1]):
         if not math.isnan(adhesion):
             good = 0 < adhesion <= GOOD_RAIL * 1.01
@@ -201,7 +201,7 @@ def _of_wheelsets(trial: Trial) -> Iterator[Finding]:
 
 
 def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> Finding:
-    """Compare a value with what it must be, up to a share of it, and name the mistake that the ratio looks like."""
+    """Compare a value with the expected one, within a relative tolerance, and name the mistake that fits the ratio."""
     ratio = value / expected if expected else math.inf
     good = abs(ratio - 1) <= tolerance
     return Finding(

@@ -1,4 +1,4 @@
-"""The vehicle of a scenario, as its controller knows it and as it is.
+"""The vehicle of a scenario, as its controller knows it and as it is simulated.
 
 Nominal data come from the plant's Modelica class through its FMU; a scenario changes them for the controller in
 [controller.parameters] and for the plant in [vehicle.parameters], so that the two may differ on purpose.
@@ -50,28 +50,28 @@ from railgrip.vehicle.resistance import air_resistance, resistance_lever
 from railgrip.vehicle.signals import CURVE, EXTRA, PLANT, READINGS, SENT, Layout, layout_of
 
 CATALOGUE = "TwoPartTrain"
-"""The recipe whose parameters are the nominal data of a plant of the same formation that does not say its own."""
+"""Recipe whose parameters are the nominal data of a plant of the same formation that declares none."""
 
 CATALOGUE_WITH_VALVES = "TwoPartTrainPneumatic"
 
 _MASS_TOLERANCE = 0.2
-"""Largest relative difference of two statements of the same mass: rotating parts and load explain some 10 %."""
+"""Maximum relative difference of two statements of the same mass: rotating parts and load explain some 10 %."""
 
 
 class VehicleData:
-    """What FMU, [vehicle], [controller.parameters], [truth] and [[faults]] say of a vehicle; each worked out once.
+    """Vehicle data from FMU, [vehicle], [controller.parameters], [truth] and [[faults]]; each item is computed once.
 
     Attributes:
-        scenario: Whose vehicle it is.
-        file: Description of the plant's FMU; of a plant in Python, which has none, an empty one.
+        scenario: Scenario of the vehicle.
+        file: Description of the plant's FMU; an empty one for a plant in Python, which has no FMU.
         fmu_parameters: Numeric parameters of that FMU.
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        """Find the plant.
+        """Read the description of the plant.
 
         Raises:
-            ScenarioError: [vehicle] train names a file that is no train.
+            ScenarioError: [vehicle] train names a file that is not a train file.
             FmuError: The plant is not an FMU, or an FMU that is not a plant for this scenario.
         """
         self.scenario, self.file = scenario, plant_description(scenario)
@@ -80,13 +80,13 @@ class VehicleData:
 
     @cached_property
     def formation(self) -> Formation:
-        """What the FMU says of itself, else [vehicle.formation]; without brakes, and loads that only the FMU says.
+        """Formation that the FMU declares, else [vehicle.formation]; without brakes, and with loads of the FMU only.
 
-        Where neither says how many wheelsets there are, the plant is taken for one like the catalogue train; its arrays
-        tell if it is not.
+        If neither gives the number of wheelsets, the plant is assumed to be like the catalogue train; its arrays
+        contradict if it is not.
 
         Raises:
-            ScenarioError: FMU and table disagree, or either does with itself.
+            ScenarioError: FMU and table disagree, or either of them contradicts itself.
         """
         origin, file = f"{self.scenario.name}: [vehicle.formation]", self.file
         table = self.scenario.vehicle.formation or FormationTable()
@@ -117,10 +117,10 @@ class VehicleData:
 
     @cached_property
     def declared(self) -> dict[str, float]:
-        """Parameters that plant and file tell everybody: the plant's own, else those of [vehicle.formation].
+        """Parameters that all parts know: those that the plant declares, else those of [vehicle.formation].
 
-        An FMU from outside has names of its own. What neither says is that of the catalogue train if the plant is
-        alike, else left to [controller.parameters].
+        A foreign FMU has different names. Missing values default to the catalogue train if the formation matches, else
+        they are left to [controller.parameters].
 
         Raises:
             ScenarioError: Plant and [vehicle.formation] disagree.
@@ -150,9 +150,9 @@ class VehicleData:
         return (catalogue if formation.wheelsets_per_group == counts_of(catalogue) else {}) | entries
 
     def _arrays_named_alike(self, entries: Mapping[str, float]) -> dict[str, float]:
-        """Return in SI units the array elements of an FMU from outside that have the name and dimension of an entry.
+        """Return in SI units the array elements of a foreign FMU that have the name and dimension of an entry.
 
-        A scalar may mean something else: the J of a car body, or the m of a frame.
+        Scalars are ignored, since they may mean something else: the J of a car body, or the m of a frame.
         """
         units = units_of_nominal_data(self.formation)
         values: dict[str, float] = {}
@@ -164,7 +164,7 @@ class VehicleData:
 
     @cached_property
     def nominal(self) -> Vehicle:
-        """The nominal vehicle of controller, estimator and driver: as declared, with [controller.parameters].
+        """Nominal vehicle of controller, estimator and driver: as declared, with [controller.parameters].
 
         Raises:
             ScenarioError: Plant and [vehicle.formation] disagree, or a parameter is wrong.
@@ -191,10 +191,10 @@ class VehicleData:
 
     @property
     def _required(self) -> frozenset[str]:
-        """Data of the brakes that controller, estimator and driver use.
+        """Brake data that controller, estimator and driver use.
 
-        A controller FMU is given no data of the brakes. A user's class is given all that are known, and an error if it
-        reads another one; see `railgrip.simulate.custom`.
+        A controller FMU gets no brake data. A user's class gets all that are known, and an error if it reads others;
+        see `railgrip.simulate.custom`.
         """
         scenario, table = self.scenario, self.scenario.controller
         if isinstance(scenario.estimator, KalmanFilter) or table.redistribute:
@@ -208,7 +208,7 @@ class VehicleData:
 
     @cached_property
     def true(self) -> Vehicle:
-        """The vehicle that runs. Of a plant from outside the times of the valves are the nominal ones.
+        """The simulated vehicle. A foreign plant's valve times are the nominal ones.
 
         Raises:
             ScenarioError: A change of the plant's parameters is wrong.
@@ -220,10 +220,11 @@ class VehicleData:
         return Vehicle(self.formation, self._with_valves(parameters), tuple(isolated))
 
     def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
-        """Return parameters with all times of valves, if it has any; those not given are the catalogue train's.
+        """Return parameters with all valve times, if the plant has valves; missing ones are those of the catalogue
+        train.
 
         Args:
-            parameters: Of the plant.
+            parameters: Parameters of the plant.
         """
         known = Vehicle(self.formation, parameters).valves
         if self.scenario.actuation.kind == "ideal" or known.keys() == VALVES.keys():
@@ -233,12 +234,12 @@ class VehicleData:
 
     @cached_property
     def changes(self) -> dict[str, float]:
-        """What [vehicle.parameters], [truth] and isolated brake units change of the FMU, in its units.
+        """Changes of the FMU's parameters by [vehicle.parameters], [truth] and isolated brake units, in its units.
 
-        None of them changes what controller, estimator and driver know.
+        These changes are unknown to controller, estimator and driver.
 
         Raises:
-            ScenarioError: There is no such parameter, its unit has another dimension, or it only describes the plant.
+            ScenarioError: A parameter does not exist, its unit has another dimension, or it only describes the plant.
         """
         scenario, factors = self.scenario, self.scenario.truth.factors()
         vehicle = scenario.vehicle
@@ -271,9 +272,9 @@ class VehicleData:
 
     @cached_property
     def slowing(self) -> Slowing:
-        """Bounds of what slows the vehicle as it is, beside adhesion.
+        """Bounds of the simulated vehicle's deceleration by other causes than adhesion.
 
-        A plant from outside may hide its mass, or call something else so; that of the controller stands for it.
+        A foreign plant may hide its mass, or use its name otherwise; the controller's value is used instead.
 
         Raises:
             ScenarioError: `[vehicle.formation] track_brakes` contradicts the train file.
@@ -298,15 +299,15 @@ class VehicleData:
 
     @property
     def resistance_lever(self) -> float:
-        """Torque of bearings and rolling on a wheelset over its load [m], 0 where the plant does not have it."""
+        """Torque of bearings and rolling on a wheelset over its load [m], 0 if the plant does not model it."""
         return resistance_lever(self.true.parameters)
 
     @cached_property
     def mass(self) -> float:
-        """Mass of the vehicle as it runs [kg], on which gradients and curves act; 0 on a level, straight track.
+        """Mass of the simulated vehicle [kg], on which gradients and curves act; 0 on a level, straight track.
 
-        A plant from outside has the mass that `[vehicle.formation] wheelset_load` states, else that of its parameters,
-        else that of `[track] train_mass`.
+        The mass of a foreign plant is that of `[vehicle.formation] wheelset_load`, else of its parameters, else of
+        `[track] train_mass`.
 
         Raises:
             ScenarioError: The mass is not given, or `[track] train_mass` contradicts it.
@@ -330,7 +331,7 @@ class VehicleData:
 
     @cached_property
     def track_force(self) -> TrackForce:
-        """Force of the track, and of the gradient that the nominal data lack.
+        """Force of the track, including that of the gradient which the nominal data lack.
 
         Raises:
             ScenarioError: As for `mass`.
@@ -341,7 +342,7 @@ class VehicleData:
 
     @cached_property
     def shown(self) -> frozenset[str]:
-        """Names of what the plant shows."""
+        """Names of the plant's outputs."""
         table = set(self.scenario.vehicle.map)
         available = {name.partition("[")[0] for name in self.file.variables} | table
         extra = table | (available & {name.partition("[")[0] for name in self.file.names("output")})
@@ -351,10 +352,10 @@ class VehicleData:
 
     @cached_property
     def layout(self) -> Layout:
-        """Of the vectors that the plant and the sensors exchange.
+        """Layout of the vectors of plant and sensors.
 
         Raises:
-            ScenarioError: The sensors are to read what the plant does not show.
+            ScenarioError: The sensors require outputs that the plant lacks.
         """
         extra = tuple(s for s in EXTRA if s.name in self.shown)
         several = len(self.scenario.adhesion.curves) > 1
@@ -363,12 +364,12 @@ class VehicleData:
 
     @cached_property
     def curves(self) -> NDArray[np.float64]:
-        """Polach's k_A, k_S, A and B [s/m] of the rail's creep curves as they are, shape (curves, 4).
+        """Polach's k_A, k_S, A and B [s/m] of the rail's true creep curves, shape (curves, 4).
 
-        They are the scenario's, but for what [truth] says, and [vehicle.parameters] where there is one.
+        They are those of the scenario, changed by [truth] and, if there is only one, by [vehicle.parameters].
 
         Raises:
-            ScenarioError: There are several, and [vehicle.parameters] gives another one for all of them.
+            ScenarioError: There are several curves, and [vehicle.parameters] sets a single one.
         """
         curves = [curve.plant_parameters() for curve in self.scenario.adhesion.curves]
         if len(curves) == 1:
@@ -383,12 +384,12 @@ class VehicleData:
 
     @cached_property
     def contact(self) -> Contact:
-        """Adhesion as a function of slip, speed, load and mu0, with the first of the creep curves or others."""
+        """Adhesion as a function of slip, speed, load and mu0, with the first creep curve as the default."""
         curve = dict(zip(self.scenario.adhesion.polach.plant_parameters(), self.curves[0].tolist(), strict=True))
         return self.contact_with(self.changes | curve)
 
     def contact_with(self, parameters: Mapping[str, float]) -> Contact:
-        """Return the contact with parameters of the plant, of which those that the contact has are taken."""
+        """Return the contact with those of the plant's parameters that it has."""
         model = lowered("RailBraking.FMUs.ContactPoint")
         shape = self.scenario.adhesion.polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
@@ -405,7 +406,7 @@ def catalogue_counts() -> tuple[int, ...]:
 
 
 def catalogue_brakes(groups: int) -> tuple[Brake, ...]:
-    """Return brakes as the catalogue train has them, for a plant of so many groups that says nothing of its own."""
+    """Return the brakes of the catalogue train for a plant with `groups` groups that declares none; they repeat."""
     brakes = Vehicle(Formation(catalogue_counts()), _catalogue()).formation.brakes
     return tuple(brakes[g % len(brakes)] for g in range(groups))
 

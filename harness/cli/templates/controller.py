@@ -17,7 +17,7 @@ class CLASS:
         self.threshold = threshold
 
     def start(self, formation: rg.Formation) -> None:
-        """Begin a stop, also after another one."""
+        """Start a stop; called again for each further stop."""
         self.pressure_max = formation.pressure_max  # of each group, the leading one first [Pa]
 
     def decide(self, observation: rg.Observation) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import railgrip as rg
 
 
 class CLASS:
-    """Take the deceleration of the train for the adhesion of each group, smoothed."""
+    """Estimate the adhesion of each group by the smoothed deceleration of the train."""
 
     provides: tuple[str, ...] = ("adhesion",)  # fields of rg.Estimate that each step gives
 
@@ -18,12 +18,12 @@ class CLASS:
         self.smoothing = smoothing
 
     def start(self, first: rg.Observation, formation: rg.Formation) -> None:
-        """Begin a stop with what is read first, also after another one."""
+        """Start a stop with the first observation; called again for each further stop."""
         self.groups = formation.groups
         self.adhesion, self.time = 0.0, first.time
 
     def step(self, observation: rg.Observation) -> rg.Estimate:
-        """Return the estimates from what is read now; called once in each estimator period."""
+        """Return the estimates for an observation; called once in each estimator period."""
         passed, self.time = observation.time - self.time, observation.time
         share = passed / (passed + self.smoothing)
         self.adhesion += share * (-observation.acceleration / 9.81 - self.adhesion)

@@ -1,7 +1,7 @@
 /* A Model Exchange FMU as the functions dx/dt = f(x, u) and y = h(x, u) with sparse Jacobians, by functions of FMI 2.0.
 
-   States and their derivatives are in our order here and
-   in the FMU's in `states` and `derivatives`; entries of Jacobians are by rows. */
+   States and their derivatives are in the order of the filter here and in the FMU's order in `states` and `derivatives`;
+   entries of Jacobians are by rows. */
 
 #include <math.h>
 #include <stddef.h>
@@ -14,7 +14,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-/* Which call ended an evaluation; `CALLS` in exchange.py. */
+/* The call that ended an evaluation; `CALLS` in exchange.py. */
 enum { FINE, SETTING_STATES, SETTING_INPUTS, GETTING_DERIVATIVES, GETTING_OUTPUTS, DIFFERENTIATING, VALUE_NOT_FINITE, ENTRY_NOT_FINITE };
 
 typedef int Values(ModelExchange *, double *);
@@ -78,7 +78,7 @@ static int directional(ModelExchange *m, const Jacobian *j, double *entries)
     return FINE;
 }
 
-/* The same by central differences around x, for an FMU without directional derivatives; leaves it at another point. */
+/* The same by central differences around x, for an FMU without directional derivatives; it leaves the FMU at another point. */
 static int differences(ModelExchange *m, const Jacobian *j, const double *x, Values *values, double *entries)
 {
     const long long *first = j->first_entry, *column = j->first_column, *of = j->column, *row = j->row, *state = j->state;
@@ -98,7 +98,7 @@ static int differences(ModelExchange *m, const Jacobian *j, const double *x, Val
         }
         for (long long k = first[g]; k < first[g + 1]; k++) {
             const double at = x[of[k]], step = m->relative_step * fmax(fabs(at), nominal[of[k]]);
-            /* The difference of the rounded points, not twice the step that was meant. */
+            /* Divide by the difference of the rounded points, which is not exactly twice the step. */
             entries[j->place[k]] = (ahead[row[k]] - behind[row[k]]) / ((at + step) - (at - step));
         }
     }
@@ -109,6 +109,7 @@ static int all_finite(ModelExchange *m, const double *values, long long count, i
 {
     double sum = 0.0;
 
+    /* NaN and infinity survive a sum: one test instead of `count` in the usual case; an overflow is cleared below. */
     for (long long i = 0; i < count; i++)
         sum += values[i];
     if (isfinite(sum))
@@ -121,9 +122,8 @@ static int all_finite(ModelExchange *m, const double *values, long long count, i
     return FINE;
 }
 
-/* Jacobian first, then the value: OpenModelica's FMUs (to 1.27.0) evaluate the derivatives alone for
-   fmi2GetDerivatives and then take everything for evaluated, so that directional derivatives after it would be those of
-   an earlier point. */
+/* Jacobian first, then the value: OpenModelica's FMUs (to 1.27.0) evaluate only the derivatives for fmi2GetDerivatives but then
+   mark everything as evaluated, so that directional derivatives after it would be those of an earlier point. */
 static int evaluate(ModelExchange *m, const Jacobian *j, const double *x, const double *u, Values *values,
                     long long count, double *value, double *entries)
 {
@@ -136,13 +136,13 @@ static int evaluate(ModelExchange *m, const Jacobian *j, const double *x, const 
     return entries ? all_finite(m, entries, j->n_entries, ENTRY_NOT_FINITE) : FINE;
 }
 
-/* dx/dt at x and, unless `entries` is null, its Jacobian; without u the inputs stay what they were. */
+/* dx/dt at x and, unless `entries` is null, its Jacobian; if u is null, the inputs keep their values. */
 EXPORT int derivative(ModelExchange *m, const double *x, const double *u, double *dx, double *entries)
 {
     return evaluate(m, m->by_state, x, u, get_derivatives, m->n_states, dx, entries);
 }
 
-/* The outputs likewise. */
+/* The outputs, with the same arguments. */
 EXPORT int output(ModelExchange *m, const double *x, const double *u, double *y, double *entries)
 {
     return evaluate(m, m->of_output, x, u, get_outputs, m->n_outputs, y, entries);

@@ -1,4 +1,4 @@
-/* A Model Exchange FMU with what an evaluation of it needs. */
+/* A Model Exchange FMU with the buffers and addresses for its evaluation. */
 #ifndef MODEL_EXCHANGE_H
 #define MODEL_EXCHANGE_H
 
@@ -10,14 +10,14 @@ typedef int SetReal(void *, const unsigned *, size_t, const double *);
 typedef int GetReal(void *, const unsigned *, size_t, double *);
 typedef int GetDirectional(void *, const unsigned *, size_t, const unsigned *, size_t, const double *, double *);
 
-/* One sparse Jacobian by the states, its columns in groups; entries of a group stand together. */
+/* One sparse Jacobian with respect to the states; columns are grouped, and the entries of a group are adjacent. */
 typedef struct {
     const long long *first_column;                       /* of each group, and one beyond the last */
     const unsigned *known;                               /* value reference of each column's state, by groups */
-    const long long *state;                              /* of each column, by groups */
+    const long long *state;                              /* index of each column's state, by groups */
     const long long *first_entry;                        /* of each group, and one beyond the last */
     const unsigned *unknown;                             /* value reference of each entry's row, by groups */
-    const long long *column, *row, *place;               /* of each entry, by groups; its place by rows */
+    const long long *column, *row, *place;               /* of each entry, by groups; `place` is its position by rows */
     double *ahead, *behind;                              /* buffers */
     long long n_groups, n_entries;
 } Jacobian;
@@ -28,9 +28,9 @@ typedef struct {
     SetReal *set_real;
     GetDerivatives *get_derivatives;
     GetReal *get_real;
-    GetDirectional *get_directional;                     /* null: the FMU has none */
+    GetDirectional *get_directional;                     /* null: not provided */
     const unsigned *input_references, *output_references;
-    const long long *place_of_state;                     /* of each of our states among the FMU's */
+    const long long *place_of_state;                     /* position of each of the filter's states among the FMU's */
     double *states, *derivatives;                        /* in the FMU's order */
     double *moved;
     const double *ones, *nominal;

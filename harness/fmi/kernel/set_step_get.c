@@ -11,10 +11,10 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-enum { SET = 1, STEP = 2, GET = 4 };                         /* what to do */
-enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };       /* where it ended */
+enum { SET = 1, STEP = 2, GET = 4 };                         /* actions of `cross`, to be combined */
+enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };       /* action that failed */
 
-/* Whether a status is neither fmi2OK nor fmi2Warning: a number that is no status at all is an error, too. */
+/* Whether a status is an error: not fmi2OK or fmi2Warning, including numbers that FMI does not define. */
 static int failed(long long status)
 {
     return status != 0 && status != 1;
@@ -27,7 +27,7 @@ static int send(const SetStepGet *c, const Channel *to)
         if (to->gain)
             value = value * to->gain[i] + to->shift[i];
         if (to->whole)
-            ((int *)to->buffer)[i] = (int)rint(value);       /* nearest: 0.9999999 is a one that was computed */
+            ((int *)to->buffer)[i] = (int)rint(value);       /* nearest: 0.9999999 is a rounded one */
         else
             ((double *)to->buffer)[i] = value;
     }
@@ -47,7 +47,7 @@ static int receive(const SetStepGet *c, const Channel *from)
     return status;
 }
 
-/* `time` is that since the start of the stop. */
+/* `time` is the time since the start of the stop. */
 EXPORT int cross(SetStepGet *c, int what, double time)
 {
     if (what & SET)
@@ -55,7 +55,7 @@ EXPORT int cross(SetStepGet *c, int what, double time)
             if (failed(c->status = send(c, c->senders + (c->at = k))))
                 return SETTING;
     if (what & STEP)
-        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1)))   /* no earlier state will ever be restored */
+        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1)))   /* true: no earlier state is restored */
             return STEPPING;
     if (what & GET) {
         for (long long k = 0; k < c->n_receivers; k++)

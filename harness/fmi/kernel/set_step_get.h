@@ -1,7 +1,7 @@
 /* One communication step of a co-simulation FMU.
 
-   Our vectors hold doubles in our units and order; a channel knows where its values stand there, their factors, and which
-   fmi2Set or fmi2Get carries them. */
+   The vectors of the harness hold doubles in its units and order; a channel has the positions of its values in the vector,
+   their factors, and the fmi2Set or fmi2Get function for them. */
 #ifndef SET_STEP_GET_H
 #define SET_STEP_GET_H
 
@@ -13,7 +13,7 @@ typedef int DoStep(void *, double, double, int);
 typedef struct {
     Exchange *exchange;
     const unsigned *references;
-    const long long *positions;                              /* in our vector */
+    const long long *positions;                              /* in the harness's vector */
     const double *gain, *shift;                              /* null when units agree */
     void *buffer;                                            /* count doubles, or count ints when `whole` */
     long long count, whole;
@@ -25,10 +25,10 @@ typedef struct {
     Channel *senders, *receivers;
     long long n_senders, n_receivers, n_outputs;
     double *inputs;
-    double *outputs;                                         /* those that the FMU has */
+    double *outputs;                                         /* only those that the FMU has */
     double period, begin;                                    /* begin: time of the FMU at the start */
     long long done;                                          /* steps of `follow` that succeeded */
-    long long status, at;                                    /* of the call that ended it; its channel, or the output */
+    long long status, at;                                    /* of the call that failed; index of its channel or output */
 } SetStepGet;
 
 int cross(SetStepGet *c, int what, double time);

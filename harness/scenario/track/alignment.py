@@ -1,9 +1,9 @@
-"""A track as it is laid: curvature and slope piecewise linear over the distance.
+"""The alignment of a track: curvature and slope, piecewise linear over the distance.
 
-Horizontally a straight has no curvature, an arc a constant one, and a transition curve (clothoid) one that changes
-evenly; vertically a grade has a constant slope and a rounding by a parabola one that changes evenly. Heading and
-height are therefore parabolas piece by piece, and exact here; only the plan (north, east) is an integral without
-closed form.
+Horizontally a straight has zero curvature, an arc a constant one, and a transition curve (clothoid) one that changes
+linearly; vertically a grade has a constant slope and a rounding by a parabola one that changes linearly. Heading and
+height are therefore piecewise parabolas, and exact here; only the plan (north, east) is an integral without closed
+form.
 """
 
 from collections.abc import Sequence
@@ -17,12 +17,12 @@ from railgrip.scenario.track.geodesy import Place, geodetic
 Array = NDArray[np.float64]
 
 _PLAN_STEP = 0.5
-"""Of the table of the plan [m]: by Simpson's rule 1e-9 m off over a kilometre of 300 m radius."""
+"""Step of the table of the plan [m]: by Simpson's rule it has an error of 1e-9 m over a kilometre of 300 m radius."""
 
 
 @dataclass(frozen=True, slots=True)
 class Linear:
-    """A continuous function of distance, straight between its points and constant beyond them.
+    """A continuous function of distance, linear between its points and constant beyond them.
 
     Attributes:
         at: Distances [m], rising, shape (k,).
@@ -37,7 +37,7 @@ class Linear:
         return np.interp(np.asarray(distance), self.at, self.values)
 
     def integral(self, distance: ArrayLike) -> Array:
-        """Return the integral from zero distance, exact."""
+        """Return the integral from distance 0, exact."""
         return self._from_first(np.asarray(distance, dtype=np.float64)) - self._from_first(np.zeros(()))
 
     def _from_first(self, distance: Array) -> Array:
@@ -51,13 +51,13 @@ class Linear:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LaidTrack:
-    """What the surveyor's plan says.
+    """A track as designed by the surveyor.
 
     Attributes:
-        origin: Place of the point `middle`, and origin of the local frame.
+        origin: Position of the point `middle`, and origin of the local frame.
         middle: Distance [m] of that point.
-        length: Of the track [m].
-        heading: At `middle` [rad], clockwise from north.
+        length: Length of the track [m].
+        heading: Heading at `middle` [rad], clockwise from north.
         curvature: κ = dφ/ds [1/m], positive to the right.
         slope: tan β, positive uphill in the direction of distance.
     """
@@ -94,11 +94,11 @@ class LaidTrack:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """North and east along a track, as a fine table.
+    """North and east along a track, as a table with small steps.
 
     Attributes:
-        track: What was tabulated.
-        distance: Shape (k,) [m].
+        track: The tabulated track.
+        distance: Distances, shape (k,) [m].
         horizontal: North and east of the origin, shape (k, 2) [m].
     """
 
@@ -116,15 +116,15 @@ class Plan:
         """Return latitude, longitude [°] and height above the ellipsoid [m], shape (…, 3)."""
         horizontal = self.horizontal_at(distance)
         positions = geodetic(horizontal[..., 0], horizontal[..., 1], np.zeros(horizontal.shape[:-1]), self.track.origin)
-        # The plan lies on the touching plane, heights are given above the ellipsoid.
+        # The plan is in the tangent plane, heights are above the ellipsoid.
         positions[..., 2] = self.track.height_at(distance)
         return positions
 
 
 def course_of(pieces: Sequence[tuple[float, float]]) -> Linear:
-    """Return the curvature of pieces laid one after the other, by their lengths [m] and curvatures at their ends [1/m].
+    """Return the curvature of consecutive pieces, given their lengths [m] and the curvatures at their ends [1/m].
 
-    A straight or arc repeats the curvature before it, a transition curve changes it: there are no jumps.
+    A straight or arc repeats the curvature before it, and a transition curve changes it without a jump.
     """
     lengths, curvatures = np.array([(0.0, 0.0), *pieces]).T
     return Linear(np.cumsum(lengths), curvatures)
@@ -134,8 +134,8 @@ def grades_of(first: float, changes: tuple[tuple[float, float, float], ...]) -> 
     """Return the slope of grades joined by parabolas.
 
     Args:
-        first: Slope at the beginning.
-        changes: Distance of the intersection of the tangents [m], slope behind it, radius of the parabola [m].
+        first: Slope at the start.
+        changes: Distance of the intersection of the tangents [m], slope after it, radius of the parabola [m].
 
     Raises:
         ValueError: Two parabolas overlap.

@@ -1,6 +1,6 @@
 """Latitude, longitude and height on WGS84, and a local north-east-down frame (NED).
 
-Heights are above the ellipsoid, as GNSS gives them, not above the sea. The formulas are pymap3d's.
+Heights are above the ellipsoid, as in GNSS, not above sea level. The formulas are pymap3d's.
 """
 
 from dataclasses import dataclass
@@ -28,10 +28,10 @@ class Place:
 
 
 def local(latitude: ArrayLike, longitude: ArrayLike, height: ArrayLike, origin: Place) -> Array:
-    """Return north, east, down [m] from `origin`, shape (…, 3), in the plane that touches the ellipsoid there.
+    """Return north, east, down [m] from `origin`, shape (…, 3), in the tangent plane of the ellipsoid there.
 
     The ellipsoid curves away from that plane: 1 km from the origin, "down" of a level track is 8 cm and its apparent
-    slope 0.16 ‰; north and east are off by less than 0.1 mm. Take heights, not "down", for slopes.
+    slope 0.16 ‰; north and east have an error of less than 0.1 mm. Use heights, not "down", for slopes.
     """
     offsets = pymap3d.geodetic2ned(latitude, longitude, height, origin.latitude, origin.longitude, origin.height)
     return np.stack([np.asarray(c, dtype=np.float64) for c in offsets], axis=-1)

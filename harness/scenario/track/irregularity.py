@@ -20,7 +20,7 @@ Kind = Literal["alignment", "vertical", "cross_level", "gauge"]
 KINDS: Final[tuple[Kind, ...]] = ("alignment", "vertical", "cross_level", "gauge")
 
 HALF_GAUGE: Final = 0.75
-"""m, half the distance of the contacts, ERRI's b."""
+"""Half the distance of the contacts [m], ERRI's b."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,7 +119,7 @@ def rms(track: str, kind: Kind, band: Band) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Irregularity:
-    """One realisation of a track, by kind: metres over metres of track, between the ends of its grid."""
+    """One realisation of a track, by kind: irregularity [m] over the position [m], within its grid."""
 
     curves: Mapping[Kind, CubicSpline]
 
@@ -132,7 +132,7 @@ def realise(
     track: str, length: float, generator: np.random.Generator, band: Band = RIDE, kinds: Collection[Kind] = KINDS
 ) -> Irregularity:
     """Draw the irregularities of a stretch of track from position 0 to `length`, m."""
-    # Eight points on the shortest wave: cubic interpolation is then within 0.2 % of it.
+    # Eight points on the shortest wave: the error of the cubic interpolation is then below 0.2 %.
     grid = np.arange(0.0, length + 1.0, 1 / (8 * band.highest))
     frequencies = band.frequencies
     curves: dict[Kind, CubicSpline] = {}

@@ -1,4 +1,4 @@
-"""The table [track] and the force it puts on the train: gradient and curves along the distance."""
+"""The table [track] and its force on the train: gradient and curves along the distance."""
 
 import math
 from bisect import bisect_right
@@ -21,11 +21,11 @@ _WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
 _GAUGE = 1.435  # m
 
 LARGEST_FORCE = 1e6
-"""N. The draw gear between vehicles breaks at 0.85 to 1 MN (UIC 520): no track holds or pushes a train by more."""
+"""N. The draw gear between vehicles breaks at 0.85 to 1 MN (UIC 520), which bounds the force of a track on a train."""
 TIGHTEST_RADIUS = 10.0
-"""m. The tightest curves that trams run through have 11 m, those of railways 70 m and more."""
+"""m. The tightest curves of trams have 11 m, those of railways 70 m and more."""
 STEEPEST = 0.2
-"""The steepest gradient; adhesion railways end below 14 %."""
+"""The steepest gradient; adhesion railways stay below 14 %."""
 
 CurveLaw = Literal["bogie", "roeckl", "protopapadakis"]
 
@@ -40,7 +40,7 @@ class Gradient(Table):
 
 
 class Curve(Table):
-    """From here on the track has this radius, either way; `radius = 0` is straight again."""
+    """From here on the track has this radius, in either direction; `radius = 0` is straight again."""
 
     begin: Length = Field(description="distance of the train at which it begins")
     radius: Length = Field(description="of the curve, either way; 0 is straight")
@@ -58,7 +58,7 @@ Bend = Annotated[float, Unit("m", at_least=-1e5, at_most=1e5, because="no track 
 
 
 class Plan(Table):
-    """[track.plan]: a track as it was laid, in the direction of its distance, and where the run lies on it."""
+    """[track.plan]: a track as built, in the direction of its distance, and the position of the run on it."""
 
     latitude: Annotated[Number, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
     longitude: Annotated[Number, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
@@ -92,10 +92,10 @@ class Plan(Table):
         return self
 
     def laid(self) -> "LaidTrack":
-        """Return the track."""
+        """Return the alignment of the track."""
         from railgrip.scenario.track.alignment import LaidTrack, course_of, grades_of
         from railgrip.scenario.track.geodesy import (
-            Place,  # it takes a fifth of a second, and most scenarios have no plan
+            Place,  # takes a fifth of a second, and most scenarios have no plan
         )
 
         return LaidTrack(
@@ -108,7 +108,7 @@ class Plan(Table):
         )
 
     def place(self, distance: ArrayLike) -> NDArray[np.float64]:
-        """Return where on the plan [m] a train is that has gone some distances [m]."""
+        """Return the position on the plan [m] of a train that has covered some distances [m]."""
         return self.start + self.way * np.asarray(distance, dtype=np.float64)
 
     @property
@@ -118,7 +118,7 @@ class Plan(Table):
 
 
 class Track(Table):
-    """What acts on the train besides brakes and resistance."""
+    """External influences on the train besides brakes and resistance."""
 
     force: Annotated[float, Unit("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
         default=0.0, description="constant force, forward positive"
@@ -153,7 +153,7 @@ class Track(Table):
 
     @property
     def is_inclined_or_curved(self) -> bool:
-        """Whether there is a force that is proportional to the mass of the train."""
+        """Whether a force is proportional to the mass of the train."""
         return bool(self.gradient or self.curve or self.plan)
 
 
@@ -169,11 +169,11 @@ def slope_of(track: Track) -> Callable[[float], float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackForce:
-    """A force that is constant or straight between places.
+    """A force that is constant or linear in sections of the track.
 
     Attributes:
-        begins: Where each section begins, rising, the first at −∞ [m].
-        forces: On the train where each section begins, forward positive [N].
+        begins: Start of each section, rising, the first at −∞ [m].
+        forces: Force on the train at the start of each section, forward positive [N].
         rates: Change of the force over each section, 0 for the first [N/m].
     """
 
@@ -191,8 +191,8 @@ class TrackForce:
 def track_force_of(track: Track, mass: float) -> TrackForce:
     """Return the force of a track: the constant one, −m g sin(β) and the curve resistance.
 
-    Along a plan it is linear between the places where curvature or slope change their course, and every metre: 1e-4 N
-    from the exact force. Beyond the ends of the plan it is the force at the end.
+    Along a plan it is linear between the places where curvature or slope change their slope, and every metre: 1e-4 N
+    from the exact force. Beyond the ends of the plan it is constant.
 
     Args:
         track: Gradient, curves and constant force.
@@ -228,14 +228,14 @@ def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
 
 
 def force_along(slope: ArrayLike, curvature: ArrayLike, mass: float, law: CurveLaw = "bogie") -> NDArray[np.float64]:
-    """Return the force of gradient and curve on a train [N], forward positive, like the shape of slope and curvature.
+    """Return the force of gradient and curve on a train [N], forward positive, in the shape of slope and curvature.
 
     −m g (sin β + f): equations (7) and (9) of Schwarz, Lüdicke and Heckmann.
 
     Args:
-        slope: tan β, a gradient as railways give it, positive uphill.
+        slope: Gradient tan β, positive uphill.
         curvature: 1/R [1/m], of either sign.
-        law: Of the curve resistance, see `curve_coefficient`.
+        law: Law of the curve resistance, see `curve_coefficient`.
     """
     climb = np.asarray(slope, dtype=np.float64)
     return -mass * GRAVITY * (climb / np.sqrt(1.0 + climb**2) + curve_coefficient(curvature, law))
@@ -258,9 +258,9 @@ def gravity_along(slope: ArrayLike) -> NDArray[np.float64]:
 def curve_coefficient(curvature: ArrayLike, law: CurveLaw) -> NDArray[np.float64]:
     """Return curve resistance over weight, f ≥ 0, at a curvature κ = 1/R [1/m] of either sign.
 
-    `bogie`: κ(0.158 a + 0.033 b), a wheelbase, b gauge, as Schwarz, Lüdicke and Heckmann print it in their equation
-    (7). `protopapadakis`: κ(0.158 b + 0.103 a), the formula that theirs resembles, for a friction of 0.22.
-    `roeckl`: 650/(R − 55) ‰, held beyond its range of R ≥ 300 m at its value there.
+    `bogie`: κ(0.158 a + 0.033 b), with wheelbase a and gauge b, equation (7) of Schwarz, Lüdicke and Heckmann.
+        `protopapadakis`: κ(0.158 b + 0.103 a), the formula that resembles theirs, for a friction of 0.22. `roeckl`:
+        650/(R − 55) ‰, constant outside its range of R ≥ 300 m.
     """
     bend = np.abs(np.asarray(curvature, dtype=np.float64))
     if law == "roeckl":

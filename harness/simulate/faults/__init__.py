@@ -1,5 +1,5 @@
-"""Faults of a train: the tables [[faults]] with their keys, and what each does between the plant and who meets it.
+"""Faults of a train: the tables [[faults]] with their keys, and the effect of each on commands or readings.
 
-Each kind of fault is a subclass of `railgrip.scenario.faults.Fault` in a module here. What it does is one of the
-elementary faults of `railgrip.simulate.loop.faults`, or known to who makes the part: the pole wheel, the plant.
+Each kind of fault is a subclass of `railgrip.scenario.faults.Fault` in a module here. It is translated to elementary
+faults of `railgrip.simulate.loop.faults`, or handled by the part that it concerns: the pole wheel, the plant.
 """

@@ -1,4 +1,4 @@
-"""Brakes that are isolated."""
+"""Isolated brakes."""
 
 from collections.abc import Iterator, Mapping
 from typing import Literal
@@ -14,7 +14,7 @@ from railgrip.vehicle.formation import Formation
 
 
 class Isolated(Fault):
-    """The cylinders of a group are vented; of some units only, the others keep their pad force."""
+    """The cylinders of a group are vented; if only some of its units are isolated, the others keep their pad force."""
 
     part: Literal["brake"]
     kind: Literal["isolated"]
@@ -22,7 +22,7 @@ class Isolated(Fault):
     value: Magnitude | None = optional("units of the group, without it all")
 
     def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Return no pressure for groups that are isolated as a whole."""
+        """Yield a command to vent for each group that is isolated as a whole."""
         if self.value is None:
             vented, samples = -1.0 if site.valves else 0.0, self.samples(site.scenario)
             for group in site.groups(self.group):
@@ -30,11 +30,11 @@ class Isolated(Fault):
 
 
 def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str, float]) -> dict[str, float]:
-    """Return the plant parameters `n_units[g]` that brake units which are isolated leave.
+    """Return the plant parameters `n_units[g]`, reduced by the brake units that are isolated.
 
     Args:
-        scenario: With the faults.
-        formation: With the groups.
+        scenario: Scenario with the faults.
+        formation: Formation with the groups.
         units: All numeric parameters of the plant.
 
     Raises:

@@ -1,4 +1,4 @@
-"""Teeth that a pole wheel has lost."""
+"""Missing teeth of pole wheels."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -17,7 +17,7 @@ from railgrip.vehicle.formation import Formation
 
 
 class ToothFault(Fault):
-    """Teeth in a row are missing; the electronics does not know."""
+    """Adjacent teeth are missing, and the electronics is unaware of it."""
 
     part: Literal["speed_sensor"]
     kind: Literal["missing_teeth"]
@@ -25,20 +25,20 @@ class ToothFault(Fault):
     value: Magnitude = Field(description="how many")
 
     def of_readings(self, site: Site) -> Iterable[ReadingFault]:
-        """Return nothing: the sensors themselves know their pole wheels.
+        """Check the fault, and return no reading faults: the sensors model their pole wheels themselves.
 
         Raises:
-            ScenarioError: They have none.
+            ScenarioError: The sensors have no pole wheels.
         """
         missing_teeth(site.scenario, site.layout.formation, site.scenario.periods.communication)
         return ()
 
 
 def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> tuple[MissingTeeth, ...]:
-    """Return the teeth that the pole wheel of each group misses; its sensor samples every `period` [s].
+    """Return the missing teeth of each group's pole wheel; its sensor samples every `period` [s].
 
     Raises:
-        ScenarioError: There are no pole wheels, or more teeth are missing than there are.
+        ScenarioError: The sensors have no pole wheels, or more teeth are missing than a wheel has.
     """
     pulses = scenario.sensors.pulses
     missing = [MissingTeeth()] * formation.groups

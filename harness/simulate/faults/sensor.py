@@ -1,4 +1,4 @@
-"""What a sensor may show in place of what there is to read."""
+"""Faults of sensors."""
 
 from collections.abc import Iterator
 from typing import Literal, Self
@@ -13,7 +13,7 @@ from railgrip.simulate.faults.site import Site, places
 from railgrip.simulate.loop.faults import ReadingFault, ReadingKind
 
 _MOST_DRAWS = 2**17
-"""Of noise: after 131 s it begins anew."""
+"""Length of the noise sequence; it repeats after 131 s."""
 
 
 class _SensorFault(Fault):
@@ -31,7 +31,7 @@ class _SensorFault(Fault):
         return self
 
     def _of_reading(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
-        """Yield an elementary fault for each reading."""
+        """Yield an elementary fault for each affected reading."""
         at = site.layout.reading[READ_BY[self.part]]
         what, number = ("wheelset", self.wheelset) if self.part == "deflection_sensor" else ("group", self.group)
         for index in places(number, at.stop - at.start, site.where, what):
@@ -43,17 +43,17 @@ class _SensorFault(Fault):
 
 
 class Silent(_SensorFault):
-    """No new reading, what it showed last, or zero whatever there is."""
+    """The sensor delivers no new reading, repeats its last one, or reads zero."""
 
     kind: Literal["dead", "stuck", "zero"]
 
     def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return what stands for a reading; zero is a factor."""
+        """Yield a fault for each affected reading; zero is a factor of 0."""
         return self._of_reading(site, "scaled" if self.kind == "zero" else self.kind)
 
 
 class Wrong(_SensorFault):
-    """A multiple of what there is, or something added; noise is white at 1 ms."""
+    """The reading is scaled, offset, or noisy, with white noise at 1 ms."""
 
     kind: Literal["scaled", "biased", "noisy"]
     value: Magnitude = Field(
@@ -61,7 +61,7 @@ class Wrong(_SensorFault):
     )
 
     def of_readings(self, site: Site) -> Iterator[ReadingFault]:
-        """Return readings changed by the value."""
+        """Yield a fault with this value for each affected reading."""
         name = f"reading_{READ_BY[self.part]}"
         units = {signal.name: signal.unit for signal in site.layout.reading_signals}
         unit, positive = "1" if self.kind == "scaled" else units[name], self.kind if self.kind == "noisy" else ""

@@ -1,4 +1,4 @@
-"""Where a fault of a scenario acts, in the terms of the loop."""
+"""Location of a scenario's fault in the vectors of the loop."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,16 +17,16 @@ _Kind = TypeVar("_Kind", bound=Fault)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Site:
-    """The stop that a fault is part of.
+    """The stop that a fault acts on.
 
     Attributes:
-        scenario: Of the stop.
-        layout: Of the vectors of the loop.
-        brakes: Of each group, nominal.
-        outputs: Names of what the plant shows.
-        valves: The plant takes positions of valves, else pressures.
-        number: Of the fault in the scenario, zero-based.
-        where: To open sentences with.
+        scenario: Scenario of the stop.
+        layout: Layout of the vectors of the loop.
+        brakes: Nominal brake of each group.
+        outputs: Names of the plant's outputs.
+        valves: Whether the plant takes valve positions; else it takes pressures.
+        number: Zero-based number of the fault in the scenario.
+        where: Opening words of error messages.
     """
 
     scenario: Scenario
@@ -38,22 +38,22 @@ class Site:
     where: str
 
     def groups(self, number: int | None) -> range:
-        """Return the zero-based groups that a fault is at."""
+        """Return the zero-based groups that the fault affects."""
         return places(number, self.layout.formation.groups, self.where, "group")
 
 
 def named(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
-    """Yield the faults of a kind, each with the words that open its sentences."""
+    """Yield the faults of a kind, each with the opening words of its error messages."""
     for number, fault in enumerate(scenario.faults, start=1):
         if isinstance(fault, kind):
             yield f"{scenario.name}: [faults[{number}]]", fault
 
 
 def places(number: int | None, count: int, where: str, what: str) -> range:
-    """Return the zero-based places of a number that counts from 1; all of them without it.
+    """Return the zero-based place of a number that counts from 1; all places if it is None.
 
     Raises:
-        ScenarioError: The vehicle has fewer.
+        ScenarioError: The number exceeds `count`.
     """
     if number is None:
         return range(count)
@@ -65,7 +65,7 @@ def places(number: int | None, count: int, where: str, what: str) -> range:
 def faults_of(
     scenario: Scenario, layout: Layout, brakes: Sequence[Brake], *, outputs: frozenset[str], valves: bool
 ) -> Faults | None:
-    """Return what is broken on the way to and from the plant; None where nothing is.
+    """Return the faults between plant, sensors and brakes; None for an intact train.
 
     Raises:
         ScenarioError: A fault does not fit this vehicle.

@@ -1,4 +1,4 @@
-"""A supply of air that gives less than it should."""
+"""An insufficient supply of air."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal
@@ -14,7 +14,7 @@ from railgrip.simulate.loop.faults import CommandFault
 
 
 class Sagging(Fault):
-    """The reservoir empties by the air that the plant takes."""
+    """The reservoir is emptied by the air consumption of the plant."""
 
     part: Literal["supply"]
     kind: Literal["sagging"]
@@ -25,9 +25,9 @@ class Sagging(Fault):
     ) = optional("free air that its compressor delivers; without it, none")
 
     def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Return no more pressure than is left.
+        """Yield a limit of the command to the reservoir's pressure for each group.
 
-        Raises:
+        ScenarioError: The plant lacks the output for its air consumption.
             ScenarioError: The plant does not show how much it takes.
         """
         if "air_used" not in site.outputs:

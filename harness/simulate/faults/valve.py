@@ -1,4 +1,4 @@
-"""What a valve may do in place of what it is commanded."""
+"""Faults of valves."""
 
 from collections.abc import Iterator
 from typing import Literal
@@ -22,16 +22,16 @@ class _ValveFault(Fault):
 
 
 class Stays(_ValveFault):
-    """It stays where it is, whatever is commanded.
+    """The valve keeps its position, whatever the command.
 
-    With ideal actuation a valve that is filled gives full pressure, one that is dumped none, one that is held the
-    pressure demanded before.
+    With ideal actuation a valve stuck at filling gives full pressure, one stuck at dumping 0, and one stuck at holding
+    the pressure demanded before.
     """
 
     kind: Literal["filled", "dumped", "held"]
 
     def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Return a fixed command, or the last one."""
+        """Yield a command fixed to a value, or to the last one."""
         for group in site.groups(self.group):
             at = {"group": group, **self.samples(site.scenario)}
             if self.kind == "held" and not site.valves:
@@ -43,16 +43,16 @@ class Stays(_ValveFault):
 
 
 class Slow(_ValveFault):
-    """It acts late."""
+    """The valve reacts late."""
 
     kind: Literal["slow"]
     value: Magnitude = Field(description="added dead time")
 
     def of_commands(self, site: Site) -> Iterator[CommandFault]:
-        """Return earlier commands.
+        """Yield a delay of the command for each group.
 
         Raises:
-            ScenarioError: It would be held rather than slow.
+            ScenarioError: The delay is so long that the valve should be described as held.
         """
         amount = amount_of(self.value, "s", site.where, self.kind)
         if amount > _SLOWEST:

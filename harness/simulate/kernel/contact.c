@@ -1,7 +1,7 @@
-/* The contact at many points: what the search for the peak of the creep curve asks for a million times a stop.
+/* The contact law at many points, which the search for the peak of the creep curve evaluates a million times per stop.
 
-   contact.h is generated beside this file: `contact`, a function of (point, curve, fixed) by CasADi, and where slip,
-   speed, load and mu0 stand in a point. */
+   contact.h is generated next to this file: `contact`, a function of (point, curve, fixed) by CasADi, and the positions of
+   slip, speed, load and mu0 in a point. */
 
 #include <stddef.h>
 
@@ -13,7 +13,7 @@
 #define EXPORT __attribute__((visibility("default")))
 #endif
 
-/* `curves` is contact_CURVE x `different`: a curve of each point, different = count, or one of all, different = 1. */
+/* `curves` is contact_CURVE x `different`: one curve per point, different = count, or one for all, different = 1. */
 EXPORT void contact_at(size_t count, const double *slip, const double *speed, const double *load, const double *mu0,
                        const double *curves, size_t different, const double *fixed, double *adhesion)
 {

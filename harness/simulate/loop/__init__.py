@@ -1,4 +1,4 @@
-"""One stop, sample by sample: plant, sensors, estimator, controller and valves, each at its own period.
+"""Simulate one stop, sample by sample: plant, sensors, estimator, controller and valves, each at its own period.
 
-`Loop` runs `kernel/cycle.c`, which calls parts in C and returns for those in Python; `parts` says what each part is.
+`Loop` runs `kernel/cycle.c`, which calls parts in C and returns for those in Python; `parts` defines the parts.
 """

@@ -18,18 +18,19 @@ _NUMBERS = (
 
 
 class Driver:
-    """Asks for full brake from the first instant on, or for what its phases say.
+    """Demands full brake from the first instant on, or follows its phases.
 
-    Distance and speed are those of the plant: a scenario says where something happens, not where a driver takes it to
-    be. To stop at a target, there is no demand until a = v²/(2 d), with d the distance left to the target, reaches
-    the deceleration a0 of the curve; from then on the share (a + 2 (a - a0)) / `full_deceleration` of the force of full
-    brake, which corrects for a train that decelerates otherwise than expected. Beyond the target it is full brake.
+    Distance and speed are those of the plant: a scenario states where an event happens, not where a driver assumes it.
+        To stop at a target, the demand is 0 until a = v²/(2 d), with d the remaining distance to the target, reaches
+        the deceleration a0 of the curve. Then the demand is the share (a + 2 (a - a0)) / `full_deceleration` of the
+        force of full brake, which corrects for a train that decelerates other than expected. Beyond the target it is
+        full brake.
 
     The formulas are in `kernel/driver.c`.
 
     Attributes:
         struct: `Driver` of driver.h.
-        has_phases: Whether it asks for anything else than full brake.
+        has_phases: Whether it has phases; else it demands full brake.
         full: Pressure of full brake, shape (groups,) [Pa].
     """
 
@@ -43,14 +44,15 @@ class Driver:
         phases: Sequence[DemandedPhase] | NDArray[np.void] = (),
         binding: bool = True,
     ) -> None:
-        """Drive a vehicle of this layout.
+        """Set up the driver of a vehicle.
 
         Args:
-            layout: Of the plant's outputs.
-            period: Of the samples [s].
+            layout: Layout of the plant's outputs.
+            period: Period of the samples [s].
             full: Pressure of full brake, shape (groups,) [Pa].
-            touching: Pressure at which pads begin to press, shape (groups,) [Pa].
-            phases: In their order; none for full brake. Many are faster as an array with the fields of `DemandedPhase`.
+            touching: Pressure at which pads touch the disc, shape (groups,) [Pa].
+            phases: Phases in their order; empty for full brake. Many are faster as an array with the fields of
+                `DemandedPhase`.
             binding: Whether commands are limited to the driver's demand; else the controller limits itself to it.
         """
         self.has_phases, self.full = len(phases) > 0, full

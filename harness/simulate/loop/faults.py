@@ -1,4 +1,4 @@
-"""Faults between the plant and those who read and command it."""
+"""Faults of readings and commands, between the plant and the other parts."""
 
 import math
 from collections.abc import Sequence
@@ -23,17 +23,17 @@ FREE = 1.01325e5
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ReadingFault:
-    """A sensor that shows something else while the fault lasts.
+    """A sensor whose reading is changed while the fault lasts.
 
-    What has no new reading has none with a fault, either. A dead sensor shows nothing new, a stuck one what it
-    showed last; where it had shown nothing yet, its first reading stands for that.
+    An instant without a new reading has none with a fault, either. A dead sensor delivers no new reading; a stuck one
+    repeats its last reading, or its first one if nothing was read before.
 
     Attributes:
-        kind: What it does; noise is drawn before the stop.
-        place: Of the entry in a reading.
-        begin, end: Samples; `end` is the first one without it.
-        value: Factor, what is added, or 1σ of what is added, in the unit of the reading.
-        noise: Of a noisy one, from `begin` on, of deviation 1; begins anew at its end.
+        kind: Kind of fault; noise is drawn before the stop.
+        place: Position in the reading vector.
+        begin, end: Samples; `end` is the first one without the fault.
+        value: Factor, offset, or standard deviation of the noise, the last two in the unit of the reading.
+        noise: Sequence of a noisy sensor from `begin` on, with standard deviation 1; it repeats.
     """
 
     kind: ReadingKind
@@ -46,18 +46,18 @@ class ReadingFault:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CommandFault:
-    """What happens to a command on its way to the brake of a group while the fault lasts.
+    """A change of the command to the brake of a group while the fault lasts.
 
     Attributes:
-        kind: `fixed` to a value; `kept` as it was before; `late` by some samples; `limited` by a reservoir that
-            empties: its pressure falls with the air that the plant takes, without a change of temperature, and fills
-            no cylinder beyond it; a compressor refills it, until it is full.
-        group: Zero-based.
-        begin, end: Samples; `end` is the first one without it.
+        kind: `fixed` to a value; `kept` as before the fault; `late` by some samples; `limited` by a reservoir that
+            empties: its pressure falls isothermally with the air that the plant takes and limits the cylinder pressure;
+            a compressor refills it until it is full.
+        group: Zero-based group.
+        begin, end: Samples; `end` is the first one without the fault.
         value: The fixed command, or the volume of the reservoir [m3].
-        delay: Samples.
-        pressure: Of the full reservoir above the atmosphere [Pa].
-        refill: Free air that the compressor delivers in a sample [m3].
+        delay: Delay in samples.
+        pressure: Gauge pressure of the full reservoir [Pa].
+        refill: Free air that the compressor delivers per sample [m3].
     """
 
     kind: CommandKind
@@ -86,14 +86,14 @@ class Faults:
         valves: bool,
         noise_every: Fraction | int,
     ) -> None:
-        """Break what they say.
+        """Set up the faults of a stop.
 
         Args:
-            layout: Of the vectors of the loop.
-            readings: One after the other, in this order.
-            commands: Likewise.
-            valves: Commands are positions of valves, else pressures.
-            noise_every: Samples that a draw of noise lasts; less than 1 where the loop skips draws.
+            layout: Layout of the vectors of the loop.
+            readings: Faults of readings, applied in this order.
+            commands: Faults of commands, applied in this order.
+            valves: Whether commands are valve positions; else they are pressures.
+            noise_every: Number of samples that a draw of noise lasts; less than 1 if the loop skips draws.
         """
         self._rings: list[Vector] = []
         of_readings, of_commands = (kernel(layout).records("Fault", len(faults)) for faults in (readings, commands))

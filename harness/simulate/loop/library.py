@@ -13,7 +13,7 @@ from railgrip.vehicle.slip import SMALL_SPEED
 KERNEL: Final = files("railgrip.simulate.loop") / "kernel"
 _HEADERS: Final = ("sensors.h", "plausible.h", "driver.h", "rail.h", "faults.h", "cycle.h", "onboard.h")
 _PHYSICS: Final = f"#define GRAVITY {GRAVITY}\n#define SMALL_SPEED {SMALL_SPEED}\n"
-"""Constants in SI units; no declaration of the headers needs them."""
+"""Constants in SI units, for the C code; the declarations of the headers do not use them."""
 
 
 @cache
@@ -21,7 +21,7 @@ def kernel(layout: Layout) -> CLibrary:
     """Return the sensors, plausibility checks, driver, rail, faults and cycle in C, for vectors of this layout.
 
     Raises:
-        railgrip.base.errors.CompilerMissing: There is no C compiler.
+        railgrip.base.errors.CompilerMissing: No C compiler was found.
     """
     formation = layout.formation
     units = (name.replace(".h", ".c") for name in _HEADERS)
@@ -30,7 +30,7 @@ def kernel(layout: Layout) -> CLibrary:
 
 
 def every(layout: Layout, steps: Fraction | int) -> Struct:
-    """Return `Every` of sensors.h for a part that is due once in so many steps, not necessarily a whole number."""
+    """Return `Every` of sensors.h for a part that is due once per number of steps, which need not be whole."""
     return kernel(layout).struct("Every", steps=steps.numerator, turns=steps.denominator)
 
 
@@ -40,5 +40,5 @@ def headers(layout: Layout) -> dict[str, str]:
 
 
 def texts(*names: str) -> dict[str, str]:
-    """Return the text of files of the kernel, by name."""
+    """Return the text of kernel files, by name."""
     return {name: (KERNEL / name).read_text(encoding="utf-8") for name in names}

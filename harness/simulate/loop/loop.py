@@ -1,4 +1,4 @@
-"""The loop: a stop in C, which comes back to Python whenever a part written in Python is due."""
+"""The loop: a stop in C, which returns to Python whenever a part written in Python is due."""
 
 import ctypes
 import math
@@ -28,22 +28,23 @@ from railgrip.vehicle.slip import slip_of
 Vector = NDArray[np.float64]
 
 _OBSERVED = ("slip", "adhesion", "pad_friction", "wheelset_speed", "driver_demand", "pressure")
-"""What an observation has of each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`."""
+"""Quantities that an observation has for each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`.
+"""
 
 
 def _places_of_observed(groups: int) -> list[slice]:
-    """Return where the quantities of `_OBSERVED` stand in an observation, behind speed and acceleration."""
+    """Return the positions of the quantities of `_OBSERVED` in an observation, after speed and acceleration."""
     return [slice(2 + i * groups, 2 + (i + 1) * groups) for i in range(len(_OBSERVED))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ending:
-    """How a run of the loop ended.
+    """End of a run of the loop.
 
     Attributes:
-        outcome: The kind of end.
-        reason: In one sentence.
-        samples: Rows written.
+        outcome: Kind of end.
+        reason: Reason, in one sentence.
+        samples: Number of rows written.
     """
 
     outcome: Outcome
@@ -52,15 +53,15 @@ class Ending:
 
 
 class Loop:
-    """One stop: brakes until the train stands, the horizon is reached, or a part fails in a way that is a result.
+    """One stop: it ends at standstill, at the horizon, or when a part fails in a way that is a result.
 
-    The order of events in a sample is that of `kernel/cycle.c`. Where the parts have no controller, the caller is it:
+    The order of events in a sample is that of `kernel/cycle.c`. If the parts have no controller, the caller decides:
 
         for observation in loop.decisions():
             loop.demand(pressures)
 
     Attributes:
-        ending: How the stop ended; None before.
+        ending: End of the stop; None before.
         struct: `Cycle` of cycle.h, with the parts that are in C.
     """
 
@@ -68,13 +69,13 @@ class Loop:
         """Start the plant.
 
         Args:
-            parts: Not yet started.
-            progress: Called with the train speed [m/s] every `BLOCK` samples, which is also how long Ctrl-C waits.
+            parts: Parts that have not been started.
+            progress: Called with the train speed [m/s] every `BLOCK` samples, which is also the delay of Ctrl-C.
 
         Raises:
             PlantFailed: The plant did not start.
-            ScenarioError: It does not show what the rail depends on.
-            LoopError: A law is for another number of groups.
+            ScenarioError: The plant lacks outputs that the rail depends on.
+            LoopError: A law is for a different number of groups.
         """
         self.ending: Ending | None = None
         self._parts, self._progress = parts, progress
@@ -117,10 +118,10 @@ class Loop:
         }
 
     def run(self) -> Ending:
-        """Brake with the parts' controller, and return how the stop ended.
+        """Run the stop with the parts' controller, and return its end.
 
         Raises:
-            PlantFailed: The plant refused a step; the recorder holds the rows before.
+            PlantFailed: The plant refused a step; the recorder holds the rows up to then.
         """
         decide = self._parts.controller.decide
         for observation in self.decisions():
@@ -133,10 +134,10 @@ class Loop:
         return self.ending
 
     def decisions(self) -> Generator[Observation]:
-        """Run the stop; yield what a controller in Python is shown whenever it is due, and then wait for its demand.
+        """Run the stop; yield the observation whenever a controller in Python is due, and then expect its demand.
 
         Raises:
-            PlantFailed: The plant refused a step; the recorder holds the rows before.
+            PlantFailed: The plant refused a step; the recorder holds the rows up to then.
         """
         functions, cycle, steps, observe = self._functions, self._cycle, self._steps, self._observe
         step, controller_due = functions.cycle, functions.CONTROLLER_DUE
@@ -162,7 +163,7 @@ class Loop:
             yield observe()
 
     def demand(self, demands: Sequence[float] | Vector) -> None:
-        """Demand a brake cylinder pressure of each group [Pa], for the decision that is due."""
+        """Set the demanded brake cylinder pressure of each group [Pa] for the decision that is due."""
         self._demand[:] = demands
 
     @property
@@ -199,7 +200,7 @@ class Loop:
         self._squared[0] = estimator.filter.squared_innovation
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
-        """Return how the stop ended, and why, from what the cycle returned."""
+        """Return outcome and reason from the return value of the cycle."""
         functions, cycle, output = self._functions, self._cycle, self._parts.layout.output
         clock, time = self._parts.clock, self._time
         speed, distance = (float(self._truth[output[name].start]) for name in ("speed", "distance"))
@@ -234,8 +235,9 @@ class Loop:
     def _finish(self) -> None:
         """Complete the rows that were written.
 
-        What follows from the estimates is computed for all rows at once: slips, and deviations for variances. Adhesion
-        is a force that the readings tell over a load that they do not: its relative error is the load's as well.
+        Values derived from the estimates are computed for all rows at once: slips, and standard deviations from
+        variances. Adhesion is a force, which the readings determine, over a load, which they do not: the relative error
+        of the load adds to its own.
         """
         recorder, estimator = self._parts.recorder, self._parts.estimator
         recorder.written = min(self._cycle.written, len(recorder.rows))
@@ -252,7 +254,7 @@ class Loop:
 
 
 class _Direct:
-    """An estimator that gives quantities themselves, and where the cycle finds them."""
+    """An estimator that returns quantities, and the arrays in which the cycle finds them."""
 
     def __init__(self, struct: Struct, estimator: DirectEstimator, parts: Parts) -> None:
         provided = [signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimator.provides]
@@ -279,9 +281,9 @@ class _Direct:
 
 
 def _observer(struct: Struct, parts: Parts, provides: frozenset[str]) -> Callable[[], Observation]:
-    """Return a function that returns what the cycle observed last, with what an estimator provides of each group.
+    """Return a function for the last observation of the cycle, with the estimates of each group that are provided.
 
-    It is called at each decision of a part in Python: what stays the same during a stop is looked up here.
+    It is called at each decision of a part in Python, so constants of a stop are looked up once, here.
     """
     cycle, observed, period = struct.pointer, struct.view("observation"), parts.clock.period
     of_groups = np.dtype((np.float64, (parts.layout.formation.groups,)))
@@ -290,7 +292,7 @@ def _observer(struct: Struct, parts: Parts, provides: frozenset[str]) -> Callabl
     has_slip, has_adhesion, has_pad_friction = (name in provides for name in ("slip", "adhesion", "pad_friction"))
 
     def observe() -> Observation:
-        rows = np.frombuffer(observed.tobytes(), of_groups, count, begin)  # read-only, for several parts see it
+        rows = np.frombuffer(observed.tobytes(), of_groups, count, begin)  # read-only, because several parts read it
         return Observation(
             cycle.sample * period,
             observed.item(0),
@@ -336,10 +338,10 @@ def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
 
 
 def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
-    """Return a formula for the cycle, which writes vectors of `inputs` numbers; an empty one for what is none.
+    """Return a formula for the cycle, which passes it `inputs` numbers; an empty one if `formula` is not in C.
 
     Raises:
-        LoopError: It is for another number of groups.
+        LoopError: The formula is for a different number of groups.
     """
     if not isinstance(formula, Sampled):
         return kernel(layout).struct("Formula")
@@ -356,10 +358,10 @@ def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
 def _address_of(step: ca.Function) -> int:
     """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
 
-    It calls a function (state, input, parameter) → (state, output) and leaves the new state where the old one was.
+    It calls a function (state, input, parameter) → (state, output) and replaces the state by the new one.
 
     Raises:
-        railgrip.base.errors.CompilerMissing: There is no C compiler.
+        railgrip.base.errors.CompilerMissing: No C compiler was found.
     """
     generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
     generator.add(step)
@@ -380,7 +382,6 @@ def _address_of(step: ca.Function) -> int:
 
 
 def _step_from_c(struct: Struct, plant: CoSimulation) -> None:
-    """Let the cycle step a plant that has been started."""
     interface = plant.c_interface()
     struct.set(
         cross=interface.cross, set_step_get=interface.plan, taken=interface.inputs, shown=interface.outputs,
@@ -389,7 +390,7 @@ def _step_from_c(struct: Struct, plant: CoSimulation) -> None:
 
 
 def _filter_from_c(struct: Struct, estimator: StateEstimator, parts: Parts) -> Vector:
-    """Let the cycle write readings for a filter and read its belief; return where it finds the squared innovation."""
+    """Let the cycle write readings for a filter and read its estimate; return the array for the squared innovation."""
     filter_, squared = estimator.filter, np.zeros(1)
     of_groups = estimator.wheelset_speed, estimator.adhesion, estimator.pad_friction
     struct.set(

@@ -1,4 +1,4 @@
-"""What takes part in a stop, and what the loop asks of each part."""
+"""The parts of a stop, and the interface that the loop requires of each."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ Indices = NDArray[np.intp]
 
 @runtime_checkable
 class Plant(Protocol):
-    """The simulated truth; vectors as `railgrip.vehicle.signals.Layout` orders them.
+    """The simulated vehicle; vectors in the order of `railgrip.vehicle.signals.Layout`.
 
     A `railgrip.fmi.CoSimulation` is stepped from C, any other plant by these methods.
     """
@@ -41,12 +41,12 @@ class Plant(Protocol):
 
 @runtime_checkable
 class Sensors(Protocol):
-    """What the train's instruments make of the truth; those of `railgrip.simulate.loop.sensors` are called from C."""
+    """The instruments of the train; those of `railgrip.simulate.loop.sensors` are called from C."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of one of their own samples, ordered as in `railgrip.vehicle.signals.Layout`.
+        """Return the reading of one of the sensors' samples, in the order of `railgrip.vehicle.signals.Layout`.
 
-        NaN where there is no new one; `Clock.sensors` says how often they sample. SensorsFailed ends the stop.
+        Readings that are not new are NaN; `Clock.sensors` is the sampling interval. SensorsFailed ends the stop.
         """
         ...
 
@@ -56,16 +56,16 @@ Instruments = Sensors | IdealSensors | ServiceSensors
 
 @runtime_checkable
 class Filter(Protocol):
-    """A belief about the train that moves on in place: the arrays stay the same, their values change.
+    """An estimate of the train's state that is updated in place: the arrays stay the same, their values change.
 
-    A filter on values becomes one by `railgrip.estimators.ekf.Running`; one that is a
-    `railgrip.estimators.compiled.StepInC` is stepped from C.
+    A filter on values becomes one by `railgrip.estimators.ekf.Running`; a `railgrip.estimators.compiled.StepInC` is
+    stepped from C.
 
     Attributes:
-        mean: Shape (n,).
-        covariance: Shape (n, n).
+        mean: Mean of the state, shape (n,).
+        covariance: Covariance of the state, shape (n, n).
         inputs: Inputs during the next period, shape (nu,); written by the loop.
-        readings: Readings at its end, NaN where nothing new was read, shape (m,); written by the loop.
+        readings: Readings at the end of the period, NaN for those that are not new, shape (m,); written by the loop.
         selection: 1 for every reading that the last step used, else 0, shape (m,).
     """
 
@@ -81,26 +81,28 @@ class Filter(Protocol):
 
     @property
     def squared_innovation(self) -> float:
-        """Normalised innovation squared of the last step, of `selection.sum()` degrees; 0 before the first."""
+        """Normalised innovation squared of the last step, with `selection.sum()` degrees of freedom.
+
+        0 before the first.
+        """
         ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StateEstimator:
-    """A filter that holds its first belief, and where its states and readings stand.
+    """A filter in its initial state, with the positions of its states and readings.
 
     Attributes:
-        filter: Its inputs are the pressures first; the rest (track force) is not known to the train and stays zero.
-        reading_places: Entries of a reading that the filter takes, in its order.
+        filter: Its first inputs are the pressures; the others (track force) are unknown on board and stay zero.
+        reading_places: Positions in a reading of those that the filter uses, in its order.
         speed: Index of the train speed among the states.
         wheelset_speed: Indices of the wheelset speeds.
         adhesion: Indices of the adhesions.
         pad_friction: Indices of the pad frictions.
-        wheel_radius: As the estimator believes it, one for each group [m].
-        free_wheel: Given the reading of the speed, those of the wheelset speeds and of the pressures, returns the
-            speed that the filter takes, and 1 for each group that is to be released; None where nothing stands in for
-            the radar.
-        load_deviation: Standard deviation of a wheelset's load over the one that the filter knows.
+        wheel_radius: Wheel radius that the estimator assumes, for each group [m].
+        free_wheel: Given the readings of speed, wheelset speeds and pressures, it returns the speed for the filter, and
+            1 for each group that is to be released; None if the radar has no substitute.
+        load_deviation: Relative standard deviation of a wheelset's load.
     """
 
     filter: Filter
@@ -116,7 +118,7 @@ class StateEstimator:
 
 @runtime_checkable
 class DirectEstimator(Protocol):
-    """An estimator that gives quantities themselves, not states with a covariance.
+    """An estimator that returns quantities, not states with a covariance.
 
     Attributes:
         provides: Names of `railgrip.vehicle.signals.ESTIMATES` without their prefix.
@@ -125,7 +127,7 @@ class DirectEstimator(Protocol):
     provides: tuple[str, ...]
 
     def step(self, observation: Observation) -> Mapping[str, Vector]:
-        """Return all that it provides, from what is read now; EstimatorFailed ends the stop."""
+        """Return all quantities that it provides, from an observation; EstimatorFailed ends the stop."""
         ...
 
 
@@ -139,10 +141,10 @@ class Controller(Protocol):
 
 
 class Limits(Protocol):
-    """What limits the demands of a controller from outside of this project.
+    """Limits on the demands of a controller that is not built-in.
 
     Attributes:
-        most: Highest pressure of each group; demands between none and these are not looked at once `is_pascal` [Pa].
+        most: Maximum pressure of each group [Pa]; demands from 0 to this are not checked once `is_pascal` is set.
         is_pascal: Whether the demands have been large enough to be in Pa.
     """
 
@@ -150,18 +152,18 @@ class Limits(Protocol):
     is_pascal: bool
 
     def limit(self, demands: Vector, observation: Observation) -> Vector:
-        """Return demands that cylinders take [Pa]; ControllerFailed ends the stop."""
+        """Return demands limited to the range of the cylinders [Pa]; ControllerFailed ends the stop."""
         ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LawStates:
-    """States of a law that are kept beside what it demanded.
+    """States of a law that are recorded in addition to its demands.
 
     Attributes:
-        signals: Their columns.
-        values: The law's states, where they stand.
-        places: Of those that are shown, in the order of `signals`.
+        signals: Columns of the states.
+        values: State vector of the law.
+        places: Positions of the recorded states in it, in the order of `signals`.
     """
 
     signals: tuple[Signal, ...]
@@ -176,11 +178,11 @@ class Clock:
     A part is due at the first sample at or after each multiple of its own period.
 
     Attributes:
-        period: Communication period [s].
+        estimator: Period of the estimator in communication periods; need not be a whole number.
         estimator: Communication periods in a period of the estimator, not necessarily a whole number.
         controller: The same for the controller.
-        samples: Communication periods until the horizon.
-        sensors: Communication periods between two readings; in between there is nothing new.
+        samples: Number of communication periods until the horizon.
+        sensors: Communication periods between two readings; in between no reading is new.
     """
 
     period: float
@@ -192,27 +194,27 @@ class Clock:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Parts:
-    """The parts of one stop, none of them started.
+    """The parts of one stop, not yet started.
 
     Attributes:
-        layout: Of the vectors that they exchange.
-        plant: The simulated truth.
+        layout: Layout of the vectors that they exchange.
+        plant: The simulated vehicle.
         rail: Friction and force along the track.
         sensors: Instruments.
         estimator: None if the controller sees readings only.
         controller: The law; the caller of the loop may decide in its place.
-        limits: What its demands are limited by, if they are.
-        over: What is decided for the train as a whole over a law in Python, which it takes for the pressures read.
-        valves: From demanded and read pressures to the commands of valves; None sends the demands themselves.
-        driver: The most that may be demanded, and traction.
-        faults: Of sensors and brakes, if there are any: what sensors show, and what of a command arrives at the plant.
+        limits: Limits on the controller's demands; None for built-in laws.
+        over: Decisions for the whole train over a law in Python, whose demands it takes in place of the pressures read.
+        valves: From demanded and read pressures to valve commands; None sends the demands directly.
+        driver: Maximum demand, and traction.
+        faults: Faults of sensors and brakes, which change readings and commands; None for an intact train.
         wheel_radius: Nominal radii for a slip from readings [m].
-        law: What of the controller's states is kept, if any is.
+        law: Recorded states of the controller, or None.
         clock: Periods and horizon.
-        slowing: Bounds of what slows the plant beside adhesion.
+        slowing: Bounds of the plant's deceleration by other causes than adhesion.
         start_speed: Requested speed of the plant at the start [m/s].
-        stop_speed: The train stands below this speed [m/s]; one that starts at rest, once it has been faster or brakes
-            are demanded.
+        stop_speed: Speed below which the train has stopped [m/s]; a train that starts at rest must first have been
+            faster, or brakes must be demanded.
         recorder: Written from row 0 on; holds clock.samples + 1 rows.
     """
 

@@ -1,13 +1,13 @@
 """Checks of a plant's outputs against its inputs and against physics; bounds and their reasons are in plausible.c.
 
-What the tolerances leave of an error in the braking distance: 0.2 % by the start speed; 0.2 % by a speed that falls
-faster than adhesion, track force, running resistance and track brakes allow, in any interval of time, and 0.1 % by that
-bound; 0.1 %, a sample of travel and a centimetre by a distance that is not the integral of the speed. The integral of
-the acceleration, which estimators and controllers read, agrees with the speed to 0.1 % of the highest speed.
+The tolerances permit these errors in the braking distance: 0.2 % by the start speed; 0.2 % by a speed that falls faster
+than adhesion, track force, running resistance and track brakes allow, in any interval of time, and 0.1 % by that bound;
+0.1 %, a sample of travel and a centimetre by a distance that is not the integral of the speed. The integral of the
+acceleration, which estimators and controllers read, agrees with the speed to 0.1 % of the highest speed.
 
-The bound allows for what a plant may not show: rolling resistance of 0.02 m/s2 and a drag area of 12 m2. It says
-nothing of a plant that brakes less than adhesion allows; `railgrip.simulate.trial` tries one from outside at two levels
-of friction before its stop.
+For quantities that a plant may not output, the bound allows rolling resistance of 0.02 m/s2 and a drag area of 12 m2.
+It does not detect a plant that brakes less than adhesion allows; `railgrip.simulate.trial` runs a foreign plant at two
+levels of friction before its stop.
 
 The checks are in `kernel/plausible.c`.
 """
@@ -25,12 +25,12 @@ _AIR_OF_LENGTH = 2e-5  # 1/m, over the mass; of a train of 400 m and 400 t it is
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slowing:
-    """Bounds of what slows a train beside adhesion.
+    """Bounds of a train's deceleration by other causes than adhesion.
 
     Attributes:
         lightest, heaviest: Bounds of the mass that track force acts on [kg]; the latter may be infinite.
-        constant, quadratic: Most deceleration by running resistance and brakes on the rail itself,
-            constant + quadratic v² [m/s2, 1/m]; may be infinite.
+        constant, quadratic: Maximum deceleration by running resistance and brakes on the rail itself, constant +
+            quadratic v² [m/s2, 1/m]; may be infinite.
     """
 
     lightest: float
@@ -39,22 +39,22 @@ class Slowing:
     quadratic: float
 
     def most(self, speed: float) -> float:
-        """Return the most deceleration at a speed [m/s] without adhesion and track force [m/s2]."""
+        """Return the maximum deceleration at a speed [m/s] without adhesion and track force [m/s2]."""
         return self.constant + self.quadratic * speed**2
 
 
 UNBOUNDED = Slowing(lightest=1.0, heaviest=inf, constant=inf, quadratic=0.0)
-"""Of a plant that is slowed by a drive, such as a roller rig."""
+"""Bounds of a plant that is slowed by a drive, such as a roller rig."""
 
 
 def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: float = 0.0) -> Slowing:
     """Return the bounds for a train.
 
     Args:
-        mass: Of the train [kg].
-        is_known: Whether that is the plant's mass; else half of it and any mass above that are allowed for.
-        drag: Of its air resistance over the square of the speed [N s2/m2], where that is more than is usual.
-        track_brakes: Greatest force of brakes on the rail itself [N].
+        mass: Mass of the train [kg].
+        is_known: Whether that is the plant's mass; else the bounds allow half of it and any larger mass.
+        drag: Air resistance over the square of the speed [N s2/m2], used if it is higher than usual.
+        track_brakes: Maximum force of brakes on the rail itself [N].
     """
     lightest = mass if is_known else 0.5 * mass
     return Slowing(
@@ -79,24 +79,24 @@ _CHECKS = (
     ("slip", "", "a braked wheel between rolling and locked has {expected}"),
     ("adhesion", "", "the rail gives {expected}"),
 )
-"""Signal, unit and what was expected, in the order of the enum in plausible.h."""
+"""Signal, unit and expectation of each check, in the order of the enum in plausible.h."""
 _EACH = ("slip", "adhesion")
 
 
 class Plausibility:
-    """The memory of the checks during one stop.
+    """The state of the checks during one stop.
 
     Attributes:
         struct: `Plausibility` of plausible.h.
     """
 
     def __init__(self, layout: Layout, period: float, start_speed: float, slowing: Slowing) -> None:
-        """Prepare for the first sample: communication period [s], requested start speed [m/s]."""
+        """Prepare for the first sample: communication period [s], required start speed [m/s]."""
         bounds = {name: getattr(slowing, name) for name in ("lightest", "heaviest", "constant", "quadratic")}
         self.struct = kernel(layout).struct("Plausibility", period=period, start_speed=start_speed, **bounds)
 
     def reason(self, time: float) -> str:
-        """Return what was wrong at a time [s], and what was expected, in a sentence."""
+        """Return a sentence on the check that failed at a time [s], with the value and the bounds."""
         failed = self.struct.pointer
         signal, unit, why = _CHECKS[failed.check]
         name = f"{signal}[{failed.element + 1}]" if signal in _EACH else signal

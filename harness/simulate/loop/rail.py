@@ -1,4 +1,4 @@
-"""What the track does to the train, and what slip does to the track."""
+"""The rail: friction and track force, and how slip and sand change friction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,18 +18,18 @@ from railgrip.vehicle.signals import Layout
 Vector = NDArray[np.float64]
 
 
-_CELL = 0.1  # m; beside patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
+_CELL = 0.1  # m; compared with patches of 5 m and bogies of 2 m; a wheelset meets its own energy only through `loss`
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sander:
-    """Lays sand on both rails in front of a wheelset.
+    """Strews sand on both rails in front of a wheelset.
 
     Attributes:
-        rate: Most sand on one rail [kg/s].
-        density: That is kept on one rail while `rate` allows [kg/m]; infinite for a fixed rate.
-        begin, end: Of the sand that reaches the rail [s].
-        wheelset: Zero-based.
+        rate: Maximum rate of sand on one rail [kg/s].
+        density: Density that is maintained on one rail up to `rate` [kg/m]; infinite for a fixed rate.
+        begin, end: Interval in which sand reaches the rail [s].
+        wheelset: Zero-based number of the wheelset.
     """
 
     rate: float
@@ -40,37 +40,38 @@ class Sander:
 
 
 class Field:
-    """The energy that slip has left on the rail, cell by cell, and the friction that it wins back.
+    """The slip energy left on the rail, cell by cell, and the friction that it restores.
 
-    A wheel with adhesion force F and slip s dissipates W = F s on each metre of its rail. Where wheels have left the
-    sum E and the present one dissipates W, friction is
+    A wheel with adhesion force F and slip s dissipates W = F s on each metre of its rail. If earlier wheels have left
+    the sum E and the present one dissipates W, friction is
 
         f = f_d + λ (max(f_r, f_d) − f_d),   λ = 1 − e^(−τ (E + W)),   f_i = mu0_i ((1 − A_i) e^(−B_i w) + A_i)
 
-    with the slip speed w, f_d of the rail as it lies and f_r of the clean one. So a wheel that slips much gains
-    friction itself, and each one behind begins with what those ahead have won. The two wheels of a wheelset share its
-    force. A wheelset meets E of its cell as it was when it got there; its own W is added when it leaves.
+    with the slip speed w, f_d of the untreated rail and f_r of the clean one. A wheel with high slip thus gains
+    friction itself, and each one behind it starts from the friction that those ahead have restored. The two wheels of a
+    wheelset share its force. A wheelset uses the E that its cell had when it got there; its own W is added when it
+    leaves.
 
     Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128, and Meccanica 49 (2014) 919, for
-    one wheel (E = 0). That E adds up over wheels is that law for a film that does not know which wheel wears it:
-    1 − λ = e^(−τ W1) e^(−τ W2).
+        one wheel (E = 0). Summing E over wheels is the same law for a film that wears independently of the wheel: 1 − λ
+        = e^(−τ W1) e^(−τ W2).
 
-    Limits: creep stiffness (k_A, k_S) stays that of the rail as it lies, and what a wheel cleans of its own tread is in
-    τ. W is that of the sample before.
+    Limits: creep stiffness (k_A, k_S) stays that of the untreated rail, and the cleaning of a wheel's own tread is
+        included in τ. W is that of the previous sample.
 
     Attributes:
         energy: Slip energy left in each cell by the wheelsets that have passed it, per wheel [J/m].
-        origin: Where the first cell begins, behind the last wheelset's start [m].
+        origin: Start of the first cell, behind the last wheelset's initial position [m].
     """
 
     def __init__(self, layout: Layout, clean: Recovery, falling: Polach, reach: float) -> None:
-        """Lay a rail that no wheel has cleaned.
+        """Create a rail that no wheel has cleaned.
 
         Args:
-            layout: Of the vehicle that runs on it; its formation says where the wheelsets are.
-            clean: What slip makes of the rail.
-            falling: How the plant's contact lets friction fall.
-            reach: How far the train may get [m].
+            layout: Layout of the vehicle on it; its formation has the positions of the wheelsets.
+            clean: Friction of the cleaned rail, and the rate of cleaning.
+            falling: Fall of friction with slip speed in the plant's contact.
+            reach: Distance that the train may cover [m].
         """
         formation = layout.formation
         position, self.origin, self.energy = _cells(formation, reach)
@@ -82,40 +83,40 @@ class Field:
 
 
 class SandedRail:
-    """Sand on the rail, cell by cell, and the friction that it gives.
+    """Sand on the rail, cell by cell, and the resulting friction.
 
-    A sander lays d = min(rate / v, density) on each metre of either rail in front of its wheelset at speed v. A
-    wheelset that meets d, laid there or left by those ahead, has the friction
+    A sander deposits d = min(rate / v, density) on each metre of either rail in front of its wheelset at speed v. A
+    wheelset that meets d, deposited there or left by those ahead, has the friction
 
         mu0 + (1 − e^(−d / density)) max(mu0_sand − mu0, 0)
 
-    and leaves the share `left` of d to the next one: the rest is crushed, blown away or carried off. So each wheelset
-    behind a sander has less of it, and one that stops over its own sand has plenty.
+    and leaves the share `left` of d to the next one: the rest is crushed, blown away or carried off. Each wheelset
+    behind a sander thus has less sand, and one that stops over its own sand has plenty.
 
     Friction saturates with the sand on the rail, and most sand misses the contact: Lewis, Riley, Fletcher and Lewis,
-    Int. J. Railway Technology 6 (2017) 87, and Proc. IMechE F 232 (2018) 43. That the rest is a constant share, and the
-    exponential, are ours.
+    Int. J. Railway Technology 6 (2017) 87, and Proc. IMechE F 232 (2018) 43. The constant share and the exponential are
+    assumptions of this model.
 
     Attributes:
-        lying: On each cell of either rail, for the wheelsets to come [kg/m].
-        origin: Where the first cell begins, behind the last wheelset's start [m].
+        lying: Sand on each cell of either rail, for the wheelsets to come [kg/m].
+        origin: Start of the first cell, behind the last wheelset's initial position [m].
 
-    Limits: neither rail is wet afterwards, nor does a wheel carry sand around. Creep stiffness and the fall with slip
-    speed stay those of the rail as it lies, and sand leaves the nozzle at the rate of the present speed.
+    Limits: the rails stay dry, and wheels do not carry sand around. Creep stiffness and the fall with slip speed stay
+        those of the untreated rail, and sand leaves the nozzle at the rate of the present speed.
     """
 
     def __init__(
         self, layout: Layout, sanders: Sequence[Sander], reach: float, *, mu0: float, density: float, left: float
     ) -> None:
-        """Lay a rail without sand.
+        """Create a rail without sand.
 
         Args:
-            layout: Of the vehicle that runs on it; its formation says where the wheelsets are.
-            sanders: Who lays it.
-            reach: How far the train may get [m].
-            mu0: Friction with plenty of sand, at no slip speed.
+            layout: Layout of the vehicle on it; its formation has the positions of the wheelsets.
+            sanders: The sanders of the train.
+            reach: Distance that the train may cover [m].
+            mu0: Friction with plenty of sand, at zero slip speed.
             density: Sand on a rail that closes 63 % of the gap to `mu0` [kg/m].
-            left: Share of it that a wheelset leaves.
+            left: Share of the sand that a wheelset leaves.
         """
         position, self.origin, self.lying = _cells(layout.formation, reach)
         rows = kernel(layout).records("Sander", len(sanders))
@@ -128,7 +129,7 @@ class SandedRail:
 
 
 def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
-    """Return where wheelsets are, and the first cell begins, of a rail as far as `reach` [m]; and empty cells."""
+    """Return positions of wheelsets, start of the first cell, and empty cells of a rail as far as `reach` [m]."""
     position = formation.position
     assert position is not None  # or the friction profile has refused it
     origin = -float(position[-1]) - _CELL
@@ -139,9 +140,9 @@ class TabulatedRail:
     """Friction and force along the track; the look-up is in `kernel/rail.c`.
 
     Attributes:
-        field: Of the energy that slip leaves; None leaves friction as it lies.
-        sand: That sanders lay; None where there are none.
-        mu0: Maximum friction at each wheelset, shape (wheelsets,), where the train was last.
+        field: Slip energy on the rail; None if slip does not change friction.
+        sand: Sand on the rail; None without sanders.
+        mu0: Maximum friction at each wheelset, shape (wheelsets,), at the last position of the train.
         struct: `Rail` of rail.h.
     """
 
@@ -154,14 +155,14 @@ class TabulatedRail:
         sand: SandedRail | None = None,
         curves: Vector | None = None,
     ) -> None:
-        """Lay it under a vehicle of this layout, whose leading wheelset is at distance 0.
+        """Create the rail for a vehicle whose leading wheelset is at distance 0.
 
         Args:
-            layout: Of the vehicle.
-            friction: As it lies, and which creep curve lies where.
-            force: Of gradient and curve.
-            field: Of the energy that slip leaves.
-            sand: That sanders lay.
+            layout: Layout of the vehicle.
+            friction: Untreated friction, and the creep curve, along the track.
+            force: Track force by gradient and curve.
+            field: Slip energy on the rail.
+            sand: Sand on the rail.
             curves: Polach's k_A, k_S, A and B [s/m] of each creep curve, shape (curves, 4), if there are several.
         """
         self.field, self.sand, self._kernel = field, sand, kernel(layout)
@@ -180,18 +181,21 @@ class TabulatedRail:
         self.struct.set(recovery=field and field.struct, sand=sand and sand.struct)
 
     def advance(self, time: float, truth: Vector) -> None:
-        """Find friction and force at a time with these outputs of the plant, contiguous; times come in order."""
+        """Compute friction and force at a time, given the plant's outputs, a contiguous array; times come in order."""
         self._kernel.functions.advance_rail(self.struct.pointer, time, self._kernel.doubles(truth))
 
     def write_inputs(self, inputs: Vector) -> None:
-        """Write the plant's inputs of the rail, contiguous, where the train was last; at first where it starts."""
+        """Write the plant's rail inputs to a contiguous array, for the last position of the train.
+
+        Initially for the start.
+        """
         self._kernel.functions.write_rail_inputs(self.struct.pointer, self._kernel.doubles(inputs))
 
     def check_plant(self, truth: Vector) -> None:
-        """Refuse a plant that, at its start, does not show what the rail depends on.
+        """Raise an error for a plant without the outputs that the rail depends on.
 
         Raises:
-            ScenarioError: Slip is to change the rail, and the plant has no adhesion or load of its wheelsets.
+            ScenarioError: Slip changes the rail, and the plant lacks adhesion or load of its wheelsets.
         """
         if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(

@@ -1,4 +1,4 @@
-"""Sensors: the truth as the train sees it, in readings as `railgrip.vehicle.signals.Layout` orders them."""
+"""Sensors: from the true signals to readings, in the order of `railgrip.vehicle.signals.Layout`."""
 
 import math
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class IdealSensors:
     """Readings are the plant's outputs.
 
     Attributes:
-        places: Which output each entry of a reading shows.
+        places: Output that each entry of a reading is taken from.
     """
 
     def __init__(self, layout: Layout) -> None:
@@ -35,10 +35,10 @@ class WhiteSensors:
     """Readings are the plant's outputs times a gain, plus a bias and noise that is white from sample to sample.
 
     Attributes:
-        places: Which output each entry of a reading shows.
-        gain, bias: Of each entry, constant over a stop.
-        noise: Of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
-        deviation: Standard deviation of it, shape (readings,).
+        places: Output that each entry of a reading is taken from.
+        gain, bias: Gain and bias of each entry, constant over a stop.
+        noise: Noise of `BLOCK` samples from a multiple of it on, shape (BLOCK, readings).
+        deviation: Standard deviation of the noise, shape (readings,).
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class WhiteSensors:
         random: np.random.Generator,
         draws: int = 1,
     ) -> None:
-        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that a seed decides it.
+        """Draw noise of a standard deviation for each entry from `random`, in blocks, so that the seed determines it.
 
         See `draw_block` for `draws`.
         """
@@ -64,7 +64,7 @@ class WhiteSensors:
         self.noise *= self.deviation
 
     def read(self, sample: int, truth: Vector) -> Vector:
-        """Return the reading of a sample; they come one after the other, from 0 on."""
+        """Return the reading of a sample; samples are read in order, from 0 on."""
         if sample % BLOCK == 0:
             self.draw()
         return truth.take(self.places) * self.gain + self.bias + self.noise[sample % BLOCK]
@@ -72,7 +72,7 @@ class WhiteSensors:
 
 @dataclass(frozen=True, slots=True)
 class MissingTeeth:
-    """Teeth in a row that a pole wheel has lost, from a sample on until before another."""
+    """Adjacent teeth that a pole wheel lacks, from sample `begin` to before sample `end`."""
 
     count: int = 0
     begin: int = 0
@@ -81,10 +81,10 @@ class MissingTeeth:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Course:
-    """A quantity along the track, straight between even places; beyond its ends it is what it is there.
+    """A quantity along the track, linear between even places and constant beyond its ends.
 
     Attributes:
-        begin, step: Of the places [m].
+        begin, step: First place, and distance between places [m].
         values: Shape (n,).
     """
 
@@ -95,13 +95,13 @@ class Course:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RoughRail:
-    """A rail of which the primary suspension feels the short waves.
+    """A rail whose short waves deflect the primary suspension.
 
     Attributes:
-        height: Under the wheels, over the distance that the leading wheelset has gone [m].
-        position: Of each wheelset behind the leading one, shape (wheelsets,) [m].
+        height: Height under the wheels, over the distance that the leading wheelset has covered [m].
+        position: Distance of each wheelset behind the leading one, shape (wheelsets,) [m].
         forward, back: Coefficients b0, b1, b2 and a1, a2 of the digital filter from height to deflection.
-        state: Of it at the first sample, shape (wheelsets, 2) [m].
+        state: State of that filter at the first sample, shape (wheelsets, 2) [m].
     """
 
     height: Course
@@ -113,30 +113,31 @@ class RoughRail:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ServiceInstruments:
-    """Instruments as a train in service may have them.
+    """Instruments of a train in service.
 
     Attributes:
-        pulses: Of the wheel encoder, per revolution.
+        pulses: Pulses of the wheel encoder per revolution.
         pitch_error: 1σ of a tooth's pitch over the pitch; repeats each revolution [1].
         clock: Tick of the clock that times the pulses [s].
         cut_off: Peripheral speed below which a wheel encoder reads zero [m/s].
-        wheel_radius: To turn `cut_off` into a rotational speed [m].
+        wheel_radius: Radius that converts `cut_off` to a rotational speed [m].
         speed_noise: 1σ of each reading of the train speed [m/s].
-        speed_factor: Reading over train speed, of one reading after the other, and again from the first; NaN where it
-            is lost, shape (n,) [1].
+        speed_factor: Ratio of each reading to the train speed, in sequence and repeating; NaN where a reading is lost,
+            shape (n,) [1].
         speed_every: Samples between two readings of the train speed, not necessarily a whole number: one is due at
             the first sample at or after each multiple.
-        speed_latency: Age of a reading of the train speed, in samples, interpolated between two of them; made up for
-            by the acceleration read.
+        speed_latency: Age of a reading of the train speed, in samples, interpolated between two of them; compensated
+            with the acceleration reading.
         acceleration_noise: 1σ [m/s²].
         acceleration_bias: Constant over a stop [m/s²].
         deflection_noise: 1σ [m].
-        pressure_offset: Of each transducer, constant over a stop, shape (groups,) [Pa].
-        pressure_step: Of the converter [Pa].
+        pressure_offset: Offset of each transducer, constant over a stop, shape (groups,) [Pa].
+        pressure_step: Resolution of the converter [Pa].
         pressure_lag: First-order time constant [s].
-        missing_teeth: Of each pole wheel; empty where none are.
-        gravity: Along the track, uphill positive, which the accelerometer feels [m/s²]; None: it does not.
-        rail: That the deflection shows; None: it does not.
+        missing_teeth: Missing teeth of each pole wheel; empty if all are complete.
+        gravity: Component of gravity along the track, positive uphill, that the accelerometer reads [m/s²]; None if
+            not.
+        rail: Rail that affects the deflection; None if it does not.
     """
 
     pulses: int
@@ -160,17 +161,17 @@ class ServiceInstruments:
 
 
 class ServiceSensors:
-    """Pulse-timing wheel encoders, a speed sensor with its rate and latency, accelerometer, travel and pressure.
+    """Pulse-timing wheel encoders, a speed sensor with rate and latency, accelerometer, travel and pressure sensors.
 
-    Wheel encoders: each sample the shaft has turned on; every tooth that passed is stamped with its time, on the ticks
-    of the clock. The reading is the nominal angle between the last pulse of this sample and the last pulse before it
-    over the time between the two. Without a new pulse there is no new reading, until so much time has passed that even
-    one pulse now would mean less than the cut-off: then the reading is zero. Where a tooth is missing there is no
-    pulse, which the electronics does not know.
+    Wheel encoders: in each sample the shaft turns on, and every tooth that passes is stamped with its time in ticks of
+    the clock. The reading is the nominal angle between the last pulse of this sample and the last pulse before it, over
+    the time between the two. Without a new pulse there is no new reading, until the elapsed time is so long that even a
+    pulse now would mean a speed below the cut-off: then the reading is zero. A missing tooth gives no pulse, and the
+    electronics does not compensate for it.
 
-    The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so that the same seed gives the
-    same readings. Samples are read one after the other, from 0 on. Where instruments take several samples from one
-    reading to the next, speeds and pressures between are interpolated, and the newest reading is given.
+    The formulas are in `kernel/sensors.c`. Noise is drawn in blocks from one generator, so the same seed gives the same
+    readings. Samples are read in order, from 0 on. If instruments take several samples per reading, speeds and
+    pressures in between are interpolated, and the newest reading is returned.
 
     Attributes:
         struct: `Service` of sensors.h.
@@ -185,9 +186,9 @@ class ServiceSensors:
         random: np.random.Generator,
         samples: int = 1,
     ) -> None:
-        """Read a vehicle of this layout every `period` [s], in which the instruments take `samples`.
+        """Set up the sensors of a vehicle, read every `period` [s], in which the instruments take `samples`.
 
-        Noise comes from `random`.
+        Noise is drawn from `random`.
         """
         groups, remembered = layout.formation.groups, math.ceil(instruments.speed_latency) + 1
         self._random, self._draws, sampling = random, samples, period / samples
@@ -223,8 +224,8 @@ class ServiceSensors:
 def draw_block(noise: NDArray[np.float64], random: np.random.Generator, draws: int) -> None:
     """Fill rows of noise with the first of every `draws` rows that `random` draws.
 
-    Noise is drawn in the instruments' own period, so that a loop that reads only some of their samples reads the same
-    noise at the same instants.
+    Noise is drawn at the period of the instruments, so a loop that reads only some of their samples gets the same noise
+    at the same instants.
     """
     noise[:] = random.standard_normal((len(noise) * draws, *noise.shape[1:]))[::draws]
 
@@ -234,7 +235,7 @@ def _encoder(
 ) -> Struct:
     """Return a pole wheel whose pulses are timed, mounted at a random angle."""
     pitch = 2.0 * np.pi / instruments.pulses
-    # Errors of the tooth positions, not of the gaps: they close after one revolution by construction.
+    # Errors of the tooth positions, not of the gaps: the positions close after one revolution by construction.
     teeth = instruments.pitch_error * pitch / np.sqrt(2.0) * random.standard_normal(instruments.pulses)
     return kernel(layout).struct(
         "Encoder", teeth=teeth, pulses=instruments.pulses, pitch=pitch, clock=instruments.clock,

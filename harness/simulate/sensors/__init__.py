@@ -1,1 +1,1 @@
-"""Sensors of a scenario: a module for each kind, with its table and what reads with it."""
+"""Sensors of a scenario: one module for each kind, with its table and its implementation."""

@@ -14,5 +14,5 @@ class Ideal(SensorModel):
     kind: Literal["ideal"]
 
     def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> IdealSensors:
-        """Return them."""
+        """Return the sensors of a stop."""
         return IdealSensors(layout)

@@ -125,11 +125,13 @@ class Service(SampledSensors):
         return max(round((self.period or _PERIOD) / communication), 1)
 
     def samples_in(self, communication: float) -> int:
-        """Return the number of their own samples in a communication step [s], of which the loop reads one."""
+        """Return the number of samples that the instruments take per communication step [s], of which the loop reads
+        one.
+        """
         return max(round(communication / (self.period or _PERIOD)), 1)
 
     def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
-        """Return them at the begin of a stop; what is constant over it is drawn here."""
+        """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
         communication = scenario.periods.communication
         period, samples = communication * self.sampled_every(communication), self.samples_in(communication)
         lot = self.random(scenario, "lot")
@@ -165,7 +167,7 @@ class Service(SampledSensors):
 
 
 def _in_samples(time: float, period: float) -> float:
-    """Return a time in periods [s], whole where it differs from that by rounding only."""
+    """Return a time in periods [s], rounded if it differs from a whole number by rounding errors only."""
     samples = time / period
     return float(round(samples)) if math.isclose(samples, round(samples), rel_tol=1e-9) else samples
 
@@ -173,7 +175,7 @@ def _in_samples(time: float, period: float) -> float:
 def _speed_factor(
     table: SpeedSensor, scale: float, period: float, horizon: float, random: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Return reading over speed at each reading of a speed sensor; NaN in drop-outs."""
+    """Return the ratio of reading to speed for each reading of a speed sensor; NaN in drop-outs."""
     fixed = 1.0 + (table.scale_offset + scale)
     if not table.drift and not table.dropouts:
         return np.array([fixed])
@@ -183,7 +185,7 @@ def _speed_factor(
     if table.drift_time is not None:
         factor += table.drift * markov(random.standard_normal(count), math.exp(-every / table.drift_time))
     if table.dropout_time is not None:
-        # A chain of two states whose stay in the second lasts dropout_time on average, in its steady state.
+        # A Markov chain of two states, whose stay in the second lasts dropout_time on average, in its steady state.
         returns = min(every / table.dropout_time, 1.0)
         fails = min(returns * table.dropouts / (1.0 - table.dropouts), 1.0)
         silent = random.uniform() < table.dropouts
@@ -195,7 +197,10 @@ def _speed_factor(
 
 
 def _gravity(scenario: Scenario) -> Course:
-    """Return what an accelerometer along the track feels of its slopes; one that changes does so over 0.1 m."""
+    """Return the component of gravity along the track that an accelerometer reads.
+
+    A change of slope is spread over 0.1 m.
+    """
     track, step = scenario.track, 0.1
     begin, end = 0.0, max((section.begin for section in track.gradient), default=0.0)
     if (plan := track.plan) is not None:
@@ -208,18 +213,18 @@ def _gravity(scenario: Scenario) -> Course:
 
 
 _LONGEST_RAIL = 5000.0
-"""m of irregularities; beyond them the rail is even."""
+"""Length of the irregularities [m]; beyond it the rail is even."""
 _FINE = 0.02
-"""m between two places of a rail: a sixtieth of its shortest wave."""
+"""Distance between two points of a rail [m]: a sixtieth of its shortest wave."""
 _LEAD_IN = 2.0
-"""s that a frame has been rolling before the stop begins."""
+"""Time for which a frame has been rolling before the stop begins [s]."""
 
 
 def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layout, period: float) -> RoughRail | None:
-    """Return the rail that the deflections show.
+    """Return the rail whose irregularities affect the deflections.
 
-    A frame on its primary suspension moves as z̈ = ω² (r - z) + 2 ζ ω (ṙ - ż) over the height r under a wheelset; read
-    is r - z.
+    A frame on its primary suspension moves as z̈ = ω² (r - z) + 2 ζ ω (ṙ - ż) over the height r under a wheelset; the
+    reading is r - z.
 
     Raises:
         ScenarioError: The positions of the wheelsets are not given.

@@ -19,10 +19,10 @@ from railgrip.simulate.loop.sensors import WhiteSensors
 from railgrip.vehicle.signals import EXTRA_READINGS, READINGS, Layout, Signal
 
 GNSS = ("latitude", "longitude", "height")
-"""What a receiver reads."""
+"""Quantities that a receiver reads."""
 
 _SOURCE = {"acceleration_along": "acceleration"} | dict.fromkeys(GNSS, "distance")
-"""What the plant shows of a quantity that has another name, or takes the place of."""
+"""Output of the plant for a quantity that has another name, or is derived from it."""
 
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
 
@@ -30,9 +30,9 @@ _PlaceError = Annotated[float, Unit("m", at_least=0, at_most=1000, because="a se
 
 
 class Gnss(Table):
-    """A receiver of carrier phases in the middle of the train: small errors beside one that wanders slowly.
+    """A GNSS receiver with carrier phases in the middle of the train: small white errors plus a slowly wandering one.
 
-    Each of north, east and height has both, the wandering one a Gauss-Markov process.
+    North, east and height each have both errors; the wandering one is a Gauss-Markov process.
     """
 
     period: Period = Field(description="between two readings")
@@ -44,12 +44,12 @@ class Gnss(Table):
 
 
 class White(SampledSensors):
-    """Readings are the plant's outputs with errors, every sample; a quantity that no table names is read as it is.
+    """Readings are the plant's outputs with errors, every sample; a quantity that no table names has no error.
 
-    Quantities are what every train reads (speed, wheelset_speed, deflection, acceleration, cylinder_pressure) and
-    whatever else the plant shows, such as pad_force: once it is named, the trace has it as reading_pad_force. So are
-    acceleration_along, of an accelerometer over each group that feels the gradient, too, and latitude, longitude and
-    height by GNSS, NaN between its readings.
+    Quantities are those that every train reads (speed, wheelset_speed, deflection, acceleration, cylinder_pressure) and
+    any other output of the plant, such as pad_force: once it is named, the trace has it as reading_pad_force. Others
+    are acceleration_along, of an accelerometer over each group that also reads the gradient, and latitude, longitude
+    and height by GNSS, NaN between its readings.
     """
 
     kind: Literal["white"]
@@ -65,10 +65,10 @@ class White(SampledSensors):
         return frozenset((*self.noise, *self.bias, *self.scale, *receiver))
 
     def extra_readings(self, scenario: Scenario, outputs: Collection[str]) -> tuple[Signal, ...]:
-        """Return the signals of the named quantities that not all sensors show.
+        """Return the signals of the named quantities that other kinds of sensors do not read.
 
         Raises:
-            ScenarioError: A quantity is named that is none, or that the plant does not show.
+            ScenarioError: A named quantity does not exist, or is not an output of the plant.
         """
         unknown = sorted(self.named - set(_ALL))
         absent = sorted(self.named - set(unknown) - set(outputs) - set(_SOURCE))
@@ -79,7 +79,7 @@ class White(SampledSensors):
         return tuple(signal for name, signal in _ALL.items() if name in self.named and signal in EXTRA_READINGS)
 
     def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | OnTrack":
-        """Return them at the begin of a stop; what is constant over it is drawn here."""
+        """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
 
         def each(values: Mapping[str, float]) -> NDArray[np.float64]:
             vector = np.zeros(layout.readings)
@@ -110,10 +110,10 @@ class White(SampledSensors):
 
 
 class OnTrack:
-    """White sensors, accelerometers that feel the gradient, and a GNSS receiver."""
+    """White sensors, accelerometers that read the gradient, and a GNSS receiver."""
 
     def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, sensors: White, every: int) -> None:
-        """Add to `white`, read `every` so many communication steps, what the track of a scenario does."""
+        """Add the effects of a scenario's track to `white`, which is read every `every` communication steps."""
         self._white, self._slope = white, slope_of(scenario.track)
         self._distance = layout.output["distance"].start
         self._along, self._position = layout.reading.get("acceleration_along"), slice(0, 0)
@@ -123,7 +123,7 @@ class OnTrack:
             self._receiver = _Receiver(sensors.gnss, scenario, every, sensors.random(scenario, "gnss"))
 
     def read(self, sample: int, truth: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the reading of a sample; they come one after the other, from 0 on.
+        """Return the reading of a sample; samples are read in order, from 0 on.
 
         Raises:
             SensorsFailed: The train has left its track.
@@ -149,7 +149,7 @@ class _Receiver:
         self._white = np.array([table.horizontal, table.horizontal, table.height])
 
     def read(self, sample: int, distance: float) -> NDArray[np.float64]:
-        """Return latitude, longitude [deg] and height [m], NaN where there is no new reading."""
+        """Return latitude, longitude [deg] and height [m], NaN without a new reading."""
         if sample // self._every == (sample - 1) // self._every:
             return np.full(3, np.nan)
         place, length = float(self._track.place(distance)), self._plan.track.length
@@ -163,7 +163,7 @@ class _Receiver:
             self._wander = self._keeps * self._wander + fresh * self._random.standard_normal(3)
         north, east, up = self._wander * self._wanders + self._white * self._random.standard_normal(3)
         latitude, longitude, height = self._plan.positions(place)
-        # Radii of the sphere are within 0.4 % of the ellipsoid's: less than a millimetre of a wander.
+        # The radii of the sphere are within 0.4 % of the ellipsoid's: less than a millimetre for the wander.
         metre = math.degrees(1.0 / 6.371e6)
         return np.array(
             [latitude + north * metre, longitude + east * metre / math.cos(math.radians(latitude)), height + up]

@@ -1,9 +1,10 @@
-/* A stop, sample by sample. A part in C is called; for a part in Python `cycle` returns, and goes on when it is called again.
+/* The loop of a stop, sample by sample. Parts in C are called; for a part in Python `cycle` returns, and resumes when it is
+   called again.
 
-   Each sample: the plant moves on under the commands held since the last one; its outputs are checked; sensors read; the driver
-   asks; the estimator, when due, predicts under the pressures read a sample before and conditions on the new reading; the
-   controller, when due, decides. Of its demand and the driver's the lower goes to the valves. The row of a sample holds the
-   truth at its end, the reading and belief then, and what was demanded and sent for it. */
+   Each sample: the plant advances under the commands held since the last sample; its outputs are checked; the sensors read; the
+   driver demands; the estimator, when due, predicts under the pressures read one sample before and updates with the new
+   reading; the controller, when due, decides. The lower of its demand and the driver's goes to the valves. The row of a sample
+   holds the true state at its end, the reading and estimate then, and the demand and command for it. */
 
 #include <math.h>
 
@@ -12,7 +13,7 @@
 #include "vectors.h"
 
 enum { SET_STEP_GET = 7 };
-enum { BEGIN, STEP, CHECK, SHOW, BELIEVE, LIMIT, COMMAND };     /* where a sample goes on */
+enum { BEGIN, STEP, CHECK, SHOW, BELIEVE, LIMIT, COMMAND };     /* stage at which a sample resumes */
 
 static int step_plant(Cycle *c)
 {
@@ -34,7 +35,7 @@ static int brakes_demanded(const Driver *driver)
     return !driver;
 }
 
-/* Keep what the plant showed and was given, and what was demanded for it. */
+/* Record the plant's outputs and inputs, and the demands behind the inputs. */
 static void keep(const Cycle *c, double *row)
 {
     copy(row + c->true_at, c->truth, OUTPUTS);
@@ -52,7 +53,7 @@ static void keep(const Cycle *c, double *row)
 static int within_limits(const Cycle *c)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (!(c->demand[g] >= 0.0 && c->demand[g] <= c->most[g]))
+        if (!(c->demand[g] >= 0.0 && c->demand[g] <= c->most[g]))   /* negated, so that NaN is outside */
             return 0;
     return c->is_pascal;
 }
@@ -76,7 +77,7 @@ static void keep_belief(const Cycle *c, double *row)
         copy(row + c->estimates_at, c->estimates, c->estimates_count);
 }
 
-/* Go on until a part in Python is due, or the stop ends; return which. */
+/* Run until a part in Python is due, or the stop ends; return which. */
 EXPORT int cycle(Cycle *c)
 {
     for (;; c->sample++, c->stage = BEGIN) {
@@ -84,6 +85,7 @@ EXPORT int cycle(Cycle *c)
         const int decides = due(c->controller_every, k);
         double *row = c->rows + (k < c->capacity ? k : c->capacity - 1) * c->width;
 
+        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind it. */
         switch (c->stage) {
         case BEGIN:
             if (k > c->samples)
@@ -140,7 +142,7 @@ EXPORT int cycle(Cycle *c)
             if (c->mean && k == 0)
                 look(c);
             keep_belief(c, row);
-            c->written = k + 1;
+            c->written = k + 1;              /* already here: a controller that fails now must not cost the row */
             c->stage = LIMIT;
             if (decides) {
                 observe_with_estimates(c);
@@ -161,6 +163,7 @@ EXPORT int cycle(Cycle *c)
                 return NO_COMMAND;
             if (c->faults)
                 pass_faults(c->faults, k, c->truth, c->command, c->inputs);
+            /* A train that starts at rest has not stopped until it has moved or is braked. */
             c->moved |= c->truth[OUTPUT_SPEED] > c->stop_speed;
             if (c->truth[OUTPUT_SPEED] <= c->stop_speed && (c->moved || brakes_demanded(c->driver)))
                 return STANDING;

@@ -1,4 +1,4 @@
-/* A stop, sample by sample: the parts that take part in it, and what they exchange. */
+/* A stop, sample by sample: its parts, and the signals that they exchange. */
 #ifndef CYCLE_H
 #define CYCLE_H
 
@@ -17,65 +17,65 @@ typedef void Call(double *, const double *, const double *, double *);
 enum { BLOCK_DUE, PLANT_DUE, SENSORS_DUE, ESTIMATOR_DUE, CONTROLLER_DUE, LIMITS_DUE };
 enum { STANDING = LIMITS_DUE + 1, AT_HORIZON, NOT_PLAUSIBLE, PLANT_FAILED, DIVERGED, NO_COMMAND };
 
-enum { NEGATIVE_VARIANCE = -1 };                 /* beside the failures of the filter */
+enum { NEGATIVE_VARIANCE = -1 };                 /* in addition to the failures of the filter */
 enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS, INNOVATION = 2, OBSERVATION = 2 + 6 * GROUPS };
 enum { OBSERVED_PRESSURE = OBSERVATION - GROUPS };
 
 typedef struct {
-    Call *call;                                  /* null: it is not in C, or there is none */
+    Call *call;                                  /* null: the part is not in C, or does not exist */
     double *state;
     const double *parameter;
 } Formula;
 
 typedef struct {
-    /* The plant; a null function is one in Python, which writes `truth`. */
+    /* The plant. Null functions: the plant is in Python and writes `truth`. */
     Cross *cross;
     void *set_step_get;
     double *taken;
     const double *shown;
-    const long long *present;                    /* places of what is shown among all outputs */
-    const double *slip_radius;                   /* null: the plant shows slip; else it follows from speeds and these radii */
-    /* Instruments: a service train's, or outputs themselves, with errors if there is noise; both null are Python's, which write `reading`. */
+    const long long *present;                    /* positions of `shown` among all outputs */
+    const double *slip_radius;                   /* null: the plant outputs slip; else the radii to compute slip with */
+    /* Instruments: those of a service train, or the outputs with optional errors; if both are null, Python writes `reading`. */
     Service *service;
     const long long *read_of;
     const double *gain, *bias;
     double *noise;                               /* rows of READINGS for `block` samples from a multiple of it on */
-    /* The filter; a null mean: there is none. A null function is one in Python, which works on the same arrays. */
+    /* The filter; a null mean: no filter. A null function: the filter is in Python and works on the same arrays. */
     Advance *advance;
     double *memory, *held, *seen;
-    const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading in it */
-    const long long *seen_of, *believed_of;      /* places in a reading; among the states */
-    const double *estimates;                     /* of an estimator in Python that gives quantities themselves; null: there is none */
-    /* The law; a null function is a controller in Python, which writes `demand`. */
+    const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading that it used */
+    const long long *seen_of, *believed_of;      /* positions in a reading; among the states */
+    const double *estimates;                     /* of an estimator in Python without states; null: no such estimator */
+    /* The law. A null function: the controller is in Python and writes `demand`. */
     Formula law, valves, free_wheel;
-    Formula over;                                /* over a law in Python: takes its demands for the pressures that were read */
-    const double *most;                          /* highest pressures, to which Python limits the demands of its law; null: it does not */
-    long long is_pascal;                         /* whether the demands have been large enough to be in Pa; until then Python judges all */
-    const double *law_state;                     /* of those states `law_of` are kept */
+    Formula over;                                /* over a law in Python: its demands replace the pressures read */
+    const double *most;                          /* maximum pressures for the demands of a law in Python; null: no limit */
+    long long is_pascal;                         /* whether a demand has shown the unit Pa; until then Python checks all */
+    const double *law_state;                     /* of these states the elements `law_of` are recorded */
     const long long *law_of;
     const double *radius;
     Plausibility *plausibility;
     Rail *rail;
     Driver *driver;                              /* null: full brake */
-    const double *full;                          /* pressures of that */
-    Faults *faults;                              /* null: there are none */
+    const double *full;                          /* pressures of full brake */
+    Faults *faults;                              /* null: no faults */
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], reading[READINGS], latest[READINGS], fresh[READINGS];
     double believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
-    double observation[OBSERVATION];             /* what the controller is shown, in the order of controllers/law.py */
-    double replaced[OBSERVATION];                /* by the estimates; NaN: it is as it is read */
+    double observation[OBSERVATION];             /* input of the controller, in the order of controllers/law.py */
+    double replaced[OBSERVATION];                /* values that replace it: estimates; NaN: the reading is kept */
     double reference[1 + GROUPS];                /* speed for the filter; 1 for each group that is to be released */
-    double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver's: at the last decision */
+    double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver_demand: at the last decision */
     long long present_count, seen_count, estimates_count, law_count;
-    long long width, capacity;                   /* numbers of a row; rows, the last for all samples beyond */
-    long long block, samples;                    /* samples between two calls for noise; until the horizon */
+    long long width, capacity;                   /* columns of a row; rows, of which the last serves all samples beyond */
+    long long block, samples;                    /* samples between two calls for noise; samples until the horizon */
     long long sensors_every;
     Every estimator_every, controller_every;
-    long long row;                               /* from one row of the covariance to the next */
+    long long row;                               /* distance between rows of the covariance */
     long long true_at, sent_at, read_at, law_at; /* first columns */
-    long long believed_at, spread_at, innovation_at, reference_at, estimates_at, demand_at, driver_at, traction_at; /* -1: it is not kept */
-    long long any, news;                         /* whether a reading has come; one since the last step of the belief */
+    long long believed_at, spread_at, innovation_at, reference_at, estimates_at, demand_at, driver_at, traction_at;   /* -1: absent */
+    long long any, news;                         /* whether a reading has ever come; whether one has since the last filter step */
     long long crossed;                           /* steps of the plant that succeeded */
     long long stage, sample, written, failure;
     long long moved;                             /* whether the train has been faster than stop_speed */

@@ -1,10 +1,10 @@
-/* What the driver of driver.h asks for; what that is for is said in driver.py. */
+/* Demands of the driver; the purpose is described in driver.py. */
 
 #include <math.h>
 
 #include "driver.h"
 
-/* Times are meant to the nearest sample: k * period may miss "4 s" by a rounding error. */
+/* Times are compared to the nearest sample: k * period may miss "4 s" by a rounding error. */
 static int over(const Driver *its, const Phase *phase, double time, double speed, double distance)
 {
     switch (phase->until) {
@@ -17,9 +17,9 @@ static int over(const Driver *its, const Phase *phase, double time, double speed
     return 0;
 }
 
-/* Of the deviation from the braking curve, beside the deviation itself: a train that brakes by a share b of what is expected
-   then runs on a curve of 2 b / (3 b - 1) times the deceleration, 1.27 for b = 0.7, and still ends at the target. Much more
-   would swing with the lag of the cylinders over the last metre. */
+/* Gain on the deviation from the braking curve, in addition to the deviation itself: a train that brakes by a share b of the
+   expected deceleration then runs on a curve of 2 b / (3 b - 1) times the deceleration, 1.27 for b = 0.7, and still ends at the
+   target. A much higher gain would oscillate over the last metre because of the lag of the cylinders. */
 static const double CORRECTION = 2.0;
 
 /* Return the share of full brake that stops at the target from here; 0 until the braking curve has been reached. */

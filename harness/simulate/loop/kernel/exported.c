@@ -1,8 +1,7 @@
-/* Parts of a stop on their own, as FMUs: a sample of a part takes what it is given, and shows what it gives; it returns 1
-   where it fails.
+/* Single parts of a stop, as FMUs: a sample of a part computes its outputs from its inputs, and returns 1 on failure.
 
-   The generated file comes first: GIVEN, the places of what a part is given of the plant's outputs; DEVIATIONS of the
-   noise of sensors; BINDING as in driver.h; LAW_PARAMETERS, how many of the parameters are the law's. */
+   The generated file comes first: GIVEN, the positions of the part's inputs among the plant's outputs; DEVIATIONS, the standard
+   deviations of the sensors' noise; BINDING as in driver.h; LAW_PARAMETERS, the number of parameters that belong to the law. */
 
 #include <math.h>
 
@@ -20,7 +19,7 @@ static void take_truth(Cycle *c, const double *given)
     complete_slip(c);
 }
 
-/* Track and driver: from the plant's outputs to its inputs beside the command, and what the driver demands. */
+/* Track and driver: from the plant's outputs to the driver's demand and to all of the plant's inputs except the command. */
 static int sample_track(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
 {
     (void)parameter;
@@ -36,7 +35,8 @@ static int sample_track(Cycle *c, long long sample, const double *given, const d
     return 0;
 }
 
-/* A number between 0 and 1 that seed and place decide: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by place. */
+/* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by place.
+   */
 static double uniform(unsigned long long seed, unsigned long long place)
 {
     unsigned long long z = seed + (place + 1) * 0x9e3779b97f4a7c15ull;
@@ -46,7 +46,7 @@ static double uniform(unsigned long long seed, unsigned long long place)
     return ((double)((z ^ (z >> 31)) >> 11) + 0.5) * 0x1p-53;
 }
 
-/* Draw the noise of a sample, of one row; by Box and Muller. */
+/* Draw the noise of one sample with the Box-Muller transform. */
 static void draw(double *noise, long long sample, double seed)
 {
     static const double deviation[] = {DEVIATIONS};
@@ -59,7 +59,7 @@ static void draw(double *noise, long long sample, double seed)
     }
 }
 
-/* Sensors: from the plant's outputs to readings, not a number where there is nothing new. */
+/* Sensors: from the plant's outputs to readings, NaN for sensors without a new reading. */
 static int sample_sensors(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
 {
     double *noise = c->service ? c->service->noise : c->noise;
@@ -77,7 +77,7 @@ static int sample_sensors(Cycle *c, long long sample, const double *given, const
     return 0;
 }
 
-/* Take readings into the belief; return whether the filter has diverged. */
+/* Update the filter with readings; return whether it has diverged. */
 static int believe_readings(Cycle *c, long long sample, const double *given)
 {
     c->sample = sample;
@@ -93,7 +93,7 @@ static int believe_readings(Cycle *c, long long sample, const double *given)
     return 0;
 }
 
-/* Estimator: from readings to what a law is shown, but for the driver's demand. */
+/* Estimator: from readings to the inputs of a law, except for the driver's demand. */
 static int sample_estimator(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
 {
     enum { BEFORE = 2 + 4 * GROUPS };
@@ -107,7 +107,7 @@ static int sample_estimator(Cycle *c, long long sample, const double *given, con
     return 0;
 }
 
-/* All on board: from readings and the driver's demand to commands, and the belief behind them. */
+/* All onboard parts: from readings and the driver's demand to commands and the estimate behind them. */
 static int sample_onboard(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
 {
     Driver driver = {.binding = BINDING};

@@ -1,13 +1,13 @@
-/* The faults of faults.h; what each means is said in faults.py. */
+/* The faults of faults.h; faults.py defines them. */
 
 #include <math.h>
 
 #include "faults.h"
 
 static const double NOTHING_SHOWN = 0.0 / 0.0;
-static const double NEARLY_OPEN = 0.5;           /* command from which a fill valve opens */
+static const double NEARLY_OPEN = 0.5;           /* command at which a fill valve opens */
 
-/* Change a reading as the faults of its sensors do; one after the other, in their order. */
+/* Apply the faults of sensors to a reading, in their order. */
 EXPORT void show_faults(Faults *its, long long sample, double *reading)
 {
     for (long long i = 0; i < its->reading_count; i++) {
@@ -15,7 +15,7 @@ EXPORT void show_faults(Faults *its, long long sample, double *reading)
         double *entry = reading + fault->place;
         if (isnan(*entry))
             continue;
-        /* Where nothing was shown before, the first reading is what the sensor showed when it broke. */
+        /* Without a reading before the fault, the first one under it serves as the last one. */
         if (sample < fault->begin || sample >= fault->end || isnan(fault->held)) {
             fault->held = *entry;
             if (sample < fault->begin || sample >= fault->end || fault->kind == DEAD)
@@ -31,7 +31,7 @@ EXPORT void show_faults(Faults *its, long long sample, double *reading)
     }
 }
 
-/* Pressure that a reservoir still has, once another sample of its compressor has come. */
+/* Return the pressure of a reservoir after one more sample of its compressor. */
 static double left(Fault *fault, const double *truth)
 {
     const double used = truth[OUTPUT_AIR_USED] - fault->held;
@@ -40,7 +40,7 @@ static double left(Fault *fault, const double *truth)
     return fault->pressure - (used - fault->refilled) * fault->free / fault->value;
 }
 
-/* Give the commands that arrive at the plant for those that were sent to it. */
+/* Write the commands that reach the plant, given those that were sent. */
 EXPORT void pass_faults(Faults *its, long long sample, const double *truth, const double *sent, double *command)
 {
     for (int g = 0; g < GROUPS; g++)
@@ -74,7 +74,7 @@ EXPORT void pass_faults(Faults *its, long long sample, const double *truth, cons
             }
             if (isnan(fault->held))
                 fault->held = truth[OUTPUT_AIR_USED];
-            /* A check valve keeps what is in the cylinder. */
+            /* A check valve prevents flow from the cylinder back to the reservoir. */
             const double inside = truth[OUTPUT_CYLINDER_PRESSURE + fault->place], most = fmax(left(fault, truth), inside);
             if (!its->valves)
                 *entry = fmin(came, most);

@@ -1,5 +1,5 @@
-/* A sampled function with memory. step.h is generated beside this file: sizes, and `step`, a function
-   (state, input, parameter) -> (state, output) by CasADi. */
+/* A sampled function with memory. step.h is generated next to this file: sizes, and `step`, a function (state, input,
+   parameter) -> (state, output) by CasADi. */
 
 #include <string.h>
 

@@ -1,18 +1,18 @@
-/* What happens on board in a sample: readings, belief, decision. The loop of cycle.c calls it, and so do FMUs of these parts
-   alone (exported.c). */
+/* The onboard parts in a sample: readings, estimate, decision. They are called by the loop (cycle.c), and by the FMUs of single
+   parts (exported.c). */
 
 #include <math.h>
 
 #include "onboard.h"
 #include "vectors.h"
 
-/* As in vehicle/slip.py, of a speed of the train and one of a wheel at the rim [m/s]. */
+/* Slip from a train speed and a wheel's peripheral speed [m/s], as in vehicle/slip.py. */
 static double slip_of(double speed, double rim_speed)
 {
     return speed < SMALL_SPEED ? 0.0 : 1.0 - rim_speed / speed;
 }
 
-/* Find the slip that a plant does not show. */
+/* Compute the slip of a plant that does not output it. */
 void complete_slip(Cycle *c)
 {
     for (int g = 0; c->slip_radius && g < GROUPS; g++)
@@ -34,7 +34,7 @@ void read_sensors(Cycle *c)
         }
 }
 
-/* Keep the newest reading of every sensor, and what came since the last step of the belief. */
+/* Store the newest reading of every sensor, and the readings that are new since the last step of the filter. */
 void see(Cycle *c)
 {
     const double *reading = c->reading;
@@ -50,13 +50,14 @@ void see(Cycle *c)
         const int new = !isnan(reading[i]);
         if (new)
             c->latest[i] = reading[i];
+        /* A filter that is slower than the sensors must not lose readings between its steps. */
         if (new || !c->news)
             c->fresh[i] = reading[i];
     }
     c->news = 1;
 }
 
-/* Whether the filter takes a step: its first belief is that of sample 0. */
+/* Whether the filter takes a step; not at sample 0, whose estimate is the initial one. */
 int filters(const Cycle *c)
 {
     return c->mean && c->sample > 0 && due(c->estimator_every, c->sample);
@@ -86,10 +87,11 @@ void look(Cycle *c)
     }
 }
 
-/* Take what the filter believes after a step; return whether its variances are some. */
+/* Read the filter's estimate after a step; return 0 if any variance is negative or NaN. */
 int believe(Cycle *c)
 {
     c->news = 0;
+    /* After the step: these pressures act during the next period. */
     copy(c->held, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
     look(c);
     c->innovation[0] = *c->squared;
@@ -102,17 +104,17 @@ int believe(Cycle *c)
     return 1;
 }
 
-/* Whether the filter has lost a wheelset: its deviation at the rim is more than UNKNOWN_SPEED. */
+/* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds UNKNOWN_SPEED. */
 static int unknown(const Cycle *c, int g)
 {
-    static const double UNKNOWN_SPEED = 1.0;     /* m/s: the sensor is silent */
+    static const double UNKNOWN_SPEED = 1.0;     /* m/s: reached when the sensor is silent */
     const double most = UNKNOWN_SPEED / c->radius[g];
     const long long state = c->believed_of[1 + g];
 
     return c->covariance[state * c->row + state] > most * most;
 }
 
-/* Say what is known now, by the filter or else by the newest readings. */
+/* Write the observation: the filter's estimates if there is a filter, else the newest readings. */
 void observe(Cycle *c)
 {
     const double speed = c->mean ? c->believed[0] : c->latest[READING_SPEED];
@@ -139,7 +141,7 @@ void observe_with_estimates(Cycle *c)
             c->observation[i] = c->replaced[i];
 }
 
-/* Turn what was demanded into commands; return whether they are numbers. */
+/* Convert demands to commands; return whether the commands are finite. */
 int command(Cycle *c)
 {
     double given[2 * GROUPS], total = 0.0;
@@ -147,7 +149,7 @@ int command(Cycle *c)
     copy(c->command, c->demand, GROUPS);
     for (int g = 0; g < GROUPS; g++)
         total += c->demand[g];
-    if (!isfinite(total))                        /* valve logic would take NaN for a wish to hold */
+    if (!isfinite(total))                        /* the valve logic would treat NaN as a demand to hold */
         return 0;
     for (int g = 0; g < GROUPS; g++)
         given[g] = c->free_wheel.call && c->reference[1 + g] != 0.0 ? 0.0 : c->demand[g];

@@ -1,4 +1,4 @@
-/* What happens on board in a sample: readings, belief, decision. */
+/* The onboard parts in a sample: readings, estimate, decision. */
 #ifndef ONBOARD_H
 #define ONBOARD_H
 

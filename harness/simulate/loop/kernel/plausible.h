@@ -10,11 +10,11 @@ enum { PLAUSIBLE, START_SPEED, START_DISTANCE, SPEED, ACCELERATION, DISTANCE, SL
 typedef struct {
     double period, start_speed;
     double lightest, heaviest;                   /* bounds of the train's mass [kg] */
-    double constant, quadratic;                  /* most deceleration beside adhesion and track force, constant + quadratic v^2 */
-    double speed, origin, travel;                /* last speed; first distance; integral of the speed since */
-    double acceleration, gained, hardest;        /* last; its integral less the change of speed; greatest magnitude */
+    double constant, quadratic;                  /* maximum of running resistance and track brakes, constant + quadratic v^2 */
+    double speed, origin, travel;                /* last speed; first distance; integral of the speed since then */
+    double acceleration, gained, hardest;        /* last one; its integral minus the change of speed; greatest magnitude */
     double top, deceleration, rise, fall;        /* highest speed; last bound; excess of the speed's change over its bounds */
-    double value, least, most;                   /* of the check that failed: shown, and the bounds it had */
+    double value, least, most;                   /* of the check that failed: value, and its bounds */
     long long check, element;
 } Plausibility;
 

@@ -1,16 +1,16 @@
-/* The rail of rail.h under a train; what its recovery and sand are for is said in rail.py. */
+/* The rail of rail.h under a train; rail.py describes recovery and sand. */
 
 #include <math.h>
 
 #include "rail.h"
 
-/* Friction at a slip speed, over that at none. */
+/* Friction at a slip speed, relative to friction at zero slip speed. */
 static double falling(double A, double B, double slip_speed)
 {
     return (1.0 - A) * exp(-B * slip_speed) + A;
 }
 
-/* Wheelset w has come to a place, with this energy of its slip per metre: leave on the way what is its own. */
+/* Move wheelset w to a place, with its slip energy per metre there: add its energy to the cells that it has left. */
 static void pass(Recovery *its, int w, double place, double loss)
 {
     const double mean = 0.5 * (its->loss[w] + loss);
@@ -49,13 +49,13 @@ static void recover(Recovery *its, const double *truth, double *mu0)
         const double share = 1.0 - exp(-its->rate * (its->met[w] + loss));
         const double slip_speed = slip * fmax(speed, 0.0), falls = falling(its->A[w], its->B[w], slip_speed);
         const double laid = mu0[w] * falls, clean = its->clean * falling(its->clean_A, its->clean_B, slip_speed);
-        /* In terms of friction at no slip speed, which is what the plant's contact takes and lets fall by its own law. */
+        /* Converted to friction at zero slip speed: the plant's contact reduces its input mu0 by its own law. */
         mu0[w] = fmin((laid + share * (fmax(clean, laid) - laid)) / falls, 1.0);
     }
     its->begun = 1;
 }
 
-/* Lay sand in front of wheelsets, and raise friction by what each meets of it. */
+/* Strew sand in front of wheelsets, and raise friction by the sand that each of them meets. */
 static void strew(Sand *its, double time, const double *truth, double *mu0)
 {
     static const double SLOWEST = 1e-3;          /* m/s, below which the sand of a metre would have no bound */
@@ -81,7 +81,7 @@ static void strew(Sand *its, double time, const double *truth, double *mu0)
     its->begun = 1;
 }
 
-/* The creep curve at each wheelset, at a point of the grid. */
+/* Set the creep curve at each wheelset from a point of the grid. */
 static void lay_curves(Rail *its, long long point)
 {
     for (int w = 0; w < WHEELSETS; w++) {
@@ -95,7 +95,7 @@ static void lay_curves(Rail *its, long long point)
     }
 }
 
-/* Friction and force at a time, with these outputs of the plant; times come in order. */
+/* Update friction and track force for a time, given the plant's outputs; times come in order. */
 EXPORT void advance_rail(Rail *its, double time, const double *truth)
 {
     const double distance = truth[OUTPUT_DISTANCE], last = (double)(its->points - 1);
@@ -121,7 +121,7 @@ EXPORT void advance_rail(Rail *its, double time, const double *truth)
         its->force += its->rates[section] * (distance - its->begins[section]);
 }
 
-/* Write what the plant is sent of the rail where the train was last. */
+/* Write the rail inputs of the plant for the last position of the train. */
 EXPORT void write_rail_inputs(const Rail *its, double *inputs)
 {
     for (int w = 0; w < WHEELSETS; w++)

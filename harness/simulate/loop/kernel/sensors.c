@@ -1,4 +1,4 @@
-/* What the instruments of sensors.h read; what they are is said in sensors.py. */
+/* The instruments of sensors.h; sensors.py describes them. */
 
 #include <math.h>
 
@@ -16,7 +16,7 @@ int due(Every every, long long step)
     return step * every.turns % every.steps < every.turns;
 }
 
-/* Where a tooth stands: at count times pitch, and its error, which repeats with every revolution. */
+/* Angle of a tooth: count times pitch, plus its error, which repeats with every revolution. */
 static double tooth(const Encoder *its, long long count)
 {
     return (double)count * its->pitch + its->teeth[count % its->pulses];
@@ -62,7 +62,7 @@ static double at(const Course *its, double distance)
     return its->values[before] + (place - (double)before) * (its->values[after] - its->values[before]);
 }
 
-/* What the rail under a wheelset adds to its deflection: the frame does not follow short waves, and follows long ones. */
+/* Deflection that the rail under a wheelset causes: the frame follows long waves, and does not follow short ones. */
 static double shaken(Service *its, int wheelset, double distance)
 {
     double *shift = its->shift + 2 * wheelset;
@@ -73,7 +73,7 @@ static double shaken(Service *its, int wheelset, double distance)
     return moved;
 }
 
-/* The newest reading of an encoder since the last one; the wheel's speed changes evenly in between. */
+/* The newest reading of an encoder since the last sample; the wheel's speed is interpolated linearly in between. */
 static double read_newest(Encoder *its, long long sample, long long samples, double speed)
 {
     const double before = its->speed;
@@ -90,7 +90,7 @@ static double read_newest(Encoder *its, long long sample, long long samples, dou
     return newest;
 }
 
-/* The reading of a transducer's lag, whose pressure changes evenly from one reading to the next. */
+/* The output of a transducer with lag; the pressure is interpolated linearly between samples. */
 static double lagging(Service *its, int g, long long sample, double pressure)
 {
     if (sample == 0)
@@ -121,7 +121,7 @@ EXPORT void read_service(Service *its, long long sample, const double *truth, do
         if (between > 0.0)
             speed += between * (its->past[(sample - whole - 1) % ring] - speed);
         const double late = speed * factor + noise[0];
-        /* The latency is known from the data sheet: the sensor's own electronics carries its reading forward. */
+        /* The latency is known from the data sheet, and the sensor's own electronics extrapolates its reading. */
         reading[READING_SPEED] = late + acceleration * its->speed_latency * its->period;
     }
     for (int g = 0; g < GROUPS; g++) {

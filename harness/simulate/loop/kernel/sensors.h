@@ -1,4 +1,4 @@
-/* Instruments as a train in service may have them. */
+/* Instruments of a train in service. */
 #ifndef SENSORS_H
 #define SENSORS_H
 
@@ -7,7 +7,7 @@
 
 enum { NOISES = 2 + WHEELSETS };                 /* train speed, acceleration, one per deflection */
 
-/* `turns` turns of a part in `steps` steps of what it follows. */
+/* `turns` turns of a part per `steps` steps of its reference. */
 typedef struct {
     long long steps, turns;
 } Every;
@@ -15,36 +15,37 @@ typedef struct {
 typedef struct {
     const double *teeth;                         /* errors of the tooth positions [rad] */
     double pitch, clock, period, silence;
-    double angle, stamp, speed;                  /* stamp: of the last pulse, negative before the first */
-    long long pulses, count;                     /* count: of the last tooth seen */
-    long long missing, begin, end;               /* teeth from the first of a revolution on; samples, `end` is not one of them */
+    double angle, stamp, speed;                  /* stamp: time of the last pulse, negative before the first one */
+    long long pulses, count;                     /* count: number of the last tooth */
+    long long missing, begin, end;               /* teeth from the first of a revolution on; samples, `end` excluded */
 } Encoder;
 
 typedef struct {
-    const double *values;                        /* at even places; straight between them, beyond the ends as there */
+    const double *values;                        /* at even places; linear between them, constant beyond the ends */
     double begin, step;                          /* [m] */
     long long count;
 } Course;
 
 typedef struct {
     Encoder encoder[GROUPS];
-    Course gravity, rail;                        /* along the track [m/s2]; height of the rail [m]; count 0: there is none */
-    const double *position;                      /* of each wheelset behind the leading one [m] */
-    const double *speed_factor;                  /* of one reading of the train speed after the other, and again; NaN: lost */
-    double shift[2 * WHEELSETS];                 /* of each wheelset, what the frame over it remembers of the rail [m] */
-    double forward[3], back[2];                  /* from the height of the rail to the deflection: a digital filter */
+    Course gravity, rail;                        /* gravity along the track [m/s2]; height of the rail [m]; count 0: absent */
+    const double *position;                      /* distance of each wheelset behind the leading one [m] */
+    const double *speed_factor;                  /* per reading of the train speed, repeating; NaN: reading lost */
+    double shift[2 * WHEELSETS];                 /* filter state of each wheelset [m] */
+    double forward[3], back[2];                  /* digital filter from the height of the rail to the deflection */
     double *noise;                               /* rows of NOISES for `block` samples from a multiple of it on */
-    const double *offset_steps;                  /* of each transducer, in steps of the converter */
+    const double *offset_steps;                  /* offset of each transducer, in steps of the converter */
     double *past;                                /* `remembered` train speeds, a ring */
     double speed_latency;                        /* samples */
     double period, acceleration_bias, pressure_step, pressure_share;
-    double pressure[GROUPS], before[GROUPS];     /* behind the transducers' lag; in the cylinders at the last reading */
+    double pressure[GROUPS], before[GROUPS];     /* after the transducers' lag; in the cylinders at the last reading */
     long long block, remembered, speed_factors;
-    long long samples;                           /* of encoders and transducers from one reading to the next */
+    long long samples;                           /* samples of encoders and transducers per reading */
     Every speed_every;
 } Service;
 
-/* The last turn that began until a step, and whether it is due at that step: the first at or after each multiple of the period. */
+/* The last turn that began until a step; and whether a turn is due at a step: the first one at or after each multiple of the
+   period. */
 long long turn(Every every, long long step);
 int due(Every every, long long step);
 

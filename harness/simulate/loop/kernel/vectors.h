@@ -1,8 +1,8 @@
-/* Of vectors of doubles. */
+/* Vectors of doubles. */
 #ifndef VECTORS_H
 #define VECTORS_H
 
-/* Of a sensor that has nothing new, or an unknown quantity. */
+/* Value for a sensor without a new reading, or an unknown quantity. */
 static const double NOTHING = 0.0 / 0.0;
 
 static void copy(double *to, const double *from, long long count)
