@@ -52,8 +52,8 @@ def compared(results: AxleBoxResults) -> Table:
     rows = [
         Compared("Fig. 5 to 8", f"mean amplitude at {', '.join(map(str, levels))} mph [m/s²]", "rises with speed",
                  " / ".join(f"{level:.4f}" for level in levels.values())),
-        Compared("Fig. 9", "inputs", 4, inputs, "{:d}"),
-        Compared("Fig. 9", "hidden neurons", 6, hidden, "{:d}"),
+        Compared("Fig. 9", "inputs", 4, inputs, "{:d}", is_chosen=True),
+        Compared("Fig. 9", "hidden neurons", 6, hidden, "{:d}", is_chosen=True),
     ]  # fmt: skip
     for s, network in results.networks.items():
         late = parts_of(results.runs[s], results.recipe)[1]

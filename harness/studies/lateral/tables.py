@@ -167,8 +167,8 @@ def compared(trace: Trace) -> Table:
         *(Compared("Fig. 2", f"largest adhesion, {rail.name}", rail.mu0,
                    float(adhesion(rail, creep, trace.case.speed).max()), "{:.3f}") for rail in CONDITIONS),
         Compared("Fig. 4 to 23", "largest deviation of the track", 7.0, 1e3 * float(np.abs(trace.track).max()),
-                 "{:.1f} mm"),
-        Compared("Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s", changes),
+                 "{:.1f} mm", is_chosen=True),
+        Compared("Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s", changes, is_chosen=True),
         Compared("Fig. 23", "largest error of the creep force, literal filter", 2.0, instant, "at {:.1f} s",
                  f"{instant - 2.0:+.1f} s".replace("-", "−")),
     ]  # fmt: skip

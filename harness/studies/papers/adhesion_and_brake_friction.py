@@ -376,11 +376,11 @@ def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
     """Return what the text says of figure 4, beside the sliding test."""
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
     return [
-        Compared("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h"),
-        Compared("Fig. 4", "short brakings", 3.0, float(len(short)), "{:.0f}"),
-        Compared("Fig. 4", "begin of the first short braking", 18.0, short[0][0], "{:.1f} s"),
+        Compared("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h", is_chosen=True),
+        Compared("Fig. 4", "short brakings", 3.0, float(len(short)), "{:.0f}", is_chosen=True),
+        Compared("Fig. 4", "begin of the first short braking", 18.0, short[0][0], "{:.1f} s", is_chosen=True),
         Compared("Fig. 4", "end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
-        Compared("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s"),
+        Compared("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s", is_chosen=True),
         *(
             Compared("Fig. 4", f"adhesion until {low.end:g} s, {name} quantile", (0.02, 0.05), adhesion, "{:.3f}")
             for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True)
@@ -394,7 +394,7 @@ def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Co
     """Return what the text says of figure 5, beside the sanding test."""
     names = ("first peak", "after the fall", "after the release", "at last")
     return [
-        Compared("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h"),
+        Compared("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
         *(
             Compared("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}")
             for name, published, ours in zip(names, (0.1, 0.05, 0.1, 0.0), sand["adhesion"], strict=True)
