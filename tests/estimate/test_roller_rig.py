@@ -16,6 +16,7 @@ from railgrip.studies.papers import adhesion_and_brake_friction as published
 from railgrip.studies.roller_rig import (
     ENCODERS,
     R_OF_SPEED,
+    WRONG_START,
     encoded,
     excursions,
     outside_events,
@@ -53,14 +54,16 @@ def test_load_cells_measure_adhesion_without_bias(sand):
 
 def test_adhesion_passes_its_peak_falls_comes_back_and_goes_to_zero(sand):
     """Figure 6 of Schwarz and Keck (2020): 0.1, 0.05, after release 0.1 again, then 0."""
-    part = sand.sel(time=slice(3.0, 8.0))
+    part = sand.sel(time=slice(4.0, 10.0))
     alpha, slip = truth_of(part, "alpha"), truth_of(part, "slip")
     deepest = int(np.argmax(slip))
     first, second = alpha[:deepest], alpha[deepest:]
-    assert first.max() == pytest.approx(0.095, abs=0.01)
-    assert alpha[deepest] == pytest.approx(0.052, abs=0.006)
-    assert second.max() == pytest.approx(0.09, abs=0.01)
+    # Friction scatters by 5 % along the roller.
+    assert first.max() == pytest.approx(0.1, abs=0.01)
+    assert alpha[deepest] == pytest.approx(0.05, abs=0.005)
+    assert second.max() == pytest.approx(0.1, abs=0.01)
     assert second[np.argmax(second) :].min() < 0.005
+    assert published.slides(sand) == 1
 
 
 def test_figures_can_be_read(sand, tmp_path):
@@ -79,6 +82,20 @@ def test_figures_can_be_read(sand, tmp_path):
         "tunings": tunings(sand, estimates),
     }.items():
         assert save(drawing, tmp_path / f"{name}.png").is_file()
+
+
+@pytest.mark.parametrize("name", ["rig_paper", "rig_own"])
+def test_a_wrong_start_of_adhesion_is_corrected_in_tenths_of_a_second(sand, name):
+    """Figures 4 and 5: "in the first few tenths of a second"; the rest of the estimates does not depend on it."""
+    wrong, right = (
+        estimate_of(load_specification(LIBRARY / f"{name}.toml", start), sand) for start in (WRONG_START, ())
+    )
+    assert published.settling(sand, right) == 0.0
+    assert 0.0 < published.settling(sand, wrong) < 0.3
+    later = sand["time"].values > 1.0
+    apart = (wrong["mean"] - right["mean"]).sel(state=["alpha", "mu_b"]).values[later]
+    # A thousandth of the wrong start.
+    assert np.abs(apart).max() < 1e-4
 
 
 @pytest.mark.parametrize("name", ["rig_paper", "rig_own"])

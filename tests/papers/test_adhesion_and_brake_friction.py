@@ -54,9 +54,38 @@ def test_errors_above_the_limit_count_once_a_stretch_and_only_in_the_deep_slide(
     assert page.peaks_in_slide(recording, estimates) == 2
 
 
+def test_the_start_is_corrected_when_the_error_stays_within_the_limit():
+    time = np.arange(600) * PERIOD
+    for begin, end, expected in (
+        (0.0, 0.3, 0.3),
+        (0.2, 0.4, 0.4),
+        (0.0, 0.0, 0.0),
+        (0.0, 1.5, np.inf),
+        (2.5, 2.6, 0.0),
+    ):
+        error = np.where((time >= begin - 1e-9) & (time < end - 1e-9), 0.03, 0.0)
+        recording = recording_of({"speed": (time, "m/s")}, period=PERIOD, truth={"alpha": (0 * time, "1")})
+        estimates = xarray.Dataset(
+            {"mean": (("time", "state"), error[:, None])}, coords={"time": recording["time"], "state": ["alpha"]}
+        )
+        assert page.settling(recording, estimates) == pytest.approx(expected, abs=PERIOD / 10)
+
+
+def test_the_response_of_a_lag_is_its_time_constant():
+    """Pad force with a lag of 0.2 s behind two interventions."""
+    time = np.arange(4000) * PERIOD
+    busy, force = np.zeros(time.size), np.full(time.size, 4e4)
+    for begin in (4.0, 12.0):
+        since = time - begin
+        part = (since >= -PERIOD / 2) & (since < 3.0)
+        busy[part], force[part] = 1.0, 4e4 * np.exp(-since[part] / 0.2)
+    recording = recording_of({"pad_force": (force, "N"), "protecting": (busy, "1")}, period=PERIOD)
+    assert page.response(recording) == pytest.approx(0.2, abs=2 * PERIOD)
+
+
 @pytest.fixture(scope="module")
 def slide():
-    scenario = load(Path("rig_sand"), ["limits.horizon='8 s'"])
+    scenario = load(Path("rig_sand"), ["limits.horizon='11 s'"])
     return page.points_of_slide(recording_of_rig(scenario), VehicleData(scenario).contact)
 
 

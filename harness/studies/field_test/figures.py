@@ -14,7 +14,7 @@ from railgrip.report import palette, style
 from railgrip.rolling_stock.drawing import drawing as train_drawing
 from railgrip.rolling_stock.schema import Train
 from railgrip.studies.field_test.filtering import GROUPS, FilterTask
-from railgrip.studies.field_test.published import ADHESIONS, OVERBRAKING, PRESSURES, START_SPEED, TIMES
+from railgrip.studies.field_test.published import ADHESIONS, OSCILLATION, OVERBRAKING, PRESSURES, START_SPEED, TIMES
 from railgrip.studies.field_test.runs import FieldRun
 from railgrip.studies.field_test.score import R_WHEEL, Sweep
 from railgrip.trace.samples import reading_of
@@ -196,6 +196,9 @@ def friction_figure(task: FilterTask, estimates: Mapping[str, FilterRecord]) -> 
             curve.plot(true_slip[moving], task.truth[moving, 1 + 2 * GROUPS + group], color=palette.GREY, linewidth=2.5,
                        alpha=0.5, label="true" if group == MB1 else None)  # fmt: skip
             curve.plot(slip[moving], alpha[moving], ".", color=COLOURS[group], markersize=2.5, label=GROUP_NAMES[group])
+        pads.axvline(OSCILLATION, color=palette.BLACK, linewidth=1.0, linestyle=":", label="published oscillation")
+        # No level of the paper is so high: the wheelsets are accelerated over the peak of the creep curve.
+        curve.text(6, 0.215, "motor bogie 1, out of the slide", fontsize=8, color=COLOURS[MB1])
         for number, level in enumerate(ADHESIONS):
             curve.axhline(level, color=palette.BLACK, linewidth=1.0, linestyle=":",
                           label=None if number else "published, motor bogie 1")  # fmt: skip

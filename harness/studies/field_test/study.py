@@ -52,6 +52,7 @@ from railgrip.studies.field_test.score import (
     terms_of,
     track_score,
 )
+from railgrip.studies.field_test.tune import limits
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 from railgrip.trace.samples import truth_of
@@ -97,6 +98,7 @@ class FieldTest(Study):
             "tracks": _tracks(of_case),
             "case": _case(scores, _worst(others, filter_, noises)),
             "pads": _pads(tasks, filter_, noises),
+            "noises": noise_table(noises),
             "track_spread": Table.of(
                 tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
             ),
@@ -125,7 +127,6 @@ class FieldTest(Study):
                 "groups": _groups(scores),
                 "lost": {title: at for title, run in estimates.items() if (at := lost(test, run)) is not None},
                 "sets": len(track_spread),
-                "noises": _noises(noises),
                 "common": common,
                 "trusted": trusted,
             },
@@ -203,12 +204,22 @@ def _pads(tasks: Mapping[str, FilterTask], filter_: CompiledFilter, noises: Mapp
     return Table.of(("noises", *tasks), rows, "{:.2f}")
 
 
-def _noises(noises: Mapping[str, Noise]) -> Table:
-    rows = [
-        (f"{name} [{unit}]", *(noise.values[i] for noise in noises.values()))
-        for i, (name, unit) in enumerate(zip(NAMES, UNITS, strict=True))
-    ]
-    return Table.of(("entry", *noises), rows, "{:.2e}")
+def noise_table(noises: Mapping[str, Noise]) -> Table:
+    """Return the twelve noises of each set with the bounds of the search; those at a bound are marked."""
+    rows: list[tuple[str, ...]] = []
+    for i, (name, unit, (low, high)) in enumerate(zip(NAMES, UNITS, limits(), strict=True)):
+        values = [noise.values[i] for noise in noises.values()]
+        margins = [min(np.log10(value) - low, high - np.log10(value)) for value in values]
+        cells = (
+            f"{value:.2e}{' (bound)' if margin < _AT_BOUND else ''}"
+            for value, margin in zip(values, margins, strict=True)
+        )
+        rows.append((f"{name} [{unit}]", *cells, f"{10**low:.0e} – {10**high:.0e}"))
+    return Table.of(("entry", *noises, "bounds"), rows)
+
+
+_AT_BOUND = 0.1
+"""Decades from a bound of the search within which a noise counts as at the bound; ranges have seven decades or more."""
 
 
 def _answer(scores: Mapping[str, Figures]) -> str:

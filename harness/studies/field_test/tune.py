@@ -109,7 +109,7 @@ def _evolved(
     with ThreadPoolExecutor(threads) as pool:
         optimum = differential_evolution(
             objective,
-            _limits(),
+            limits(),
             init=population,  # pyright: ignore[reportArgumentType] - the stubs know names only
             maxiter=generations,
             rng=np.random.default_rng(draws),
@@ -127,16 +127,17 @@ def _evolved(
     return optimum.population[order], float(optimum.fun), history
 
 
-def _limits() -> list[tuple[float, float]]:
+def limits() -> list[tuple[float, float]]:
+    """Return the bounds of the search, decadic logarithms, in the order of `NAMES`."""
     return [BOUNDS.get(name, BOUNDS[name.rstrip("1234")]) for name in NAMES]
 
 
 def _first(search: Search) -> Array:
     """Return a first population: a Latin hypercube with `PHYSICAL` among it, so that no worse noises are found."""
-    limits = np.array(_limits()).T
+    bounds = np.array(limits()).T
     sample = qmc.LatinHypercube(len(NAMES), rng=np.random.default_rng(search.seed)).random(search.population)
-    population = qmc.scale(sample, *limits)
-    population[0] = np.clip(PHYSICAL.logarithms, *limits)
+    population = qmc.scale(sample, *bounds)
+    population[0] = np.clip(PHYSICAL.logarithms, *bounds)
     return population
 
 

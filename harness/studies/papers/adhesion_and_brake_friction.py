@@ -30,7 +30,11 @@ RADIUS = 0.46
 LIMIT = 0.02
 """Error of adhesion that the paper keeps outside protection events."""
 RECOVERY = 0.1
-"""Time in which it corrects a larger one [s]; a protection answers in 0.2 s."""
+"""Time in which it corrects a larger one [s]."""
+RESPONSE = 0.2
+"""Usual response time of a wheel-slide protection, "about", §4 [s]."""
+FALLEN = 1 / np.e
+"""Share of the pad force that is left when the protection has responded: after one time constant of a lag."""
 PRESSED = 3e3
 """Pad force from which the brake counts as applied [N]: 30 times the noise of its load cell."""
 
@@ -65,8 +69,10 @@ STATEMENTS: Mapping[str, Sequence[Statement]] = {
 START_SPEED = {"rig_slide": 120.0, "rig_sand": 200.0}
 """Published [km/h]."""
 
-DEEP_SLIDE = (3.0, 11.0)
+DEEP_SLIDE = (4.0, 11.0)
 """Seconds of the sanding test in which adhesion passes its peak, falls, comes back and goes to zero: figure 6."""
+SLIDING = 0.1
+"""Slip above which the wheelset slides: several times the slip of the peak."""
 
 
 def measured_adhesion(recording: xarray.Dataset) -> Vector:
@@ -138,12 +144,11 @@ def rig_figure() -> Figure:
 
 
 def points_of_slide(recording: xarray.Dataset, contact: Contact) -> dict[str, Any]:
-    """Return the points of figure 3 in the first slide of the sanding test, and the creep curve of its release.
+    """Return the points of figure 3 in the slide of figure 6, and the creep curve of its release.
 
     1 is the peak of the curve, 2 the largest slip, 3 the wheelset rolling again. `way`: samples from 2 to 3.
     """
     part = recording.sel(time=slice(*DEEP_SLIDE))
-    part = part.sel(time=slice(None, (DEEP_SLIDE[0] + DEEP_SLIDE[1]) / 2 + 0.5))
     slip, adhesion = truth_of(part, "slip"), truth_of(part, "alpha")
     release = int(np.argmax(slip))
     again = release + int(np.argmax(slip[release:] < 1e-3))
@@ -230,7 +235,7 @@ def _draw_statement(statement: Statement, adhesion: Axes, friction: Axes, top: f
 
 
 def over_slip_figure(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) -> Figure:
-    """Draw adhesion over slip and its absolute error in the deep slides of the sanding test (figure 6)."""
+    """Draw adhesion over slip and its absolute error in the deep slide of the sanding test (figure 6)."""
     part = recording.sel(time=slice(*DEEP_SLIDE))
     slip, truth = 100 * truth_of(part, "slip"), truth_of(part, "alpha")
     drawing, (above, below) = style.panels(8, 6, 2, 1, sharex=True)
@@ -275,6 +280,7 @@ def measures(
     tests: Mapping[str, tuple[xarray.Dataset, Mapping[str, xarray.Dataset]]],
     scores: Sequence[Mapping[str, Any]],
     slide: Mapping[str, Any],
+    same_protection: xarray.Dataset,
 ) -> dict[str, Any]:
     """Return what is measured in our figures, by name; the table of the page is made of it.
 
@@ -282,6 +288,7 @@ def measures(
         tests: Recording and estimates by test.
         scores: Rows of the study: errors of each filter in each test.
         slide: See `points_of_slide`.
+        same_protection: Recording of the sanding test with the protection of the sliding test.
     """
     found: dict[str, Any] = {"points": {str(number): point for number, point in slide["points"].items()}}
     for test, (recording, estimates) in tests.items():
@@ -290,6 +297,8 @@ def measures(
         courses = {name: estimate["mean"].sel(state="mu_b").values for name, estimate in estimates.items()}
         courses["true"] = truth_of(recording, "mu_b")
         found[test]["pad friction"] = {name: _rise(course, recording, begin) for name, course in courses.items()}
+        found[test]["settling"] = {name: settling(recording, estimate) for name, estimate in estimates.items()}
+        found[test]["response"] = response(recording)
         found[test]["oscillation"] = _oscillation(estimates["rig-paper"]["mean"].sel(state="mu_b").values, recording)
         found[test]["filters"] = {
             row["filter"]: {key: row[key] for key in ("alpha_outside", "longest", "excursions")}
@@ -302,6 +311,8 @@ def measures(
     found["rig_slide"]["adhesion"] = [float(value) for value in quantiles]
     recording, estimates = tests["rig_sand"]
     found["rig_sand"]["adhesion"] = _adhesion_of_slide(recording)
+    found["rig_sand"]["slides"] = slides(recording)
+    found["rig_sand"]["applications, same protection"] = brakings(same_protection)["applications"]
     found["rig_sand"]["peaks"] = {name: peaks_in_slide(recording, estimate) for name, estimate in estimates.items()}
     return found
 
@@ -320,6 +331,35 @@ def brakings(recording: xarray.Dataset) -> dict[str, Any]:
         "stop": stop,
         "applications": float(np.sum(begins >= stop) / (time[-1] - stop)),
     }
+
+
+def settling(recording: xarray.Dataset, estimates: xarray.Dataset) -> float:
+    """Return the time [s] after the start until the error of adhesion is within `LIMIT`, for a second at least.
+
+    Infinite if it is not within the first second.
+    """
+    time = recording["time"].values - recording["time"].values[0]
+    over = ~(np.abs(errors(recording, estimates, "alpha")) <= LIMIT) & (time <= 2.0)
+    last = float(time[np.flatnonzero(over)[-1]]) if over.any() else -period_of(recording)
+    return last + period_of(recording) if last < 1.0 else float("inf")
+
+
+def response(recording: xarray.Dataset) -> float:
+    """Return the time [s] from an intervention of the protection until the pad force has fallen to `FALLEN`, median."""
+    force, busy = reading_of(recording, "pad_force"), reading_of(recording, "protecting") > 0.5
+    begins = np.flatnonzero(np.diff(busy.astype(int)) > 0) + 1
+    times = [
+        float(np.argmax(force[begin:] < FALLEN * force[begin])) * period_of(recording)
+        for begin in begins
+        if force[begin] > PRESSED and (force[begin:] < FALLEN * force[begin]).any()
+    ]
+    return float(np.median(times))
+
+
+def slides(recording: xarray.Dataset) -> int:
+    """Return how many slides begin in the seconds of figure 6."""
+    sliding = truth_of(recording.sel(time=slice(*DEEP_SLIDE)), "slip") > SLIDING
+    return int(np.sum(np.diff(sliding.astype(int)) > 0))
 
 
 def _rise(friction: Vector, recording: xarray.Dataset, begin: float) -> list[float]:
@@ -343,7 +383,7 @@ def peaks_in_slide(recording: xarray.Dataset, estimates: xarray.Dataset) -> int:
 
 def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
     """Return adhesion by the load cells at its first peak, where slip is largest, at the next peak, and at last."""
-    part = recording.sel(time=slice(DEEP_SLIDE[0], 7.6))
+    part = recording.sel(time=slice(*DEEP_SLIDE))
     slip, adhesion = truth_of(part, "slip"), measured_adhesion(part)
     largest = int(np.argmax(slip))
     again = largest + int(np.argmax(slip[largest:] < 1e-3))
@@ -369,7 +409,10 @@ def compared(found: Mapping[str, Any]) -> list[Compared]:
                  f"{count} / {sand['filters'][name]['excursions']}")
         for name, count in sand["peaks"].items()
     ]  # fmt: skip
-    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *_compared_errors("Fig. 6", sand), *peaks]
+    answer = Compared("Fig. 6", "response of the protection, slide / sand", f"about {RESPONSE:g} s",
+                      f"{slide['response']:.2f} / {sand['response']:.2f} s")  # fmt: skip
+    errors_of_sand = _compared_errors("Fig. 6", sand)
+    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *errors_of_sand, *peaks, answer]
 
 
 def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
@@ -382,9 +425,17 @@ def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
         Compared("Fig. 4", "end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
         Compared("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s", is_chosen=True),
         *(
-            Compared("Fig. 4", f"adhesion until {low.end:g} s, {name} quantile", (0.02, 0.05), adhesion, "{:.3f}")
+            Compared(
+                "Fig. 4",
+                f"adhesion until {low.end:g} s, {name} quantile",
+                (0.02, 0.05),
+                adhesion,
+                "{:.3f}",
+                is_chosen=True,
+            )
             for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True)
         ),
+        *_compared_start("Fig. 4", slide),
         *_compared_friction("Fig. 4", slide),
         *_compared_errors("Fig. 4", slide),
     ]
@@ -396,12 +447,17 @@ def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Co
     return [
         Compared("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
         *(
-            Compared("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}")
+            Compared("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}", is_chosen=published > 0)
             for name, published, ours in zip(names, (0.1, 0.05, 0.1, 0.0), sand["adhesion"], strict=True)
         ),
+        Compared("Fig. 5", f"slides with more than {100 * SLIDING:g} % slip, 4 to 11 s", 1, sand["slides"], "{:d}",
+                 is_chosen=True),
+        *_compared_start("Fig. 5", sand),
         *_compared_friction("Fig. 5", sand),
         Compared("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
                  f"{slide['applications']:.2f} / {sand['applications']:.2f}"),
+        Compared("Fig. 5", "the same with one protection in both tests", "fewer in the sanding test",
+                 f"{slide['applications']:.2f} / {sand['applications, same protection']:.2f}"),
         Compared("Fig. 5", "rms oscillation of estimated pad friction, slide / sand", "larger in the sanding test",
                  f"{slide['oscillation']:.4f} / {sand['oscillation']:.4f}"),
     ]  # fmt: skip
@@ -418,6 +474,15 @@ def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[Compared]:
             Compared(figure, longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
         ]
     return rows
+
+
+def _compared_start(figure: str, test: Mapping[str, Any]) -> list[Compared]:
+    """Return how long each filter takes to correct an adhesion that is wrong at its start."""
+    return [
+        Compared(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
+                 f"{seconds:.3f} s")
+        for name, seconds in test["settling"].items()
+    ]  # fmt: skip
 
 
 def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[Compared]:

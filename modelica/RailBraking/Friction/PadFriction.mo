@@ -15,15 +15,22 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-A first-order lag towards a product of three linear effects, in the spirit of Ostermeyer (2003): friction rises
-towards standstill and with temperature and falls with pressure; it settles over an amount of friction work, not
-over a time, because contact patches must wear in. The coefficients are engineering estimates that reproduce
-the trends of published dynamometer and field tests (0.36 rising to 0.40 in an emergency stop from 85 km/h).
+A first-order lag towards a product of three linear effects: friction rises towards standstill and with the temperature
+of the disc, and falls with pad force. It settles over an amount of friction work, not over a time, because contact
+patches must wear in, as in the model of Ostermeyer (2003). In an emergency stop of the two-part train from 85 km/h it
+rises from 0.36 to 0.40. Schwarz, L&uuml;dicke and Heckmann (2019) report the rise with temperature, Schwarz and Keck
+(2020) the rise towards standstill. All coefficients are engineering estimates, and so is the sign of the effect of pad
+force.
+</p>
+<p>
+This is a formulation of RailBraking, not the model of Ehret (2021) that Schwarz, Posielek and Goetjes (2021) use. Only
+the abstract of Ehret's model was available: it links relative velocity, temperatures and normal pressure of the
+contact surfaces to the instantaneous friction, with parameters identified on a full-scale dynamometer, and is verified
+by braking distances. This class has neither measured parameters nor temperatures of the contact surfaces.
 </p>
 <p>
 With released pads there is no friction work and <code>mu</code> keeps its value: the rate vanishes as the fourth
-power of
-the force below <code>F_release</code>.
+power of the force below <code>F_release</code>.
 </p>
 <h4>Limitations</h4>
 <p>

@@ -17,17 +17,17 @@ wheel-rail interface. 3C Tecnolog&iacute;a, special issue (2020), 279-301.</li>
 <li>Pugi, L. et al.: A parametric library for the simulation of a UIC pneumatic braking system. Proc. IMechE Part F 218
 (2004), 117-132.</li>
 <li>Pugi, L. et al.: Railway Engineering Science 31 (2023), 108, on wheel-slide protection valves.</li>
-<li>Schwarz, C., L&uuml;dicke, D., Heckmann, A.: Friction Estimation for Railway Brake Systems in Field Tests. Int.
+<li>Schwarz, C., L&uuml;dicke, D., Heckmann, B.: Friction Estimation for Railway Brake Systems in Field Tests. Int.
 Railway Symposium Aachen (2019), 608-623.</li>
 <li>Schwarz, C., Keck, A.: Simultaneous Estimation of Wheel-Rail Adhesion and Brake Friction Behaviour.
 IFAC-PapersOnLine 53 (2020), 8470-8475.</li>
-<li>Schwarz, C., Posielek, T., Goetjes, B.: Adhesion-Based Maximum-Seeking Brake Control for Railway Vehicles.</li>
+<li>Schwarz, C., Posielek, T., Goetjes, B.: Adhesion-Based Maximum-Seeking Brake Control for Railway Vehicles
+(2021).</li>
 <li>UIC 540: Air brakes for freight trains and passenger trains. 5th edition (2006).</li>
 </ul>
 <p>
-Vehicle data not found in these papers (brake rigging, suspension, discs) are engineering estimates that reproduce the
-published
-emergency stops; each default can be changed.
+Vehicle data not found in these papers (brake rigging, suspension, discs) are engineering estimates; each default can
+be changed.
 </p>
 </html>"));
 end References;
