@@ -41,7 +41,7 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
     controllers = list(dict.fromkeys(_name(cell) for cell in cells))
     equipment = list(dict.fromkeys(cell.line[0] for cell in cells))
     drawing, panels = style.panels(11, 0.37 * len(controllers) + 1.3, 1, len(scenarios), sharey=True, squeeze=False)
-    drawing.get_layout_engine().set(w_pad=0.08)  # pyright: ignore[reportOptionalMemberAccess, reportCallIssue]
+    drawing.set_layout_engine("constrained", rect=(0.0, 0.0, 0.985, 1.0), w_pad=0.12)
     for panel, scenario in zip(panels[0], scenarios, strict=True):
         here = [cell for cell in cells if cell.column == scenario]
         style.dress(panel, x="braking distance [m]")
@@ -107,10 +107,10 @@ def _draw(panel: Axes, cell: Cell, row: int, number: int, count: int, high: floa
     y = row + 0.3 * (number - (count - 1) / 2)
     mark = _mark(number)
     if distance > high:
-        panel.plot([high], [y], **(mark | {"marker": ">", "clip_on": False}))
+        mark.update(marker=">", clip_on=False)
     else:
         panel.plot(cell.ends, [y, y], "-|", color=mark["color"], linewidth=1.6, markersize=5, zorder=3)
-        panel.plot([distance], [y], **(mark | {"zorder": 4}))
+    panel.plot([min(distance, high)], [y], zorder=4, **mark)
     panel.text(
         *(_column(number), row),
         f"{distance:.0f}",
