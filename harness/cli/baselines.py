@@ -104,13 +104,26 @@ def validation(
     docs: Annotated[Path, typer.Option(help="Folder of the pages.")] = Path("docs"),
 ) -> None:
     """Write the accepted distances into the documentation."""
+    # Only this command draws: the other ones start without matplotlib.
+    from railgrip.report.style import save
+    from railgrip.report.validation_figure import BASELINE, FILE, distances_figure
+
+    path = baselines / f"{BASELINE}.toml"
+    accepted = _baseline_of_campaign(path)
+    figure, numbers = distances_figure(load_campaign(path.parent / str(accepted.campaign)), accepted)
+    say(str(save(figure, docs / FILE, numbers)))
     for name, (page, tables_of) in TABLES.items():
         path = baselines / f"{name}.toml"
-        accepted = load_baseline(path)
-        if accepted.campaign is None:
-            raise ScenarioError(f"{path}: is the baseline of a study; the table is that of a campaign")
-        write_tables(docs / page, tables_of(load_campaign(path.parent / accepted.campaign), accepted))
+        accepted = _baseline_of_campaign(path)
+        write_tables(docs / page, tables_of(load_campaign(path.parent / str(accepted.campaign)), accepted))
         say(str(docs / page))
+
+
+def _baseline_of_campaign(path: Path) -> Baseline:
+    accepted = load_baseline(path)
+    if accepted.campaign is None:
+        raise ScenarioError(f"{path}: is the baseline of a study; the table is that of a campaign")
+    return accepted
 
 
 def conditioning(

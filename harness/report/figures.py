@@ -156,19 +156,21 @@ def adhesion_figure(sbc: Result, abc: Result) -> Figure:
     return drawing
 
 
-def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float) -> None:
-    """Draw adhesion of the first wheelset and its maximum in a stop with SBC and one with ABC, and the operator's
-    limit.
+def draw_adhesion(panel: Axes, traces: Mapping[str, xarray.Dataset], limit: float, wheelset: int = 0) -> None:
+    """Draw adhesion of a wheelset and the greatest possible in a stop with SBC and one with ABC, and the limit.
 
-    The maximum is that of the rail at the speed of each stop, before the operator's limit.
+    The greatest possible is that of the rail at the speed of each stop, before the operator's limit.
+
+    Args:
+        wheelset: Zero-based number.
     """
     colours = ((palette.BLUE, palette.GREY), (palette.ORANGE, palette.BLACK))
     for (name, trace), (colour, _) in zip(traces.items(), colours, strict=True):
-        panel.plot(trace["time"].values, trace["adhesion"].values[:, 0], color=colour, linewidth=0.9, label=name)
+        panel.plot(trace["time"].values, trace["adhesion"].values[:, wheelset], color=colour, linewidth=0.9, label=name)
     for (name, trace), (_, colour) in zip(traces.items(), colours, strict=True):
         if "peak_adhesion" not in trace:
             continue  # a plant that does not output its brakes has no bound
-        greatest = trace["peak_adhesion"].values[:, 0]
+        greatest = trace["peak_adhesion"].values[:, int(trace["group_of_wheelset"].values[wheelset]) - 1]
         name = f"greatest possible, {name.partition(',')[0]}"
         # Wide and in the background, so that adhesion that has reached it stays visible.
         panel.plot(trace["time"].values, greatest, color=colour, linewidth=2.6, label=name, zorder=1.5)

@@ -70,9 +70,19 @@ def dress(axes: Axes, *, x: str = "", y: str = "", title: str = "") -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def save(drawing: Figure, path: Path) -> Path:
-    """Write a figure as PNG, SVG or PDF by its name, completely or not at all; equal figures give equal bytes."""
-    dates = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
+def save(drawing: Figure, path: Path, description: str | None = None) -> Path:
+    """Write a figure as PNG, SVG or PDF by its name, whole or not at all; the same figure gives the same bytes.
+
+    Args:
+        description: Text for the metadata of an SVG.
+    """
+    dates: dict[str, dict[str, str | None]] = {
+        ".svg": {"Date": None},
+        ".pdf": {"CreationDate": None},
+        ".png": {"Software": None},
+    }
+    if description is not None:
+        dates[".svg"]["Description"] = description
     kind = path.suffix if path.suffix in dates else ".png"
     with replacing(path) as partial, rc_context({"svg.hashsalt": path.name}):
         drawing.savefig(partial, format=kind[1:], dpi=150, metadata=cast(Any, dates[kind]))

@@ -24,7 +24,7 @@ _EQUIPMENT = {"ideal": "ideal, 20 ms lag", "instant": "ideal, 1 ms lag"}
 
 
 @dataclass(frozen=True, slots=True)
-class _Cell:
+class Cell:
     """One planned stop with its accepted distance.
 
     Attributes:
@@ -43,6 +43,7 @@ class _Cell:
 
     @property
     def column(self) -> str:
+        """Name of the scenario."""
         return self.stop.variants["scenario"].replace("_", " ")
 
     @property
@@ -57,14 +58,21 @@ class _Cell:
             return float(np.median(self.lots))
         return self.accepted.value if self.accepted else None
 
-    def change_against(self, other: "_Cell") -> float | None:
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the range over the lots of sensors, or over perturbed plants [m]."""
+        if self.lots:
+            return min(self.lots), max(self.lots)
+        return self.accepted.ends if self.accepted else (math.nan, math.nan)
+
+    def change_against(self, other: "Cell") -> float | None:
         """Return the relative change of the distance, over lots the median of the changes in each lot."""
         if self.lots and other.lots:
             return float(np.median([own / reference - 1 for own, reference in zip(self.lots, other.lots, strict=True)]))
         return self.distance / other.distance - 1 if self.distance and other.distance else None
 
 
-_Lines = dict[tuple[str, str], dict[str, _Cell]]
+_Lines = dict[tuple[str, str], dict[str, Cell]]
 """(equipment, controller) → scenario → cell."""
 
 
@@ -80,7 +88,8 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     Raises:
         ScenarioError: The repeats with other lots of sensors are missing, or belong to another stop.
     """
-    cells = _cells(campaign, baseline)
+    cells = cells_of(campaign, baseline)
+    _require_lots(campaign, cells)
     compared_with = references(cells, lambda cell: cell.scenario, lambda cell: cell.distance)
     lines: _Lines = {}
     texts: dict[tuple[str, str], dict[str, str]] = {}
@@ -108,19 +117,16 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     }
 
 
-def _cells(campaign: Campaign, baseline: Baseline) -> list[_Cell]:
+def cells_of(campaign: Campaign, baseline: Baseline) -> list[Cell]:
     """Return the stops of a campaign with their accepted distances and, if there are some, repeats with other lots."""
     repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
-    cells: list[_Cell] = []
-    stale: list[str] = []
+    cells: list[Cell] = []
     for stop in campaign.stops:
         accepted, reference, repeated = baseline.accepted.get(stop.name), campaign.reference_for(stop), None
-        if campaign.conditioning and isinstance(stop.scenario.sensors, SampledSensors):
-            repeated = repeats.get(stop.name)
-            if not _has_lots_of(stop, repeated, accepted):
-                stale.append(stop.name)
+        if isinstance(stop.scenario.sensors, SampledSensors) and _has_lots_of(stop, repeats.get(stop.name), accepted):
+            repeated = repeats[stop.name]
         cells.append(
-            _Cell(
+            Cell(
                 stop,
                 stop.scenario.resolved(),
                 accepted,
@@ -128,12 +134,18 @@ def _cells(campaign: Campaign, baseline: Baseline) -> list[_Cell]:
                 repeated.lot_distances if repeated else (),
             )
         )
-    if stale:
+    return cells
+
+
+def _require_lots(campaign: Campaign, cells: Sequence[Cell]) -> None:
+    stale = [
+        cell.stop.name for cell in cells if isinstance(cell.stop.scenario.sensors, SampledSensors) and not cell.lots
+    ]
+    if campaign.conditioning and stale:
         raise ScenarioError(
             f"{campaign.name}: there are no repeats with other lots of sensors of {names(stale)} as accepted; run "
             "`railgrip maintain conditioning`"
         )
-    return cells
 
 
 def _has_lots_of(stop: PlannedStop, repeated: Repeated | None, accepted: Accepted | None) -> bool:
@@ -179,9 +191,9 @@ def _discretisation(campaign: Campaign, baseline: Baseline) -> Table:
     """
     repeats = read_conditioning(campaign.conditioning).stops if campaign.conditioning else {}
     texts: dict[tuple[str, str], dict[str, str]] = {}
-    lines: dict[tuple[str, str], dict[str, _Cell]] = {}
+    lines: dict[tuple[str, str], dict[str, Cell]] = {}
     for stop in campaign.stops:
-        cell = _Cell(stop, stop.scenario.resolved(), baseline.accepted.get(stop.name))
+        cell = Cell(stop, stop.scenario.resolved(), baseline.accepted.get(stop.name))
         lines.setdefault(cell.line, {})[cell.column] = cell
         repeated = repeats.get(stop.name)
         if repeated is not None and repeated.steps:
@@ -213,7 +225,7 @@ def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
     rows: dict[str, dict[str, str]] = {}
     for stop in baseline.selection(campaign).stops:
         case, scenario = stop.variants["case"].replace("_", " "), stop.scenario.resolved()
-        cell = _Cell(stop, scenario, baseline.accepted.get(stop.name))
+        cell = Cell(stop, scenario, baseline.accepted.get(stop.name))
         rows.setdefault(case, {})[label(scenario)] = _text(cell, [])
     columns = dict.fromkeys(column for row in rows.values() for column in row)
     table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
@@ -227,7 +239,7 @@ TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, Table]]
 """Baseline → page of docs/ that contains its tables, and the function that returns them by name."""
 
 
-def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
+def _published_rows(lines: Collection[Mapping[str, Cell]], columns: Sequence[str]) -> list[dict[str, Any]]:
     """Return the published distances, a row for each controller of the paper."""
     rows: list[dict[str, Any]] = []
     first: dict[str, float] = {}  # the paper's SBC
@@ -244,7 +256,7 @@ def _published_rows(lines: Collection[Mapping[str, _Cell]], columns: Sequence[st
     return rows
 
 
-def _text(cell: _Cell, others: Sequence[_Cell | None]) -> str:
+def _text(cell: Cell, others: Sequence[Cell | None]) -> str:
     """Return distance or median and range, with the changes against other stops."""
     if cell.accepted is None or cell.distance is None:
         return ""
@@ -262,7 +274,7 @@ def _brackets(changes: Sequence[float | None]) -> str:
     return f" ({', '.join(texts)})" if texts else ""
 
 
-def _name(line: tuple[str, str], lines: Mapping[tuple[str, str], Mapping[str, _Cell]]) -> str:
+def _name(line: tuple[str, str], lines: Mapping[tuple[str, str], Mapping[str, Cell]]) -> str:
     """Return the name of the controller of a line, with its variant if another line of the equipment has that name."""
     equipment, variant = line
     labels = {

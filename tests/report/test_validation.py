@@ -1,5 +1,7 @@
-"""The tables of the documentation have the accepted distances and no others."""
+"""The tables and the figure of the documentation have the accepted distances and no others."""
 
+import html
+import re
 from pathlib import Path
 
 import pytest
@@ -7,7 +9,9 @@ import pytest
 from railgrip.base.errors import RecordError, ScenarioError
 from railgrip.report.baseline import Accepted, Baseline, load_baseline, write_baseline
 from railgrip.report.marked import END, write_tables
+from railgrip.report.style import save
 from railgrip.report.validation import TABLES, tables, tables_of_cases
+from railgrip.report.validation_figure import BASELINE, FILE, distances_figure
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.conditioning import Conditioning, Repeated, text_of
 
@@ -44,6 +48,66 @@ def test_the_table_of_the_page_is_the_accepted_one(name):
     text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     for name, table in tables_of(campaign, baseline).items():
         assert f"{BEGIN.replace('distances', name)}\n{table}\n{END}" in text
+
+
+def description_of(svg):
+    """Return the text that `save` writes into the metadata of an SVG."""
+    text = svg.read_text(encoding="utf-8")
+    return html.unescape(re.search(r"<dc:description>(.*?)</dc:description>", text, re.DOTALL)[1])
+
+
+def test_the_figure_of_the_pages_is_of_the_accepted_distances():
+    """Fails if a baseline was accepted, or lots of sensors were repeated, without `make validation`."""
+    baseline = load_baseline(BASELINES / f"{BASELINE}.toml")
+    _, numbers = distances_figure(load_campaign(BASELINES / baseline.campaign), baseline)
+    assert description_of(ROOT / "docs" / FILE) == numbers
+    for page in ("README.md", "docs/index.md", "docs/validation.md"):
+        assert re.search(rf"!\[.+\]\((docs/)?{FILE}\)", (ROOT / page).read_text(encoding="utf-8"))
+
+
+def drawn(figure):
+    """Return the abscissae of the marks, ranges and vertical lines of the first panel."""
+    lines = [[float(x) for x in line.get_xdata()] for line in figure.axes[0].lines]
+    return (
+        sorted(x[0] for x in lines if len(x) == 1),
+        sorted(x for x in lines if len(x) == 2 and x[0] != x[1]),
+        sorted(x[0] for line, x in zip(figure.axes[0].lines, lines, strict=True) if list(line.get_ydata()) == [0, 1]),
+    )
+
+
+def test_the_figure_has_distances_ranges_and_published_distances(campaign, baseline, tmp_path):
+    figure, numbers = distances_figure(campaign, baseline)
+    assert numbers.splitlines() == [
+        "random-ideal-sbc: 400.0 m, 400.0 to 400.0 m, paper 410.0 m",
+        "random-ideal-fine: 300.0 m, 300.0 to 300.0 m",
+        "random-ideal-coarse: 500.0 m, 500.0 to 500.0 m",
+        "random-ideal-abc: 310.0 m, 290.0 to 340.0 m, paper 369.0 m",
+    ]
+    assert drawn(figure) == ([300, 310, 400, 500], [[290, 340]], [369, 410])
+    assert description_of(save(figure, tmp_path / "f.svg", numbers)) == numbers
+
+
+def test_the_figure_has_medians_over_lots_or_the_accepted_distance_without_lots(campaign_with_lots):
+    campaign, baseline = campaign_with_lots
+    medians, ranges, _ = drawn(distances_figure(campaign, baseline)[0])
+    assert medians == pytest.approx([369.9, 370, 400])
+    # Lots shift SBC and ABC by ±9.5 m, slope seeking by 1.2 times as much.
+    assert ranges == [pytest.approx([358.5, 381.3]), [360.5, 379.5], [390.5, 409.5]]
+    moved = baseline.model_copy(update={"accepted": {name: stop(500) for name in baseline.accepted}})
+    assert drawn(distances_figure(campaign, moved)[0])[:2] == ([500, 500, 500], [])
+
+
+def test_a_controller_that_slides_on_does_not_stretch_the_scale(campaign_with_lots, tmp_path):
+    path = tmp_path / "c.toml"
+    path.write_text(path.read_text().replace('"slip_two_state"', '"full_brake"'), encoding="utf-8")
+    campaign = load_campaign(path)
+    accepted = {"random-service-sbc": 900, "random-service-abc": 370, "random-service-seeking": 360}
+    baseline = Baseline(campaign="c.toml", accepted={name: stop(value) for name, value in accepted.items()})
+    panel = distances_figure(campaign, baseline)[0].axes[0]
+    end = panel.get_xlim()[1]
+    assert 370 < end < 380
+    assert drawn(panel.figure)[0] == [360, 370, end]
+    assert "900" in [text.get_text() for text in panel.texts]
 
 
 def test_a_baseline_of_some_stops_has_a_row_for_each_case(tmp_path):
@@ -167,7 +231,8 @@ def write_lots():
 
 def test_distances_with_erroneous_sensors_are_medians_over_lots_compared_in_pairs(campaign_with_lots):
     """The accepted distance is that of one lot, here the shortest of the twenty."""
-    distances, orders = map(str, tables(*campaign_with_lots).values())
+    named = tables(*campaign_with_lots)
+    distances, orders = str(named["distances"]), str(named["orders"])
     assert "| service: SBC, two-state 10/15 % | 400.0 m, 390.5 – 409.5 m |" in distances
     # The median of 20 changes (370 + d)/(400 + d) − 1 is that of d = ±0.5: −30/399.5 and −30/400.5.
     assert "| service: ABC | 370.0 m, 360.5 – 379.5 m (−7.5 %) |" in distances

@@ -77,6 +77,7 @@ class TrainingRecipe:
         starts: Random initialisations.
         steps: Of Levenberg-Marquardt.
         decay: Weight of the squared weights, see `network.train`.
+        hidden: Neurons of the hidden layer.
     """
 
     inputs: str = "longitudinal"
@@ -85,6 +86,7 @@ class TrainingRecipe:
     starts: int = 15
     steps: int = 100
     decay: float = DECAY
+    hidden: int = HIDDEN
 
     def blocks(self, run: LabelledRun) -> Array:
         """Return the inputs of the network for a run, before scaling."""
@@ -103,7 +105,13 @@ class TrainingRecipe:
         return [
             ScaledNetwork(
                 network=train(
-                    scale(x), y, hidden=HIDDEN, bias=self.bias, generator=draw, decay=self.decay, steps=self.steps
+                    scale(x),
+                    y,
+                    hidden=self.hidden,
+                    bias=self.bias,
+                    generator=draw,
+                    decay=self.decay,
+                    steps=self.steps,
                 ),
                 scale=scale,
             )

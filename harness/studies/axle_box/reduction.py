@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 
 from railgrip.campaign.work import Work
+from railgrip.estimation.judge import rms
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BLOCKS, AntiAlias, Chain, Motion, lateral_and_yaw, motions
 from railgrip.estimators.learned.spectral import Spectral
@@ -56,7 +57,8 @@ class LabelledRun:
         settled: The same with the high-pass started at the mean of the first second.
         slow: Lateral and yaw acceleration at the rate of `SLOW`, the leading wheelset first, m/s², and the speed, m/s,
             shape (m, 9).
-        slope: Of the creep curve relative to that of a clean contact; known for simulated runs only.
+        slope: Slope of the creep curve relative to that of a clean contact; known for simulated runs only.
+        slip_rate: Rms rate of change of the total creepage of the left wheels [1/s]; known for simulated runs only.
     """
 
     name: str
@@ -67,6 +69,7 @@ class LabelledRun:
     settled: Array
     slow: Array
     slope: float | None = None
+    slip_rate: float | None = None
 
 
 def reduce(name: str, friction: float, readings: Readings) -> LabelledRun:
@@ -135,4 +138,5 @@ def gather(passes: Sequence[Pass], work: Work) -> list[LabelledRun]:
 def run_of(run: Pass) -> LabelledRun:
     """Simulate, measure and reduce a pass."""
     motion = ride(run)
-    return reduce(run.name, run.friction, measured(run, motion, CAR_RATE, float(motion.speed.mean())))
+    reduced = reduce(run.name, run.friction, measured(run, motion, CAR_RATE, float(motion.speed.mean())))
+    return replace(reduced, slip_rate=rms(np.diff(motion.creep, axis=0) * CAR_RATE))

@@ -7,6 +7,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.stats import spearmanr
 
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BLOCKS
@@ -39,6 +40,8 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
         "apart": _scores({name: results.split[name] for name in EXPLAINING}, speeds),
         "inputs": _scores(results.inputs, speeds),
         "input_starts": _starts(results.inputs),
+        "neurons": _scores({f"{name} hidden neurons": row for name, row in results.neurons.items()}, speeds),
+        "slip_rate": _slip_rates(results.slip_rates, speeds),
         "honest": _scores(results.honest, speeds, beside=True),
         "general": _general(results.general, speeds),
     }
@@ -60,6 +63,21 @@ def compared(results: AxleBoxResults) -> Table:
         error = float(np.abs(np.concatenate([network(x) - y for x, y in late])).mean())
         quantity = f"MAE at {s} mph, one of the best networks"
         rows.append(Compared(f"Fig. {_ESTIMATES[s]}", quantity, PUBLISHED_BEST[s], error, _FORM))
+    slow, fast = min(levels), max(levels)
+    rows += [
+        Compared("Table 3", f"MAE at {fast} over MAE at {slow} mph, {name}", PUBLISHED[fast][1] / PUBLISHED[slow][1],
+                 results.split[name][fast].mae / results.split[name][slow].mae, "{:.2f}")
+        for name in ("bias inside, weights kept small", "first second is zero") if fast > slow
+    ]  # fmt: skip
+    early = {s: sum(len(labels) for _, labels in parts_of(runs, results.recipe)[0]) for s, runs in results.runs.items()}
+    for quantity, published, values in (
+        ("duration of training data [s]", "longer at lower speeds", [n * BLOCKS[s] / RATE for s, n in early.items()]),
+        ("number of training samples", "not stated", early.values()),
+    ):
+        rows.append(
+            Compared("Table 3", f"{quantity}, {', '.join(map(str, early))} mph", published,
+                     " / ".join(f"{value:.0f}" for value in values))
+        )  # fmt: skip
     return comparison(rows)
 
 
@@ -111,6 +129,25 @@ def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> Table
     scores = [(name, [*(row[s] for s in speeds), average(row.values())]) for name, row in rows.items()]
     body = [(name, *(_beside(cell) if beside else cell.mae for cell in row)) for name, row in scores]
     return Table.of(["", *_classes(speeds), "all"], body, _FORM)
+
+
+def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]], speeds: Sequence[int]) -> Table:
+    """Return rank correlations of friction and rms slip rate, and the rates at the extremes of friction [1/s]."""
+    rows: list[list[str | float | None]] = []
+    for name, of_set in rates.items():
+        columns = [sorted(of_set[s]) for s in speeds]
+        rows.append([f"{name}: rank correlation", *(f"{_rank_correlation(runs):+.2f}".replace("-", "−")
+                                                    for runs in columns)])  # fmt: skip
+        rows.append([f"{name}: rate at lowest, highest friction [1/s]",
+                     *(f"{runs[0][1]:.4f}, {runs[-1][1]:.4f}" for runs in columns)])  # fmt: skip
+    return Table.of(["", *_classes(speeds)], rows)
+
+
+def _rank_correlation(pairs: Sequence[tuple[float, float]]) -> float:
+    """Return Spearman's correlation."""
+    friction, rates = np.transpose(pairs)
+    correlation: Any = spearmanr(friction, rates)
+    return float(correlation.statistic)
 
 
 def _classes(speeds: Sequence[int]) -> list[str]:

@@ -36,6 +36,8 @@ from railgrip.studies.axle_box.training import (
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
 
+WRITTEN: Final = ("compared", "table3", "inputs", "neurons", "apart", "slip_rate", "honest", "general")
+"""Tables of the page in docs/papers."""
 _SPEED: Final = 60
 """Speed of the shortest runs, mph."""
 _LENGTH: Final = 200.0
@@ -86,7 +88,7 @@ class AxleBox(Study):
         tables, figures = tables_of(results), draw(results)
         tables["compared"] = compared(results)
         if self.write:
-            named = {name: tables[name] for name in ("compared", "table3", "apart", "honest", "general")}
+            named = {name: tables[name] for name in WRITTEN}
             numbered = {
                 f"axle_box_{n}.png": processed({speed: runs})
                 for n, (speed, runs) in enumerate(results.runs.items(), start=5)

@@ -116,8 +116,14 @@ PUBLISHED: Final[Mapping[int, tuple[float, float]]] = {
 PUBLISHED_BEST: Final[Mapping[int, float]] = {16: 0.0011, 26: 0.0009, 40: 0.0021, 60: 0.0027}
 """MAE of the networks of figures 10 to 13, "some of the best" of the 15, by speed in mph."""
 
+SLIPPING: Final = ("campaign", "one surface for all")
+"""Sets of runs whose slip rates are compared with friction: with the creep curve of each film, and with one for all."""
+
 DECAYS: Final = (0.0, 1e-9, 1e-8, 1e-7, 1e-6)
 """Weights of the squared weights compared inside of the training part."""
+
+NEURONS: Final = (2, 4, 6, 9)
+"""Sizes of the hidden layer that are compared; the paper chose 6."""
 
 Rows = Mapping[str, Mapping[int, Score]]
 """Row of a table → speed [mph] → score."""
@@ -150,30 +156,34 @@ QUICK: Final = Size(speeds=(60,), starts=3, honest_starts=1, design=6, members=3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxleBoxResults:
-    """AxleBoxResults of the study.
+    """Results of the study.
 
     Attributes:
         recipe: Of the paper's networks, unless a row has another.
         split: Rows of the paper's split, with the variants that explain it.
         decays: Trained on the first 64 % of each run, judged on the following 16 %: source of `evaluate.DECAY`.
         inputs: The paper's split with each combination of motions.
+        neurons: The paper's split with each size of the hidden layer.
         honest: Rows of the paper's networks on runs outside of their training.
         general: Rows of the general estimator on the same runs.
         ensemble: The general estimator.
         networks: Network with the best fit of the training part, by speed; exchanged: the same with exchanged labels.
         runs: The campaign, by speed.
+        slip_rates: Friction and rms slip rate [1/s] of each simulated run, by set of runs and speed.
     """
 
     recipe: TrainingRecipe
     split: Rows
     decays: Rows
     inputs: Rows
+    neurons: Rows
     honest: Rows
     general: Rows
     ensemble: Ensemble
     networks: Mapping[int, ScaledNetwork]
     exchanged: Mapping[int, ScaledNetwork]
     runs: Mapping[int, Sequence[LabelledRun]]
+    slip_rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]]
 
 
 def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
@@ -222,6 +232,7 @@ def concluded(
         split=tables["split"],
         decays=tables["decays"],
         inputs=tables["inputs"],
+        neurons=tables["neurons"],
         honest=tables["honest"],
         general={
             name: {
@@ -234,6 +245,13 @@ def concluded(
         networks=tables["network"][""],
         exchanged=tables["exchanged"][""],
         runs=by_speed,
+        slip_rates={
+            name: {
+                s: [(run.friction, run.slip_rate) for run in _at(sets[name], s) if run.slip_rate is not None]
+                for s in size.speeds
+            }
+            for name in SLIPPING
+        },
     )
 
 
@@ -259,6 +277,7 @@ def _judgements(
         },
         "decays": {f"{decay:g}": partial(inside_training, runs, replace(few, decay=decay)) for decay in DECAYS},
         "inputs": {name: partial(within_runs, runs, replace(few, inputs=name)) for name in COMBINATIONS},
+        "neurons": {f"{count}": partial(within_runs, runs, replace(few, hidden=count)) for count in NEURONS},
         "honest": {"a run left out": partial(without_each, runs, few)},
     }
 

@@ -14,9 +14,11 @@ from railgrip.report.table import Table
 from railgrip.studies.papers import adhesion_based, printed
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
 from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
+from railgrip.studies.papers.deflection import deflection_table, deflections
 from railgrip.studies.papers.lyapunov import violations_table
 from railgrip.studies.papers.pages import comparison, write_results
 from railgrip.studies.papers.table1 import Fitted, read_fits, refined, search, write_fits
+from railgrip.studies.papers.wheelsets import used_by_wheelset, used_table, wheelset_figure
 from railgrip.studies.study import Study
 
 PAGE = "adhesion_based.md"
@@ -36,6 +38,8 @@ def tables_of(fits: Sequence[Fitted], identified: Fitted, found: Mapping[str, An
         "profile": adhesion_based.profile(fits),
         "alternatives": adhesion_based.alternatives(fits),
         "lyapunov": violations_table(found["violations"]),
+        "wheelsets": used_table(found["used_by_wheelset"]),
+        "deflections": deflection_table(found["deflections"]),
     }
 
 
@@ -66,9 +70,17 @@ class Papers(Study):
         work.notify("figures")
         stops, curves = adhesion_based.stops_of(identified), figure_1_curves()
         found = adhesion_based.measures(stops, curves) | {"guards": guards, "excesses": excesses}
+        law_as_printed, limit = adhesion_based.LAWS[0], adhesion_based.LIMIT
+        drawn = {"SBC": stops["trapezoid"], **{law: stops[law] for law in adhesion_based.LAWS}}
+        found["used_by_wheelset"] = {law: used_by_wheelset(stop, limit) for law, stop in drawn.items()}
+        work.notify("filters with and without deflections")
+        found["deflections"] = deflections(work)
         tables = tables_of(fits, identified, found)
         figures = {
             "adhesion_based_4.png": adhesion_based.adhesion_figure(stops),
+            "adhesion_based_4_others.png": wheelset_figure(
+                stops["trapezoid"], stops[law_as_printed], law_as_printed, limit
+            ),
             "adhesion_based_1.svg": figure_1(curves),
             "adhesion_based_3.png": adhesion_based.rail_figure(stops),
             "adhesion_based_curve.svg": adhesion_based.curve_figure(identified),

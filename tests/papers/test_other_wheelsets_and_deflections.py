@@ -1,0 +1,51 @@
+"""Figure 4 for all wheelsets, and distances with and without deflections of the primary suspension in the filter."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray
+
+from railgrip.api import Scenario
+from railgrip.simulate.run import run_stop
+from railgrip.studies.papers.deflection import FILTERS, deflection_table
+from railgrip.studies.papers.pages import measures_of
+from railgrip.studies.papers.study import PAGE
+from railgrip.studies.papers.wheelsets import used_by_wheelset, used_table
+
+PROJECT = Path(__file__).parents[2]
+
+
+def test_used_adhesion_is_that_of_each_wheelset_over_the_peak_of_its_group_up_to_the_limit():
+    time = np.arange(0.0, 25.0)
+    trace = xarray.Dataset(
+        {
+            "adhesion": (("time", "wheelset"), np.where(time < 9, 1.0, 0.5)[:, None] * [0.05, 0.10, 0.03]),
+            "peak_adhesion": (("time", "group"), np.tile([0.20, 0.06], (25, 1))),
+            "group_of_wheelset": ("wheelset", [1, 1, 2]),
+        },
+        coords={"time": time},
+    )
+    used = used_by_wheelset(SimpleNamespace(trace=trace), limit=0.10)
+    # Of group 1 the limit 0.10 is used, of group 2 its peak 0.06; adhesion halves at 9 s.
+    assert np.allclose(used, [[0.5, 0.25, 0.25], [1.0, 0.5, 0.5], [0.5, 0.25, 0.25]])
+    rows = used_table({"a law": used}).texts
+    assert [row["a law"] for row in rows] == ["50 % / 25 % / 25 %", "100 % / 50 % / 50 %", "50 % / 25 % / 25 %"]
+
+
+def test_changes_are_against_the_filter_that_reads_deflections():
+    found = {"slope_seeking": {"read": {"random": [300.0, 1e-3]}, "not read": {"random": [298.5, 2e-3]}}}
+    rows = [list(row.values()) for row in deflection_table(found).texts]
+    assert rows[0][:2] == ["slope-seeking control: read", "300.0 m, 0.0010"]
+    assert rows[1][:2] == ["slope-seeking control: not read", "298.5 m (−1.5 m), 0.0020"]
+
+
+@pytest.mark.parametrize(("name", "count"), list(zip(FILTERS, (12, 6, 6), strict=True)))
+def test_each_filter_uses_its_readings_and_stops_as_the_page_says(name, count):
+    """Readings are those of equation 6: speed, four wheelset speeds, acceleration, and six deflections if read."""
+    stop = run_stop(Scenario.load("trapezoid", {"controller.kind": "slope_seeking", **FILTERS[name]}))
+    assert stop.trace["estimate_readings"].values[1:].max() == count
+    distance, _ = measures_of(PAGE, PROJECT)["deflections"]["slope_seeking"][name]["trapezoid"]
+    # The stop is smooth: repeats with perturbed plants move it by 0.02 m at most.
+    assert stop.metrics.distance == pytest.approx(distance, abs=0.02)
