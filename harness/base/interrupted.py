@@ -31,7 +31,7 @@ def listen() -> None:
 def stop_listening() -> None:
     """Restore the default action, by which a signal ends the program at once and silently.
 
-    Used shortly before the end.
+    It is called shortly before the end of the program.
     """
     for number in _MEANINGS:
         signal.signal(number, signal.SIG_DFL)

@@ -1,4 +1,4 @@
 """Run many stops in one pool of processes.
 
-Campaigns, sweeps, repeats, and searches; each result is stored as one value.
+The stops are those of campaigns, sweeps, repeats, and searches; each result is stored as one value.
 """

@@ -1,6 +1,6 @@
 """Commands for monitoring.
 
-An instrumented car with a trained estimator, and the condition of pads over several stops.
+They run an instrumented car with a trained estimator, and follow the condition of pads over several stops.
 """
 
 from pathlib import Path

@@ -281,7 +281,7 @@ def prediction_for(specification: Specification) -> PredictionInC:
 def equations_for(specification: Specification) -> CasadiPrediction:
     """Return the prediction as equations, which can be differentiated further and shared by threads.
 
-    Errors likewise.
+    Errors are those of `prediction_for`.
     """
     model = specification.model
     return equations_of(model.class_, parameters_for(specification), model.outputs)

@@ -189,7 +189,7 @@ class FmuPrediction:
     def _pattern(self, unknowns: Sequence[str]) -> Pattern:
         """Return the states on which each unknown depends by the FMU's ModelStructure.
 
-        All states if that is not declared.
+        An unknown without declared dependencies depends on all states.
         """
         known = self._description.dependencies
         return tuple(

@@ -144,7 +144,7 @@ class IsolatedCoSimulation(SteppedPlant):
     def _how(self) -> str:
         """Return limits and import path of the child as JSON.
 
-        This program after Python's folders, never the current folder.
+        The path has this program's folder after Python's, and never the current folder.
         """
         path = [folder for folder in sys.path if Path(folder).is_absolute() and Path(folder) != Path.cwd()]
         output = max(self._limits.output_mib * MIB - self._account.printed, 0)

@@ -134,7 +134,7 @@ class Comparison:
     def plot(self) -> "Figure":
         """Return a figure of speeds and of the distance lost along the track.
 
-        For campaigns, of the differences of stops.
+        For campaigns the figure has the differences of the stops.
         """
         from railgrip.report.comparison_figure import stops_figure, track_figure  # matplotlib takes half a second
 

@@ -1,6 +1,6 @@
 """Figures of recordings and estimates.
 
-The information in the readings over time, and every state with its uncertainty.
+They show the information in the readings over time, and every state with its uncertainty.
 """
 
 from collections.abc import Mapping, Sequence

@@ -105,7 +105,7 @@ def _rails(stops: Sequence[Result]) -> dict[str, dict[str, Result]]:
 def _rail(adhesion: Mapping[str, Any]) -> str:
     """Return the keys that determine friction, as text.
 
-    Without the creep curves, except for the level calibrated for one.
+    Creep curves are omitted; the level that was calibrated for one of them is included.
     """
     level = adhesion.get("calibrated", {}).get(adhesion["polach"].get("name"), 1.0)
     patches = [{key: patch[key] for key in patch if key != "polach"} for patch in adhesion.get("patch", ())]

@@ -164,7 +164,7 @@ def rendered(template: str, *, is_html: bool = False, **values: Any) -> str:
 def commit() -> str:
     """Return the commit of the checkout with this package, `-dirty` if files differ from it.
 
-    "" outside of a checkout.
+    The text is empty outside of a checkout.
     """
     checkout = _ROOT.parent
     if not (checkout / ".git").exists():

@@ -58,7 +58,7 @@ class Profile:
     def curve_numbers(self, time: Array, distance: Array) -> NDArray[np.uint8] | None:
         """Return the index of the creep curve at each wheelset, with arguments and shape as `table`.
 
-        None for one curve.
+        The result is None if the rail has one curve.
         """
         return None if self.curve_at is None else self.curve_at[self._nearest(time, distance)]
 

@@ -33,7 +33,7 @@ DRAW = "draw"
 Panels = Literal["all", "abc", "none"]
 """Stops that get a page with panels, 3 MB each.
 
-All that keep samples, those with adhesion-based control, or no stops.
+These are all that keep samples, those with adhesion-based control, or no stops.
 """
 
 

@@ -122,7 +122,7 @@ class Law(_OverTheTrain):
     def _set_of_the_law(cls, tuning: str | None, info: ValidationInfo) -> str | None:
         """Return the name of the set, by default the paper's.
 
-        None for the searched set, or for a law without a paper's set.
+        The result is None for the searched set, and for a law without a paper's set.
         """
         kind, files = info.data.get("kind", ""), registry.files(registry.LAWS)
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}

@@ -229,7 +229,7 @@ _PLAUSIBLE: Mapping[str, tuple[float, float, str]] = {
 }
 """Unit → minimum and maximum of a parameter in it, with the reason.
 
-At least an order of magnitude beyond any vehicle.
+The range exceeds that of any vehicle by an order of magnitude or more.
 """
 
 

@@ -39,7 +39,7 @@ from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the built-in plants, and the time between two samples [s].
 
-Offset and period of RailBraking.Pneumatics.ValveDelay.
+They are offset and period of RailBraking.Pneumatics.ValveDelay.
 """
 
 

@@ -63,7 +63,7 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
 def valves_fmu(scenario: Scenario) -> Source | None:
     """Return the source of the valve logic alone, from demanded and measured pressures.
 
-    None if the plant has no valves.
+    The result is None if the plant has no valves.
     """
     valves = valve_logic_of(VehicleData(scenario))
     if valves is None:

@@ -61,7 +61,7 @@ def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:
 def _curved_file(recipe: str) -> Path:
     """Return the FMU of a recipe's class with inputs for its creep curves.
 
-    The plain FMU if the class cannot have them.
+    If the class cannot have them, the FMU is the plain one.
     """
     entry = read_recipes().recipes[recipe]
     if not entry.curve:

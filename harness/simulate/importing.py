@@ -131,7 +131,7 @@ def _plain_attributes(part: object) -> dict[str, Any]:
 def _plain(value: object, levels: int = 12) -> Any:
     """Return a number, string or array as JSON values.
 
-    None for other types and for lists nested more deeply than `levels`.
+    The result is None for other types, and for lists nested more deeply than `levels`.
     """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()

@@ -434,7 +434,7 @@ def _proposals(wrong: Sequence[Finding], trial: Trial) -> Iterator[Factors]:
 def _wheel_correction(measured: Sequence[float]) -> Factors:
     """Return the usual mistake of the wheel speeds that explains ratios of speed to wheel speed [m].
 
-    {} if none does.
+    The result is empty if none does.
     """
     radius = float(np.median(measured))
     for factor in (-1.0, 3.6, 1 / 3.6, 1 / (2 * np.pi), 30 / np.pi):

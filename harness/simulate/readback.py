@@ -18,7 +18,7 @@ from railgrip.vehicle.signals import CURVE, Layout
 Matrix = NDArray[np.float64]
 
 RADIUS_TOLERANCE = 1e-3
-"""Relative.
+"""Relative tolerance of the radius.
 
 A solver's slip is accurate to 1e-6 or better, and half a millimetre is the smallest wear that users set.
 """

@@ -83,7 +83,7 @@ class Filter(Protocol):
     def squared_innovation(self) -> float:
         """Normalised innovation squared of the last step, with `selection.sum()` degrees of freedom.
 
-        0 before the first.
+        It is 0 before the first step.
         """
         ...
 

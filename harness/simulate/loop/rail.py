@@ -187,7 +187,7 @@ class TabulatedRail:
     def write_inputs(self, inputs: Vector) -> None:
         """Write the plant's rail inputs to a contiguous array, for the last position of the train.
 
-        Initially for the start.
+        Before the first `advance` this is the start.
         """
         self._kernel.functions.write_rail_inputs(self.struct.pointer, self._kernel.doubles(inputs))
 
