@@ -30,6 +30,7 @@ class Compared:
         ours: A number, or text.
         form: How numbers are shown, as "{:.1f} m".
         difference: Text for those that are not computed from numbers.
+        is_chosen: Whether our number was chosen after the published one, so that their difference says nothing.
     """
 
     figure: str
@@ -38,13 +39,14 @@ class Compared:
     ours: float | str
     form: Form = "{:.3g}"
     difference: str = ""
+    is_chosen: bool = False
 
 
 def comparison(rows: Sequence[Compared]) -> Table:
     """Return the table of a page: figure, quantity, published, ours and difference.
 
     The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
-    its nearer bound.
+    its nearer bound. A number that was chosen after the published one has the difference "*chosen*".
     """
     return Table(
         [
@@ -55,7 +57,7 @@ def comparison(rows: Sequence[Compared]) -> Table:
                 if isinstance(row.published, tuple)
                 else text(row.published, row.form),
                 "ours": text(row.ours, row.form),
-                "difference": row.difference or _difference(row),
+                "difference": "*chosen*" if row.is_chosen else row.difference or _difference(row),
             }
             for row in rows
         ],
