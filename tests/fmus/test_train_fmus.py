@@ -184,8 +184,8 @@ def test_the_jacobian_of_a_prediction_is_its_central_difference(train, run, name
     instance.set(**{n: held(n) for n in inputs})
     states = [u.variable.derivative.name for u in fmu.description.derivatives]
     values = dict(zip(states, instance.get(*states), strict=True))
-    # One per cent of slip, as braking has it, and every deflection, speed and creep away from zero, where the literal
-    # lateral filter divides by its creep and guards the division.
+    # One per cent of slip, as braking has it, and every deflection, speed and creep away from zero, where the
+    # reconstructed lateral filter divides by its creep and guards the division.
     apart = {n: x * (0.99 if n.startswith("w") else 1) for n, x in values.items()}
     instance.set(**{n: x if abs(x) >= 1e-3 else 1e-3 for n, x in apart.items()})
     unknown = [f"der({n})" for n in states] + fmu.names("output", "Real")

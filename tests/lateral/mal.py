@@ -1,4 +1,9 @@
-"""Mal et al. (2020) written out in numpy, apart from the code under test: equations (1) to (36) and Table 1."""
+"""Wheelset and filter of Mal et al. (2020) in numpy, independent of the code under test.
+
+The text of the paper that was available lacks the bodies of its equations (1) to (36). This is the same reconstruction
+as in the Modelica library, from the words, Tables 1 and 3, Polach (2005) and Hussain and Mei (2009), in a second
+program: agreement shows that both solve the same equations, not that these are the equations of the authors.
+"""
 
 from dataclasses import dataclass
 
@@ -37,13 +42,13 @@ def friction(creep, v, rail):
 
 
 def force(creep, u):
-    """Equation (8) with k_A = k_S = 1."""
+    """Return Polach's force with k_A = k_S = 1."""
     epsilon = KAPPA * creep / u
     return 2 * N * u / np.pi * (epsilon / (1 + epsilon**2) + np.arctan(epsilon))
 
 
 def wheelset(state, track, rail, rolling):
-    """Return the derivative of [y, ẏ, ψ, ψ̇, v, ω_R, ω_L, θ], equations (1) to (17)."""
+    """Return the derivative of [y, ẏ, ψ, ψ̇, v, ω_R, ω_L, θ], as reconstructed."""
     y, dy, psi, dpsi, v, w_r, w_l, theta = state
     steering = LG * dpsi / v + CONICITY * (y - track) / R0
     across = dy / v - psi
@@ -68,7 +73,7 @@ def wheelset(state, track, rail, rolling):
 
 
 def slopes(x, y, psi, track, track_rate, v, rail):
-    """Return the derivative of [ẏ, ψ̇, γ, U, F], equations (20) to (24), and ÿ."""
+    """Return the derivative of [ẏ, ψ̇, γ, U, F], as reconstructed, and ÿ."""
     dy, dpsi, creep, u, f = x
     across = dy / v - psi
     along = LG * dpsi / v + CONICITY * (y - track) / R0
@@ -94,12 +99,12 @@ def jacobian(function, x):
     return np.array(columns).T
 
 
-def literal_step(x, P, y, psi, seen, T, Q, R, told):
-    """One step of equations (25) to (34); `told` is track, its rate, speed and rail."""
-    F = np.eye(5) + T * jacobian(lambda z: slopes(z, y, psi, *told)[0], x)
-    x = x + T * slopes(x, y, psi, *told)[0]
+def reconstruction_step(x, P, y, psi, seen, T, Q, R, given):
+    """One step of an extended Kalman filter by forward Euler; `given` is track, its rate, speed and rail."""
+    F = np.eye(5) + T * jacobian(lambda z: slopes(z, y, psi, *given)[0], x)
+    x = x + T * slopes(x, y, psi, *given)[0]
     P = F @ P @ F.T + Q
-    H = np.array([jacobian(lambda z: np.array([slopes(z, y, psi, *told)[1]]), x)[0], [0, 1, 0, 0, 0]])
+    H = np.array([jacobian(lambda z: np.array([slopes(z, y, psi, *given)[1]]), x)[0], [0, 1, 0, 0, 0]])
     K = P @ H.T @ np.linalg.inv(H @ P @ H.T + R)
-    x = x + K @ (seen - np.array([slopes(x, y, psi, *told)[1], x[1]]))
+    x = x + K @ (seen - np.array([slopes(x, y, psi, *given)[1], x[1]]))
     return x, (np.eye(5) - K @ H) @ P

@@ -1,4 +1,4 @@
-"""The filters against the printed equations, over whole runs against single steps, and their accuracy."""
+"""The filters against a second program of the same equations, runs against single steps, and accuracy."""
 
 import mal
 import numpy as np
@@ -13,11 +13,11 @@ from railgrip.studies.lateral import run
 from railgrip.studies.lateral.judge import beliefs_about, measure
 from railgrip.studies.lateral.run import (
     INTEGRALS,
-    LITERAL_NOISE,
     NAMES,
+    PAPER_NOISE,
     LateralCase,
-    literal_density,
     observer,
+    paper_density,
     prediction,
     simulate,
 )
@@ -37,10 +37,10 @@ from railgrip.studies.lateral.wheelset import (
 READING_NOISE = np.square(PAPER_SENSORS)
 
 
-def test_the_literal_filter_is_equations_25_to_36():
-    """Step by step beside a transcription with (I − KH)P and Jacobians by complex steps."""
+def test_the_reconstruction_equals_a_second_program_of_its_equations():
+    """Step by step against numpy with (I − KH)P and Jacobians by complex steps."""
     speed, rail = 25.0, mal.Rail(DRY.mu0, DRY.A, DRY.B)
-    ours = CompiledFilter(prediction("literal"), literal_density(DRY), READING_NOISE, PERIOD, order=1)
+    ours = CompiledFilter(prediction("reconstruction"), paper_density(DRY), READING_NOISE, PERIOD, order=1)
     x, P = np.array([0.02, -0.01, 4e-4, 0.45, 5e3]), np.diag([1e-6, 1e-8, 1e-10, 1e-4, 1e2])
     belief = ours.start(x, P)
     y, psi, rng = 1e-3, -2e-4, np.random.default_rng(1)
@@ -54,8 +54,8 @@ def test_the_literal_filter_is_equations_25_to_36():
         values = {"lateral_position": y, "yaw_angle": psi, "track": track, "track_rate": rate, "speed": speed,
                  "mu0": rail.u0, "A_falling": rail.A, "B_falling": rail.B}  # fmt: skip
         belief = ours.step(belief, np.array([values[name] for name in names]), readings)
-        x, P = mal.literal_step(
-            x, P, y, psi, readings, PERIOD, np.diag(LITERAL_NOISE["dry"]), np.diag(READING_NOISE), inputs
+        x, P = mal.reconstruction_step(
+            x, P, y, psi, readings, PERIOD, np.diag(PAPER_NOISE["dry"]), np.diag(READING_NOISE), inputs
         )
     size = np.array([1e-2, 1e-2, 1e-4, 0.4, 1e3])
     # Rounding of P = (I − KH)P, with entries over twenty orders of magnitude, accumulated over 200 steps.
@@ -84,12 +84,12 @@ def test_order_1_is_forward_euler_in_both_filters():
 
 
 def test_partial_derivatives_of_the_force_are_those_of_the_force():
-    """Slopes of the literal model against differences of equation (8)."""
-    model = lower("RailBraking.Predictions.LateralLiteral")
-    literal = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
+    """Slopes of the reconstruction against differences of Polach's force."""
+    model = lower("RailBraking.Predictions.LateralReconstruction")
+    reconstruction = CasadiPrediction(model, {p.name: p.start for p in model.parameters})
     x = np.array([0.02, -0.01, 5e-4, 0.2, mal.force(5e-4, 0.2)])
     values = {"speed": 25.0, "mu0": 0.3, "A_falling": 0.4, "B_falling": 2.0, "lateral_position": 2e-3}
-    rates = literal.derivative(x, np.array([values.get(name, 0.0) for name in literal.inputs]))
+    rates = reconstruction.derivative(x, np.array([values.get(name, 0.0) for name in reconstruction.inputs]))
     h = 1e-3
     ahead = mal.force(x[2] * (1 + h), x[3]) - mal.force(x[2] * (1 - h), x[3])
     aside = mal.force(x[2], x[3] * (1 + h)) - mal.force(x[2], x[3] * (1 - h))
@@ -110,11 +110,11 @@ def test_the_friction_of_the_worst_rail_is_found():
         assert share > 0.97, quantity
 
 
-def test_the_literal_filter_keeps_its_friction_when_the_rail_changes():
+def test_the_reconstruction_keeps_its_friction_when_the_rail_changes():
     """Its friction changes with the creep only, not with the condition that it knows."""
     change = SurfaceTest(name="change", changes=((0.0, DRY), (0.4, WORST)), duration=0.8)
-    trace = simulate(LateralCase(test=change, speed=25.0, plant="paper", seed=1), ("literal",))
-    friction = beliefs_about(trace, "literal")["friction"].mean
+    trace = simulate(LateralCase(test=change, speed=25.0, plant="paper", seed=1), ("reconstruction",))
+    friction = beliefs_about(trace, "reconstruction")["friction"].mean
     assert friction[-1] > 0.4
     assert trace.truth["friction"][-1] < 0.11
 
@@ -138,7 +138,7 @@ CASE = LateralCase(test=TESTS[0].shortened(STEPS * PERIOD), speed=SPEED, plant="
 
 
 def test_one_call_and_single_steps_agree_to_the_last_bit(monkeypatch):
-    """Two inputs of the literal filter are integrals of its own states, before each step."""
+    """Two inputs of the reconstruction are integrals of its own states, before each step."""
     monkeypatch.setattr(run, "EVERY", 1)
     trace, drawn = simulate(CASE), course(CASE.test, 5)
     with wheelset(SPEED, PLANTS[CASE.plant]) as plant:
@@ -173,7 +173,7 @@ def test_a_filter_that_diverges_is_a_result(monkeypatch):
 
 def test_tables_and_names_that_do_not_match_are_refused():
     rows = np.zeros((3, len(INPUTS)))
-    with wheelset(SPEED, {}) as plant:
+    with wheelset(SPEED) as plant:
         plant.start(rows[0])
         with pytest.raises(FmuError, match=r"rows of 5 finite inputs, got shape \(3, 4\)"):
             plant.follow(rows[:, :-1])

@@ -13,7 +13,7 @@ from railgrip.estimators.condition import UNDECIDED, ConditionDetector, confusio
 from railgrip.studies.lateral.judge import QUANTITIES
 from railgrip.studies.lateral.run import NAMES, LateralCase
 from railgrip.studies.lateral.study import LateralPlan, page_of
-from railgrip.studies.lateral.tables import LateralResult, friction_errors, levels, skill, spread
+from railgrip.studies.lateral.tables import LateralResult, friction_errors, levels, skill, spread, typical
 from railgrip.studies.lateral.wheelset import DRY, PLANTS, WET, WORST, SurfaceTest
 
 LEVELS = {"dry": 0.46, "wet": 0.30, "poor": 0.20, "worst": 0.10}
@@ -82,13 +82,13 @@ def test_a_repeated_study_takes_its_runs_from_the_cache_and_writes_a_page(tmp_pa
     plan = LateralPlan(tests=(short,), speeds=(never_run,), seeds=1)
     with work("lateral", workers=1) as own:
         page_of(plan, own)
-        # The runs, what one of them tells the literal filter, and the figures, which are not kept.
+        # The runs, the information in one of them, and the figures, which are not kept.
         assert own.run_count == 2 * len(PLANTS) + 1
         page = page_of(plan, own).write(tmp_path)
         assert own.run_count == 3 * len(PLANTS) + 1
     text = page.read_text(encoding="utf-8")
     assert "well posed, track unknown" in text
-    assert len(list(tmp_path.glob("*.png"))) == len(PLANTS) + 1  # of the creep curves
+    assert len(list(tmp_path.glob("*.png"))) == len(PLANTS) + 2  # creep curves and first change of the surface
     assert (tmp_path / "errors.csv").read_text(encoding="utf-8").count("\n") == 1 + len(PLANTS) * 3 * 5
 
 
@@ -108,12 +108,12 @@ def test_the_page_names_the_conditions_in_which_a_filter_is_wrong():
 
 def test_errors_are_shown_over_those_of_the_best_constant():
     errors = {name: {quantity: {"rmse": 3.0} for quantity in QUANTITIES} for name in NAMES}
-    errors["literal"]["creep"] = {"rmse": None}
+    errors["reconstruction"]["creep"] = {"rmse": None}
     measures = {"errors": errors, "constant": dict.fromkeys(QUANTITIES, 2.0)}
     table = skill([LateralResult(case=case("paper"), measures=measures)], speed=25.0)
     assert [row["quantity"] for row in table.texts] == ["lateral velocity", "yaw rate", "creep", "creep force"]
     assert {row["well posed, track known"] for row in table.texts} == {"1.5"}
-    assert [row["literal"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
+    assert [row["reconstruction"] for row in table.texts] == ["1.5", "1.5", "∞", "1.5"]
 
 
 def test_errors_of_friction_are_shown_by_condition():
@@ -121,9 +121,22 @@ def test_errors_of_friction_are_shown_by_condition():
     assert (row["dry 0.46"], row["worst 0.1"]) == ("0.35", "0.001")
 
 
-def case(plant):
+def test_a_typical_run_has_the_median_error_and_diverged_runs_count_as_the_worst():
+    errors = {1: 5.0, 2: None, 3: 1.0, 4: 7.0, 5: 2.0}
+    results = [
+        LateralResult(
+            case=case("paper", seed),
+            measures={"errors": {"reconstruction": {"creep_force": {"rmse": error}}}},
+        )
+        for seed, error in errors.items()
+    ]
+    assert typical(results, "paper", 25.0, "change").case.seed == 1
+    assert typical(results[:4], "paper", 25.0, "change").case.seed == 1  # the lower of 5 and 7
+
+
+def case(plant, seed=1):
     test = SurfaceTest(name="change", changes=((0.0, DRY), (0.3, WORST)), duration=0.6)
-    return LateralCase(test=test, speed=25.0, plant=plant, seed=1)
+    return LateralCase(test=test, speed=25.0, plant=plant, seed=seed)
 
 
 def levels_of(dry):

@@ -1,4 +1,4 @@
-"""The wheelset as an FMU against its equations solved by scipy, and its modes against those published for it."""
+"""The wheelset as an FMU against its reconstructed equations solved by scipy, and against published modes."""
 
 import casadi as ca
 import mal
@@ -8,11 +8,22 @@ from scipy.integrate import solve_ivp
 
 from railgrip.fmus.native import lower
 from railgrip.studies.lateral.judge import adhesion
-from railgrip.studies.lateral.wheelset import COLUMNS, CONDITIONS, DRY, WORST, wheelset
+from railgrip.studies.lateral.wheelset import (
+    COLUMNS,
+    CONDITIONS,
+    DRY,
+    PERIOD,
+    PLANTS,
+    TESTS,
+    WORST,
+    PlantVariant,
+    course,
+    wheelset,
+)
 
 
 @pytest.mark.parametrize("condition", CONDITIONS, ids=lambda c: c.name)
-def test_the_creep_curves_are_equations_7_to_11(condition):
+def test_the_creep_curves_are_polachs_with_table_3(condition):
     creep, speed = np.geomspace(1e-4, 0.1, 20), 25.0
     rail = mal.Rail(condition.mu0, condition.A, condition.B)
     exact = mal.force(creep, mal.friction(creep, speed, rail)) / mal.N
@@ -22,10 +33,10 @@ def test_the_creep_curves_are_equations_7_to_11(condition):
 
 @pytest.mark.parametrize("rolling", [0.0, 1.0])
 @pytest.mark.parametrize("condition", [DRY, WORST], ids=lambda c: c.name)
-def test_the_fmu_solves_equations_1_to_17(rolling, condition):
+def test_the_fmu_solves_the_reconstructed_equations(rolling, condition):
     """A lateral step of the track by 3 mm: both creepages, saturation on the worst rail, and twist of the axle."""
     speed, period, steps, track = 25.0, 50e-6, 1600, 3e-3
-    with wheelset(speed, {"rolling_creep": rolling}) as plant:
+    with wheelset(speed, PlantVariant(title="", rolling_creep=rolling)) as plant:
         inputs = np.array([track, condition.mu0, condition.A, condition.B, 0.0])
         plant.start(inputs)
         rows = np.array([plant.step(inputs) for _ in range(steps)])
@@ -72,10 +83,36 @@ def test_the_slope_of_the_force_is_that_of_hertz_and_kalker():
 
 
 def test_the_force_never_exceeds_friction_times_load():
-    with wheelset(25.0, {"rolling_creep": 0.0}) as plant:
+    with wheelset(25.0) as plant:
         inputs = np.array([0.02, WORST.mu0, WORST.A, WORST.B, 0.0])
         plant.start(inputs)
         rows = np.array([plant.step(inputs) for _ in range(2000)])
     forces = rows[:, COLUMNS["creep_force"]]
     assert forces.max() < WORST.mu0 * mal.N
     assert forces.max() > 0.95 * WORST.mu0 * mal.N
+
+
+@pytest.mark.parametrize("name", ["braking", "hard_braking", "traction"])
+def test_torque_of_the_motor_accelerates_train_and_wheels(name):
+    """Force over the mass with that of the wheels, Newton's law: the wheels roll and no force is lost to wander."""
+    variant = PLANTS[name]
+    drawn = course(TESTS[0].shortened(0.5), 1, variant)
+    with wheelset(25.0, variant) as plant:
+        plant.start(drawn.inputs[0])
+        rows = plant.follow(drawn.inputs)
+    v = rows[:, COLUMNS["speed"]][:, 0]
+    mass = mal.MV + (mal.IR + mal.IL) / mal.R0**2
+    expected = variant.utilisation * mal.MV * 9.81 / mass
+    # The twist settles within a few ms of 500, and wandering takes some 1e-3 of the force.
+    assert (v[-1] - 25.0) / (len(v) * PERIOD) == pytest.approx(expected, rel=0.02)
+
+
+def test_plants_that_differ_from_the_filters_differ_in_the_parameters_of_their_titles():
+    """Against Table 1 as programmed for the tests."""
+    table = {"m_unsprung": mal.MW, "I_yaw": mal.IW, "conicity": mal.CONICITY, "m_wheelset": mal.MV, "k_A": 1, "k_S": 1}
+    percent = {"softer": -5, "slightly_softer": -1, "heavier": 5, "yaw_inertia": 5, "conicity": 10, "loaded": 10}
+    assert {name for name, variant in PLANTS.items() if variant.parameters} == set(percent)
+    for name, share in percent.items():
+        for parameter, value in PLANTS[name].parameters.items():
+            assert value == pytest.approx(table[parameter] * (1 + share / 100))
+        assert f"{abs(share)} %" in PLANTS[name].title

@@ -60,7 +60,7 @@ def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
     rmse = {
         name: lateral[f"lateral, {name}: friction RMSE"].value
         for name in (
-            "paper, literal",
+            "paper, reconstruction",
             "paper, known_track",
             "paper, unknown_track",
             "softer, known_track",
@@ -69,13 +69,18 @@ def test_the_accepted_figures_of_lateral_and_learn_are_what_was_asked_for():
             "service, unknown_track",
         )
     }
-    assert rmse["paper, known_track"] < rmse["paper, unknown_track"] < rmse["paper, literal"]
+    assert rmse["paper, known_track"] < rmse["paper, unknown_track"] < rmse["paper, reconstruction"]
     constant = {
         plant: lateral[f"lateral, {plant}, the best constant: friction RMSE"].value
         for plant in ("paper", "softer", "slightly_softer", "service")
     }
     # What a constant knows, too: a contact 1 % softer blinds the filter, service sensors the one without the track.
     assert rmse["paper, unknown_track"] < 0.4 * constant["paper"]
-    for blind in ("softer, known_track", "slightly_softer, known_track", "service, unknown_track", "paper, literal"):
+    for blind in (
+        "softer, known_track",
+        "slightly_softer, known_track",
+        "service, unknown_track",
+        "paper, reconstruction",
+    ):
         assert rmse[blind] > constant[blind.partition(",")[0]]
     assert rmse["service, known_track"] < 0.5 * constant["service"]

@@ -37,6 +37,9 @@ SHARE_TOLERANCE: Final = 0.10
 WINDOW: Final = 0.5
 """Time of readings that should determine the friction [s]."""
 
+SPIKE: Final = 0.1
+"""Time before and after the first change of the surface in which the largest error of the creep force is sought [s]."""
+
 DETECTOR: Final = ConditionDetector(
     levels={condition.name: condition.mu0 for condition in CONDITIONS}, confidence=0.9, hold=0.05, model_deviation=0.01
 )
@@ -58,7 +61,7 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
     """
     belief = trace.beliefs[name]
     deviation = np.sqrt(np.diagonal(belief.covariance, axis1=1, axis2=2))
-    if name == "literal":
+    if name == "reconstruction":
         # Its equations also hold when creep and force both change sign, and at zero creep the filter changes to that
         # branch. Total creep and force are magnitudes, so magnitudes are judged.
         place = {"lateral_velocity": 0, "yaw_rate": 1, "creep": 2, "friction": 3, "creep_force": 4}
@@ -74,7 +77,7 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
     for row, state in enumerate(("y", "dy", "psi", "dpsi", "log_mu0")):
         select[row, at[state]] = 1.0
     contact_states = belief.mean @ select.T
-    contact_states[:, 5] = trace.case.speed
+    contact_states[:, 5] = trace.truth["speed"]
     if name == "unknown_track":
         select[0, states.index("track")] = -1.0
         contact_states[:, 0] -= belief.mean[:, states.index("track")]
@@ -121,7 +124,7 @@ def _contact_functions() -> tuple[ca.Function, ca.Function]:
 
 
 def adhesion(condition: Condition, creep: Array, speed: float) -> Array:
-    """Return the creep force over the wheel load, equations (7) to (11), at a speed [m/s], of the shape of `creep`."""
+    """Return the creep force over the wheel load by Polach's formula at a speed [m/s], of the shape of `creep`."""
     model = lower("RailBraking.FMUs.LateralContact")
     values = {parameter.name: parameter.start for parameter in model.parameters}
     values |= {"A_falling": condition.A, "B_falling": condition.B}
@@ -144,8 +147,9 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
     over the changes of condition, null if any never settled). detection[filter]: confusion, delays [s] after the start
     and each change. levels[filter][condition]: mean and rms error of mu0 from `WINDOW` after each change on.
     observability: standard deviation of mu0 from each window. constant[quantity]: rms error of the best constant, its
-    mean. lost[filter]: instant [s] at which the filter diverged or its innovations showed it to be lost, or null.
-    nis[filter]: median over the expected one, null without readings.
+    mean. size[quantity]: rms of the truth. spike[filter]: largest error of the creep force [N] in `SPIKE` before and
+    after the first change of the surface, null without a change. lost[filter]: instant [s] at which the filter diverged
+    or its innovations showed it to be lost, or null. nis[filter]: median over the expected one, null without readings.
 
     Args:
         observe: Whether to compute observability, which takes longer than the rest.
@@ -160,6 +164,8 @@ def measure(trace: Trace, *, observe: bool = True) -> dict[str, Any]:
         "levels": {name: _levels(trace, about["mu0"]) for name, about in beliefs.items() if "mu0" in about},
         "observability": _observability(trace) if observe else None,
         "constant": {name: float(np.std(trace.truth[name])) for name in QUANTITIES},
+        "size": {name: rms(trace.truth[name]) for name in QUANTITIES},
+        "spike": {name: _spike(trace, about["creep_force"].mean) for name, about in beliefs.items()},
         "lost": {name: _loss(trace, belief) for name, belief in trace.beliefs.items()},
         "nis": {name: _nis(belief) for name, belief in trace.beliefs.items()},
         "wall": trace.wall,
@@ -172,6 +178,16 @@ def _loss(trace: Trace, belief: Beliefs) -> float | None:
     if belief.failure_sample is not None:
         instants.append(belief.failure_sample * trace.period / EVERY)
     return min(instants, default=None)
+
+
+def _spike(trace: Trace, force: Array) -> tuple[float | None, float | None] | None:
+    if len(trace.changes) < 2:
+        return None
+    since = trace.time - trace.changes[1]
+    error = np.abs(force - trace.truth["creep_force"])
+    parts = (since > -SPIKE) & (since <= 0), (since > 0) & (since <= SPIKE)
+    before, after = (_finite(float(np.max(error[part]))) for part in parts)
+    return before, after
 
 
 def _nis(belief: Beliefs) -> float | None:
@@ -245,7 +261,7 @@ def _observability(trace: Trace) -> dict[str, Any]:
     x = np.column_stack(
         [truth["lateral_position"], truth["lateral_velocity"], truth["yaw_angle"], truth["yaw_rate"], np.log(trace.mu0)]
     )
-    columns = {"speed": np.full(len(x), trace.case.speed), "track": trace.track}
+    columns = {"speed": trace.truth["speed"], "track": trace.track}
     u = np.column_stack([columns[name] for name in model.inputs])
     window = round(WINDOW / trace.period)
     measures: dict[str, Any] = {}

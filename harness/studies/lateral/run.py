@@ -1,8 +1,9 @@
 """One run of the lateral study: the plant, then its filters on the readings.
 
-literal        the five states of Mal et al. (2020) by forward Euler; knows the track, the condition, and a Q for it
-known_track    well posed, friction is a random walk; knows the track, not the condition; one Q
-unknown_track  as before, but knows only the spectrum of the track
+reconstruction  the five states that Mal et al. (2020) name, by forward Euler; knows the track, the condition, and a Q
+                for it; our derivation, because the equations of the paper were not available
+known_track     well posed, friction is a random walk; knows the track, not the condition; one Q
+unknown_track   as before, but knows only the spectrum of the track
 """
 
 import time
@@ -24,11 +25,11 @@ from railgrip.studies.lateral.wheelset import (
     COLUMNS,
     CONDITIONS,
     INPUTS,
+    OUTPUTS,
     PAPER_SENSORS,
     PERIOD,
     PLANTS,
     READINGS,
-    SENSORS,
     Condition,
     LateralInputs,
     SurfaceTest,
@@ -37,11 +38,11 @@ from railgrip.studies.lateral.wheelset import (
     wheelset,
 )
 
-Name = Literal["literal", "known_track", "unknown_track"]
+Name = Literal["reconstruction", "known_track", "unknown_track"]
 NAMES: Final[tuple[Name, ...]] = get_args(Name)
 
 # Covariance added in one step of 50 µs, for dy, dpsi, gamma, U, F; Mal et al. (2020), eq. (38) to (40).
-LITERAL_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
+PAPER_NOISE: Final[Mapping[str, tuple[float, ...]]] = {
     "dry": (5e-14, 1e-14, 1e-14, 1e-14, 1e-14),
     "wet": (0.5e-12, 9e-17, 1e-12, 1e-12, 1e-12),
     "poor": (1e-13, 9e-17, 1e-12, 1e-12, 1e-12),
@@ -65,17 +66,17 @@ FIRST_MOTION: Final = (1e-5**2, 1e-4**2, 1e-6**2, 1e-5**2)
 """Variances of y, dy, psi, dpsi at the start: the wheelset is centred and at rest."""
 
 FIRST_CREEP: Final = 1e-7
-"""Creep at the start of the literal filter; its equations are singular at zero."""
+"""Creep at the start of the reconstruction; its equations are singular at zero."""
 
 CLASSES: Final[Mapping[Name, str]] = {
-    "literal": "RailBraking.Predictions.LateralLiteral",
+    "reconstruction": "RailBraking.Predictions.LateralReconstruction",
     "known_track": "RailBraking.Predictions.LateralPrediction",
     "unknown_track": "RailBraking.Predictions.LateralPredictionUnknownTrack",
 }
 
 
 INTEGRALS: Final[Mapping[Name, Mapping[str, str]]] = {
-    "literal": {"lateral_position": "dy", "yaw_angle": "dpsi"}, "known_track": {}, "unknown_track": {},
+    "reconstruction": {"lateral_position": "dy", "yaw_angle": "dpsi"}, "known_track": {}, "unknown_track": {},
 }  # fmt: skip
 """Inputs of a filter that are integrals of its states; the others are columns of the run's table."""
 
@@ -86,9 +87,9 @@ def prediction(name: Name, kind: Kind = "fmu") -> PredictionInC:
     return prediction_of(CLASSES[name], kind=kind)
 
 
-def literal_density(condition: Condition) -> Vector:
-    """Return the process noise of the literal filter as a density, shape (5,)."""
-    return np.array(LITERAL_NOISE[condition.name]) / PERIOD
+def paper_density(condition: Condition) -> Vector:
+    """Return the process noise of the reconstruction as a density, shape (5,)."""
+    return np.array(PAPER_NOISE[condition.name]) / PERIOD
 
 
 def observer(
@@ -98,17 +99,17 @@ def observer(
 
     Args:
         name: Of the filter.
-        first: Condition at the start; only the literal filter knows it.
+        first: Condition at the start; only the reconstruction knows it.
         sensors: Standard deviations of the readings.
         kind: Form of the prediction.
     """
     model = prediction(name, kind)
     noise = np.square(sensors)
-    if name == "literal":
-        filter_ = CompiledFilter(model, literal_density(first), noise, PERIOD, order=1)
+    if name == "reconstruction":
+        filter_ = CompiledFilter(model, paper_density(first), noise, PERIOD, order=1)
         filter_.inputs[:] = 0.0
         # The paper specifies no covariance for the start; one step of process noise, because the state is known.
-        return filter_, filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], LITERAL_NOISE[first.name])
+        return filter_, filter_.start([0, 0, FIRST_CREEP, first.mu0, 0], PAPER_NOISE[first.name])
     density = [*MOTION_NOISE, FRICTION_NOISE]
     mean, variance = [0.0, 0.0, 0.0, 0.0, log(FIRST_FRICTION[0])], [*FIRST_MOTION, FIRST_FRICTION[1] ** 2]
     if name == "unknown_track":
@@ -129,7 +130,7 @@ class LateralCase:
 
     Attributes:
         test: Conditions of the rail over time.
-        speed: Along the track [m/s].
+        speed: Along the track at the start [m/s].
         plant: Name in `PLANTS`.
         seed: Of track and sensors.
         prediction: Form of the prediction in the filters.
@@ -192,17 +193,19 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     Raises:
         railgrip.base.errors.PlantFailed: The plant could not be stepped. A filter that diverges is a result.
     """
-    sensors = SENSORS[case.plant]
-    realisation = course(case.test, case.seed, sensors)
-    table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
-    table |= {"track_rate": realisation.track_rate, "speed": np.full(len(realisation.inputs), case.speed)}
+    variant = PLANTS[case.plant]
+    realisation = course(case.test, case.seed, variant)
     observers: dict[Name, tuple[CompiledFilter, Estimate]] = {
-        name: observer(name, realisation.conditions[0], sensors, case.prediction) for name in names
+        name: observer(name, realisation.conditions[0], variant.sensors, case.prediction) for name in names
     }
     begin = time.perf_counter()
-    with wheelset(case.speed, PLANTS[case.plant]) as plant:
+    with wheelset(case.speed, variant) as plant:
         plant.start(realisation.inputs[0])
         outputs = plant.follow(realisation.inputs)
+    table = dict(zip(INPUTS, realisation.inputs.T, strict=True))
+    # The filters are given the true speed at the beginning of each step.
+    speed = np.concatenate([[case.speed], outputs[:-1, COLUMNS["speed"]].ravel()])
+    table |= {"track_rate": realisation.track_rate, "speed": speed}
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {
         name: _followed(name, *filter_and_first, table, readings, realisation)
@@ -214,7 +217,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     )
     inputs, shown = realisation.inputs[sample - 1], outputs[sample - 1]
     numbers = [CONDITIONS.index(condition) for condition in realisation.conditions]
-    true = ("yaw_rate", "lateral_position", "lateral_velocity", "yaw_angle", "creep", "creep_force", "friction")
+    true = [name for name in OUTPUTS if name != "lateral_acceleration"]
     return Trace(
         case=case,
         time=PERIOD * sample.astype(np.float64),
@@ -250,8 +253,8 @@ def _followed(
         parts.append((mean, covariance, nis))
         if failure_sample is not None:
             continue
-        if name == "literal":  # the only filter that knows the condition
-            filter_.retune(literal_density(condition))
+        if name == "reconstruction":  # the only filter that knows the condition
+            filter_.retune(paper_density(condition))
         last_good, start = last, filter_.inputs.copy()
         follow = partial(filter_.follow, prior, every=EVERY, integrals=integrals, with_covariance=True)
         try:

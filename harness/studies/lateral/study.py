@@ -11,7 +11,7 @@ from railgrip.campaign.work import Work
 from railgrip.estimation.run import Kind
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies.lateral.figures import FIRST_FIGURES, creep_curves, test_figure
+from railgrip.studies.lateral.figures import FIRST_FIGURES, creep_curves, spike_figure, test_figure
 from railgrip.studies.lateral.judge import (
     DETECTOR,
     FRICTION_TOLERANCE,
@@ -19,7 +19,7 @@ from railgrip.studies.lateral.judge import (
     WINDOW,
     measure,
 )
-from railgrip.studies.lateral.literal import SHORT, Information, information, observed, refused
+from railgrip.studies.lateral.reconstruction import SHORT, Information, information, observed, refused
 from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.tables import (
     TITLES,
@@ -30,11 +30,16 @@ from railgrip.studies.lateral.tables import (
     error_tables,
     flat,
     friction_errors,
+    groups,
     innovation_table,
     levels,
+    longitudinal,
     observability_table,
     skill,
+    spikes,
     spread,
+    typical,
+    typical_table,
 )
 from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, SERVICE_SENSORS, TESTS, SurfaceTest
 from railgrip.studies.papers.pages import write_results
@@ -89,15 +94,15 @@ def measured(case: LateralCase) -> dict[str, Any]:
     return measure(simulate(case), observe=case.plant == "paper")
 
 
-def literal_runs(plan: LateralPlan, work: Work) -> list[Information]:
-    """Return what the transition at the middle speed tells the literal filter, for each seed."""
+def information_runs(plan: LateralPlan, work: Work) -> list[Information]:
+    """Return the information about the states of the reconstruction in the transition, for each seed."""
     test, speed = plan.tests[-1], plan.middle_speed
     cases = [LateralCase(test=test, speed=speed, plant="paper", seed=seed) for seed in range(1, plan.seeds + 1)]
     return work.map(information, cases)
 
 
 def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
-    """Run a plan; return tables over its seeds, and a figure of each test.
+    """Run a plan; return tables over its seeds, and a figure of a typical run of each test.
 
     Args:
         write: Whether to write tables and figures into docs/papers.
@@ -105,25 +110,34 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     # Compiled here once, so that no worker has to.
     simulate(LateralCase(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
     measures = work.map(measured, plan.cases)
-    runs = literal_runs(plan, work)
+    runs = information_runs(plan, work)
     results = [LateralResult(case=case, measures=errors) for case, errors in zip(plan.cases, measures, strict=True)]
     rows, speed = error_rows(results), plan.middle_speed
-    drawn = replace(plan, speeds=(speed,), seeds=1).cases
-    files = {f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case for case in drawn}
+    drawn = [typical(results, *group) for group in groups(results) if group[1] == speed]
+    files = {
+        f"{case.test.name}{'' if case.plant == 'paper' else '_' + case.plant}.png": case
+        for case in (result.case for result in drawn)
+    }
+    transition = simulate(drawn[len(plan.tests) - 1].case)
     drawings = dict(zip(files, work.map(test_figure, files.values(), keep=False), strict=True))
     tables = {
-        "compared": compared(simulate(replace(drawn[len(plan.tests) - 1], prediction=plan.prediction))),
+        "compared": compared(transition),
+        "typical": typical_table(drawn[: len(plan.tests)]),
+        "spikes": spikes(groups(results)["paper", speed, plan.tests[-1].name]),
         "skill": skill(results, speed),
         "friction": friction_errors(results, speed),
         "transition": innovation_table(
             [result for result in results if result.case.test is plan.tests[-1] and result.case.speed == speed]
         ).without(("speed [m/s]", "test")),
+        "longitudinal": longitudinal(results, speed),
         "observed": observed(runs),
         "refused": refused(runs),
     }
     drawings["creep_curves.svg"] = creep_curves(speed)
+    drawings["spike.png"] = spike_figure(transition)
     if write:
         figures = {"lateral_wheelset_2.svg": drawings["creep_curves.svg"]}
+        figures["lateral_wheelset_spike.png"] = drawings["spike.png"]
         figures |= {f"lateral_wheelset_{FIRST_FIGURES[test.name]}.png": drawings[f"{test.name}.png"] for test in TESTS}
         write_results("lateral_wheelset.md", tables, figures)
     return Page(
@@ -172,7 +186,7 @@ def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
 _TOLERANCE: Final = 0.05
 """Relative tolerance of rms errors, for rounding of another machine over half a million steps."""
 _HEADLINES: Final = {
-    "paper": ("literal", "known_track", "unknown_track"),
+    "paper": ("reconstruction", "known_track", "unknown_track"),
     "softer": ("known_track",),
     "slightly_softer": ("known_track",),
     "service": ("known_track", "unknown_track"),

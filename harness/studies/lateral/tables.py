@@ -11,25 +11,18 @@ import numpy as np
 from scipy.stats import binom
 
 from railgrip.report.table import Table, share
-from railgrip.studies.lateral.judge import QUANTITIES, adhesion, beliefs_about
+from railgrip.studies.lateral.judge import QUANTITIES, SPIKE, adhesion, beliefs_about
 from railgrip.studies.lateral.run import NAMES, LateralCase, Trace
-from railgrip.studies.lateral.wheelset import CONDITIONS
+from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, ROLLING
 from railgrip.studies.papers.pages import Compared, comparison
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
 LEVEL_TOLERANCE: Final = 0.05
 """Half of the distance between the two lowest levels; with a larger error the condition cannot be identified."""
-PLANT_TITLES: Final = {
-    "paper": "plant as the filters know it",
-    "twisting": "plant with a twisting axle",
-    "softer": "plant with a contact 5 % softer",
-    "slightly_softer": "plant with a contact 1 % softer",
-    "service": "plant as the filters know it, service sensors",
-}
 PUBLISHED: Final = ("lateral_velocity", "yaw_rate", "creep", "creep_force")
 """Quantities of the paper's figures; the constant friction of a test on one surface is no measure of its error."""
 TITLES: Final = {
-    "literal": "literal",
+    "reconstruction": "reconstruction",
     "known_track": "well posed, track known",
     "unknown_track": "well posed, track unknown",
 }
@@ -103,6 +96,54 @@ def groups(results: Sequence[LateralResult]) -> dict[tuple[str, float, str], lis
     return by_case
 
 
+def typical(results: Sequence[LateralResult], plant: str, speed: float, test: str) -> LateralResult:
+    """Return the run whose RMSE of the creep force by the reconstruction is the median over the seeds.
+
+    Of an even number of seeds it is the lower of the two in the middle; a filter that diverged has an infinite error.
+    """
+    runs = sorted(groups(results)[plant, speed, test], key=_force_error)
+    return runs[(len(runs) - 1) // 2]
+
+
+def _force_error(result: LateralResult) -> float:
+    error = result.measures["errors"]["reconstruction"]["creep_force"]["rmse"]
+    return math.inf if error is None else error
+
+
+def typical_table(runs: Sequence[LateralResult]) -> Table:
+    """Return test, seed and RMSE of the creep force of each run of `typical`."""
+    columns = ("test", "seed", "RMSE of the creep force, reconstruction [N]")
+    return Table.of(columns, [(r.case.test.name, str(r.case.seed), _digits(_force_error(r))) for r in runs], str)
+
+
+def spikes(runs: Sequence[LateralResult]) -> Table:
+    """Return the largest error of the creep force of each filter before and after the first change of the surface.
+
+    Args:
+        runs: All seeds of one test with changes of the surface.
+    """
+    columns = ("filter", f"largest error in {SPIKE:g} s before [N]", f"largest error in {SPIKE:g} s after [N]")
+    pairs = {name: [run.measures["spike"][name] for run in runs] for name in NAMES}
+    rows = [(TITLES[name], *(spread(pair[k] for pair in pairs[name]) for k in (0, 1))) for name in NAMES]
+    return Table.of(columns, rows, str)
+
+
+def longitudinal(results: Sequence[LateralResult], speed: float) -> Table:
+    """Return errors relative to the rms of the truth with and without torque of the motor, medians over the seeds."""
+    rows: list[dict[str, Any]] = []
+    for (plant, of_speed, _), runs in groups(results).items():
+        for name in NAMES if plant in ROLLING and of_speed == speed else ():
+            creep = spread(run.measures["size"]["creep"] for run in runs).median
+            lost = sum(run.measures["lost"][name] is not None for run in runs)
+            row = {"plant": PLANTS[plant].title, "rms creep": f"{100 * creep:.2g} %", "filter": TITLES[name]}
+            for quantity in ("lateral_velocity", "creep", "creep_force", "friction"):
+                errors = ((run.measures["errors"][name][quantity]["rmse"], run.measures["size"]) for run in runs)
+                shares = (None if error is None else error / size[quantity] for error, size in errors)
+                row[f"{quantity.replace('_', ' ')}"] = _digits(spread(shares).median)
+            rows.append({**row, "lost, of runs": f"{lost} of {len(runs)}"})
+    return Table(rows, left=("plant", "filter"))
+
+
 def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
     """Return one row for each plant, speed, test, filter and quantity, with a `Spread` for each figure."""
     return [
@@ -146,7 +187,7 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
     for row in rows:
         unit = "" if row["unit"] == "1" else f" [{row['unit']}]"
         what = f"{row['quantity'].replace('_', ' ')}{unit}"
-        tables.setdefault(f"{row['speed']:g} m/s, {PLANT_TITLES[row['plant']]}", []).append(
+        tables.setdefault(f"{row['speed']:g} m/s, {PLANTS[row['plant']].title}", []).append(
             (row["test"], what, TITLES[row["filter"]], *(row[figure] for figure in FIGURES))
         )
     columns = ("test", "quantity", "filter", *FIGURES.values())
@@ -154,22 +195,26 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
 
 
 def compared(trace: Trace) -> Table:
-    """Return what the paper says of its figures beside a run of the transition; see `comparison`.
+    """Return the statements of the paper about its figures next to a run of the transition; see `comparison`.
 
     Args:
-        trace: Of all three filters.
+        trace: Run with all three filters.
     """
     creep = np.geomspace(1e-5, 0.1, 400)
-    error = np.abs(beliefs_about(trace, "literal")["creep_force"].mean - trace.truth["creep_force"])
+    error = np.abs(beliefs_about(trace, "reconstruction")["creep_force"].mean - trace.truth["creep_force"])
     instant = float(trace.time[np.nanargmax(error)])
     changes = f"{', '.join(f'{at:g}' for at in trace.changes[1:])} s"
+    rails = ", ".join(rail.name for rail in CONDITIONS)
+    peaks = [float(adhesion(rail, creep, trace.case.speed).max()) for rail in CONDITIONS]
     rows = [
-        *(Compared("Fig. 2", f"largest adhesion, {rail.name}", rail.mu0,
-                   float(adhesion(rail, creep, trace.case.speed).max()), "{:.3f}") for rail in CONDITIONS),
+        Compared("Table 3", f"friction u0 at zero creep velocity: {rails}", "0.46, 0.3, 0.2, 0.1",
+                 ", ".join(f"{rail.mu0:g}" for rail in CONDITIONS), is_chosen=True),
+        Compared("Fig. 2", f"largest adhesion at {trace.case.speed:g} m/s: {rails}", "not given",
+                 ", ".join(f"{peak:.3f}" for peak in peaks)),
         Compared("Fig. 4 to 23", "largest deviation of the track", 7.0, 1e3 * float(np.abs(trace.track).max()),
                  "{:.1f} mm", is_chosen=True),
         Compared("Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s", changes, is_chosen=True),
-        Compared("Fig. 23", "largest error of the creep force, literal filter", 2.0, instant, "at {:.1f} s",
+        Compared("Fig. 23", "largest error of the creep force, reconstruction", 2.0, instant, "at {:.1f} s",
                  f"{instant - 2.0:+.1f} s".replace("-", "−")),
     ]  # fmt: skip
     return comparison(rows)
@@ -201,7 +246,7 @@ def friction_errors(results: Sequence[LateralResult], speed: float) -> Table:
     for (plant, of_speed, _), runs in groups(results).items():
         for name in NAMES if of_speed == speed and len(runs[0].case.test.changes) > 1 else ():
             if name in runs[0].measures["levels"]:
-                row = {"plant": PLANT_TITLES[plant], "filter": TITLES[name]}
+                row = {"plant": PLANTS[plant].title, "filter": TITLES[name]}
                 for rail in CONDITIONS:
                     errors = [run.measures["levels"][name].get(rail.name, (None, None))[1] for run in runs]
                     row[f"{rail.name} {rail.mu0:g}"] = _digits(spread(errors).median)
@@ -217,7 +262,7 @@ def innovation_table(results: Sequence[LateralResult]) -> Table:
             instants = [instant for run in runs if (instant := run.measures["lost"][name]) is not None]
             rows.append(
                 {
-                    "plant": PLANT_TITLES[plant],
+                    "plant": PLANTS[plant].title,
                     "speed [m/s]": speed,
                     "test": test,
                     "filter": TITLES[name],
@@ -261,7 +306,7 @@ def observability_table(results: Sequence[LateralResult]) -> Table:
 def detections(results: Sequence[LateralResult]) -> list[tuple[str, Table, Table]]:
     """Return filter and plant, confusion matrix of the condition detector in shares of time, and its delays."""
     tables: list[tuple[str, Table, Table]] = []
-    for plant, title in PLANT_TITLES.items():
+    for plant, variant in PLANTS.items():
         runs = [result for result in results if result.case.plant == plant]
         for name in [name for name in NAMES if runs and name in runs[0].measures["detection"]]:
             counts = np.sum([run.measures["detection"][name]["confusion"] for run in runs], axis=0)
@@ -269,19 +314,19 @@ def detections(results: Sequence[LateralResult]) -> list[tuple[str, Table, Table
                 (condition.name, *(row / max(row.sum(), 1))) for condition, row in zip(CONDITIONS, counts, strict=True)
             ]
             confusion = Table.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, share)
-            tables.append((f"{TITLES[name]}, {title}", confusion, _delays(runs, name)))
+            tables.append((f"{TITLES[name]}, {variant.title}", confusion, _delays(runs, name)))
     return tables
 
 
 def levels(results: Sequence[LateralResult]) -> list[tuple[str, Table, str]]:
     """Return filter and plant, the beliefs about mu0 in runs of several conditions, and a sentence about them."""
     tables: list[tuple[str, Table, str]] = []
-    for plant, title in PLANT_TITLES.items():
+    for plant, variant in PLANTS.items():
         several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]
         speeds = sorted({run.case.speed for run in several})
         runs = [run for run in several if run.case.speed == speeds[len(speeds) // 2]]
         for name in [name for name in NAMES if runs and name in runs[0].measures["levels"]]:
-            tables.append((f"{TITLES[name]}, {title}", *_level([run.measures["levels"][name] for run in runs])))
+            tables.append((f"{TITLES[name]}, {variant.title}", *_level([run.measures["levels"][name] for run in runs])))
     return tables
 
 

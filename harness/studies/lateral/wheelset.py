@@ -2,7 +2,7 @@
 
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from math import pi, sqrt
 from typing import Any, Final
@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
+from railgrip.base.units import GRAVITY
 from railgrip.estimators.belief import Array
 from railgrip.fmi import CoSimulation, Description, Signal, bind, describe
 from railgrip.fmus.build import fmu
@@ -99,20 +100,47 @@ SERVICE_SENSORS: Final = (0.05, 1e-3)
 """Standard deviations of readings every 50 µs of usual sensors of vehicles: 0.05 m/s2 and 1 mrad/s; an estimate."""
 
 
-PLANTS: Final[Mapping[str, Mapping[str, float]]] = {
-    "paper": {"rolling_creep": 0.0},
-    "twisting": {"rolling_creep": 1.0},
-    "softer": {"rolling_creep": 0.0, "k_A": 0.95, "k_S": 0.95},
-    "slightly_softer": {"rolling_creep": 0.0, "k_A": 0.99, "k_S": 0.99},
-    "service": {"rolling_creep": 0.0},
-}
-"""Parameters of each plant beside Table 1. Paper: the creepages of Mal et al., eq. (3) and (4), as in the filters;
-twisting: eq. (1) and (2), with the rotation of the axle; softer: a contact with 5 % less creep stiffness than in the
-filters, well within the uncertainty of real contacts; slightly softer: 1 %; service: the paper's plant with usual
-sensors of vehicles."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlantVariant:
+    """A plant of the study and its sensors.
 
-SENSORS: Final = dict.fromkeys(PLANTS, PAPER_SENSORS) | {"service": SERVICE_SENSORS}
-"""Standard deviations of the readings of each plant, which the filters know."""
+    Attributes:
+        title: For tables.
+        parameters: Parameters of the plant that differ from Table 1.
+        rolling_creep: 1 for longitudinal creepages that include the rotation of the wheels, 0 for those of the filters.
+        sensors: Standard deviations of the readings, which the filters know [m/s2, rad/s].
+        utilisation: Torque of the motor over wheel radius and axle load, negative in braking.
+    """
+
+    title: str
+    parameters: Mapping[str, float] = field(default_factory=dict[str, float])
+    rolling_creep: float = 0.0
+    sensors: tuple[float, float] = PAPER_SENSORS
+    utilisation: float = 0.0
+
+
+PLANTS: Final[Mapping[str, PlantVariant]] = {
+    "paper": PlantVariant(title="plant as the filters know it"),
+    "twisting": PlantVariant(title="plant with a twisting axle", rolling_creep=1.0),
+    "softer": PlantVariant(title="plant with a contact 5 % softer", parameters={"k_A": 0.95, "k_S": 0.95}),
+    "slightly_softer": PlantVariant(title="plant with a contact 1 % softer", parameters={"k_A": 0.99, "k_S": 0.99}),
+    "heavier": PlantVariant(title="plant with wheelset mass +5 %", parameters={"m_unsprung": 1.05 * 1250}),
+    "yaw_inertia": PlantVariant(title="plant with yaw inertia +5 %", parameters={"I_yaw": 1.05 * 700}),
+    "conicity": PlantVariant(title="plant with conicity +10 %", parameters={"conicity": 1.1 * 0.15}),
+    "loaded": PlantVariant(title="plant with axle load +10 %", parameters={"m_wheelset": 1.1 * 15000}),
+    "service": PlantVariant(title="plant as the filters know it, service sensors", sensors=SERVICE_SENSORS),
+    "braking": PlantVariant(title="twisting axle, braking at 0.05", rolling_creep=1.0, utilisation=-0.05),
+    "hard_braking": PlantVariant(title="twisting axle, braking at 0.08", rolling_creep=1.0, utilisation=-0.08),
+    "traction": PlantVariant(title="twisting axle, traction at 0.05", rolling_creep=1.0, utilisation=0.05),
+}
+"""The plants of the study. The filters always use Table 1 and the creepages without rotation. Deviations of 1 to 10 %
+are well within the uncertainty of real vehicles and contacts."""
+
+ROLLING: Final = ("twisting", "braking", "hard_braking", "traction")
+"""Plants with the rotation of the axle, without and with longitudinal creep from the motor."""
+
+TORQUE: Final = 15000 * GRAVITY * 0.5
+"""Torque of the motor that uses an adhesion of 1 [N.m]: axle load and wheel radius of Table 1."""
 
 TESTS: Final = (
     *(SurfaceTest(name=condition.name, changes=((0.0, condition),), duration=10.0) for condition in CONDITIONS),
@@ -178,8 +206,8 @@ class LateralInputs:
     conditions: tuple[Condition, ...]
 
 
-def course(test: SurfaceTest, seed: int, sensors: tuple[float, float] = PAPER_SENSORS) -> LateralInputs:
-    """Return track, rail and sensor noise of one run; the same seed gives the same run."""
+def course(test: SurfaceTest, seed: int, variant: PlantVariant = PLANTS["paper"]) -> LateralInputs:
+    """Return track, rail, torque and sensor noise of one run; the same seed gives the same run."""
     count = round(test.duration / PERIOD)
     starts = [round(at / PERIOD) for at, _ in test.changes]
     segments = tuple(zip(starts, [*starts[1:], count], strict=True))
@@ -187,22 +215,24 @@ def course(test: SurfaceTest, seed: int, sensors: tuple[float, float] = PAPER_SE
     track, rate = draw_track(seed, count, PERIOD)
     inputs = np.zeros((count, len(INPUTS)))
     inputs[:, 0] = track
+    inputs[:, 4] = variant.utilisation * TORQUE
     for (first, last), condition in zip(segments, conditions, strict=True):
         inputs[first:last, 1:4] = condition.mu0, condition.A, condition.B
-    noise = generator(seed, "sensors").standard_normal((count, 2)) * sensors
+    noise = generator(seed, "sensors").standard_normal((count, 2)) * variant.sensors
     return LateralInputs(inputs=inputs, track_rate=rate, noise=noise, segments=segments, conditions=conditions)
 
 
 @contextmanager
-def wheelset(speed: float, parameters: Mapping[str, float]) -> Generator[CoSimulation]:
+def wheelset(speed: float, variant: PlantVariant = PLANTS["paper"]) -> Generator[CoSimulation]:
     """Open the plant `LateralWheelset`.
 
     Args:
         speed: Along the track at the start [m/s].
-        parameters: Of the plant by name; the others keep the values of Table 1.
+        variant: Parameters; the others keep the values of Table 1.
     """
     description, binding = _bound()
-    with CoSimulation(description, binding, period=PERIOD, parameters={"start_speed": speed, **parameters}) as plant:
+    parameters = {"start_speed": speed, "rolling_creep": variant.rolling_creep, **variant.parameters}
+    with CoSimulation(description, binding, period=PERIOD, parameters=parameters) as plant:
         yield plant
 
 

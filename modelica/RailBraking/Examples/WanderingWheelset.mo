@@ -12,8 +12,8 @@ model WanderingWheelset "A wheelset on a wavy dry track, and what three predicti
     annotation(Placement(transformation(extent={{33, 20}, {73, 60}})));
   Predictions.LateralPredictionUnknownTrack unknown(mu0_start=rail.mu0) "Knows the spectrum of the track"
     annotation(Placement(transformation(extent={{-73, -60}, {-33, -20}})));
-  Predictions.LateralLiteral literal(friction_start=rail.mu0)
-    "Five states of the paper, on the plant's position and angle"
+  Predictions.LateralReconstruction reconstruction(friction_start=rail.mu0)
+    "Reconstruction with the five states of the paper, on the plant's position and angle"
     annotation(Placement(transformation(extent={{-20, -60}, {20, -20}})));
   FMUs.LateralContact point(A_falling=rail.A, B_falling=rail.B) "The contact by itself"
     annotation(Placement(transformation(extent={{33, -60}, {73, -20}})));
@@ -32,14 +32,14 @@ equation
   known.track = track;
   known.speed = v;
   unknown.speed = v;
-  literal.lateral_position = plant.lateral_position;
-  literal.yaw_angle = plant.yaw_angle;
-  literal.track = track;
-  literal.track_rate = track_rate;
-  literal.speed = v;
-  literal.mu0 = rail.mu0;
-  literal.A_falling = rail.A;
-  literal.B_falling = rail.B;
+  reconstruction.lateral_position = plant.lateral_position;
+  reconstruction.yaw_angle = plant.yaw_angle;
+  reconstruction.track = track;
+  reconstruction.track_rate = track_rate;
+  reconstruction.speed = v;
+  reconstruction.mu0 = rail.mu0;
+  reconstruction.A_falling = rail.A;
+  reconstruction.B_falling = rail.B;
   point.displacement = known.y - track;
   point.lateral_velocity = known.dy;
   point.yaw_angle = known.psi;

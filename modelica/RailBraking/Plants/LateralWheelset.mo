@@ -83,19 +83,23 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Mal et al. (2020), equations (1) to (17): Polach's force at the total creep of each wheel, shared out along its
-components. The surface comes in as <code>mu0</code>, <code>A_falling</code> and <code>B_falling</code>, so that it
-may change while the wheelset runs; the paper's four are in <a
+The wheelset of Mal et al. (2020), section 2. The text of the paper that was available contains the words and the
+tables, but not the bodies of equations (1) to (17). The equations here are a reconstruction from the words, from
+Table 1 and from the literature that the paper cites: Polach (2005) for the force at the total creep of each wheel,
+which is divided in the ratio of the creep components, and Hussain and Mei (2009) for the equations of motion. The
+surface is given by the inputs <code>mu0</code>, <code>A_falling</code> and <code>B_falling</code>, so that it can
+change while the wheelset runs; the paper's four surfaces are in <a
 href=\"modelica://RailBraking.Contact.Surfaces\">Surfaces</a>.
 </p>
 <p>
-With <code>rolling_creep</code> = 0 the longitudinal creepages are the simplified equations (3) and (4) that the paper
-runs its filter on. The rotation of the wheels then answers to the contact but does not act back on it.
+With <code>rolling_creep</code> = 0 the longitudinal creepages depend on yaw rate and conicity only, as the paper
+describes its simplified equations (3) and (4). The contact then drives the rotation of the wheels, but the rotation
+does not affect the contact: choose 1 for traction and braking.
 </p>
 <h4>Limitations</h4>
 <p>
-Those of <a href=\"modelica://RailBraking.Vehicles.PartialLateralWheelset\">PartialLateralWheelset</a>. A wheelset
-that moves: the speed must stay positive. The rounding of the total creep keeps the forces smooth at no creep.
+Those of <a href=\"modelica://RailBraking.Vehicles.PartialLateralWheelset\">PartialLateralWheelset</a>. The speed
+must stay positive. The rounding of the total creep keeps the forces smooth at no creep.
 </p>
 </html>"));
 end LateralWheelset;

@@ -49,8 +49,9 @@ of itself. Free of events. An edition says what it knows of <code>displacement</
 </p>
 <h4>Limitations</h4>
 <p>
-Without traction, braking and torsion of the axle: both wheels creep alike. A and B of the falling friction are fixed:
-at the creeps of running on straight track, up to 0.003, they change the friction by less than 4 %.
+Without traction, braking and torsion of the axle: both wheels have the same creep, and longitudinal creep from braking
+or traction appears as lower friction. A and B of the falling friction are fixed: at the creeps of running on straight
+track, up to 0.003, they change the friction by less than 4 %.
 </p>
 </html>"));
 end PartialLateralPrediction;

@@ -1,5 +1,5 @@
 within RailBraking.Predictions;
-block LateralLiteral "Lateral dynamics as five states, creep, friction and creep force among them"
+block LateralReconstruction "Lateral dynamics with creep, friction and creep force among five states, a reconstruction"
   extends Icons.Vehicle;
   extends Vehicles.PartialLateralWheelset;
   parameter Types.Ratio friction_start = 0.46 "Friction coefficient at the start";
@@ -60,14 +60,21 @@ equation
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>
 <p>
-Mal et al. (2020), equations (20) to (24). Lateral position and yaw angle are needed but are no states there: whoever
-runs this model integrates its two velocities and hands the integrals back as inputs.
+A reconstruction of the filter model of Mal et al. (2020). The text of the paper that was available names the five
+states, the measured quantities and the numbers of the equations, but does not contain the bodies of equations (18) to
+(36). The equations here are derived from the words: equal creep of both wheels, the equations of motion of <a
+href=\"modelica://RailBraking.Plants.LateralWheelset\">LateralWheelset</a>, and the derivatives with respect to time of
+total creep, friction coefficient and Polach's force. The authors' equations may differ.
+</p>
+<p>
+Lateral position and yaw angle are needed, but are not among the five states: the program that runs this model
+integrates the two velocities and returns the integrals as inputs.
 </p>
 <h4>Limitations</h4>
 <p>
-Creep, friction and force are tied to one another only through their derivatives: an error in one of them, or a change
-of the surface, stays until a reading takes it away. Where the creep passes zero its derivative is singular; the
-rounding <code>creep_small</code> keeps it finite, not right.
+Creep, friction and force are related only through their derivatives: an error in one of them, or a change of the
+surface, remains until a reading corrects it. The derivative of the creep is singular at zero creep; the rounding
+<code>creep_small</code> keeps it finite but not correct. Without traction and braking.
 </p>
 </html>"));
-end LateralLiteral;
+end LateralReconstruction;

@@ -1,9 +1,9 @@
-"""What readings tell the literal filter, against the filter's own equations."""
+"""Information in the readings about the states of the reconstruction, from its equations."""
 
 import numpy as np
 import pytest
 
-from railgrip.studies.lateral.literal import information_of, observed, refused
+from railgrip.studies.lateral.reconstruction import information_of, observed, refused
 from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 

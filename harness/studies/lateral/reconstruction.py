@@ -1,4 +1,4 @@
-"""Why the literal filter loses creep and force: what its readings can tell, and what its noises let it believe."""
+"""Why the reconstructed filter loses creep and force: information in its readings, and limits by its process noise."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from railgrip.estimators.belief import Array
 from railgrip.estimators.observability import along
 from railgrip.report.table import Table, whole_percent
 from railgrip.studies.lateral.judge import WINDOW
-from railgrip.studies.lateral.run import CLASSES, EVERY, LITERAL_NOISE, LateralCase, Trace, simulate
+from railgrip.studies.lateral.run import CLASSES, EVERY, PAPER_NOISE, LateralCase, Trace, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
 
 SHORT: Final = 0.02
@@ -25,7 +25,7 @@ _HIDDEN: Final = slice(2, 5)
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Information:
-    """What a run tells about creep, friction and force, in the order of the states of the literal filter.
+    """Information about creep, friction and force in a run, in the order of the states of the reconstruction.
 
     Attributes:
         size: Root mean square of each in the run, shape (3,).
@@ -49,13 +49,13 @@ class Information:
 
 
 def information(case: LateralCase) -> Information:
-    """Run a case and linearise the equations of the literal filter along its truth."""
+    """Run a case and linearise the equations of the reconstruction along its truth."""
     return information_of(simulate(case, names=()))
 
 
 def information_of(trace: Trace) -> Information:
-    """Linearise the equations of the literal filter along the truth of a run."""
-    model = prediction_of(CLASSES["literal"], kind="compiled")
+    """Linearise the equations of the reconstruction along the truth of a run."""
+    model = prediction_of(CLASSES["reconstruction"], kind="compiled")
     x = np.column_stack([trace.truth[name] for name in _STATES])
     shape = np.array([(CONDITIONS[number].A, CONDITIONS[number].B) for number in trace.condition])
     columns = {
@@ -63,7 +63,7 @@ def information_of(trace: Trace) -> Information:
         "yaw_angle": trace.truth["yaw_angle"],
         "track": trace.track,
         "track_rate": np.gradient(trace.track, trace.period),
-        "speed": np.full(len(x), trace.case.speed),
+        "speed": trace.truth["speed"],
         "mu0": trace.mu0,
         "A_falling": shape[:, 0],
         "B_falling": shape[:, 1],
@@ -77,7 +77,7 @@ def information_of(trace: Trace) -> Information:
     _, _, long = along(model, x, u, trace.period, noise, size, windows[WINDOW], windows[WINDOW])
     change = 1 + np.flatnonzero(np.diff(trace.condition))
     jump = np.abs(x[change] - x[change - 1])[:, 3:].max(axis=0, initial=0.0)
-    spread = np.sqrt(np.max([LITERAL_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
+    spread = np.sqrt(np.max([PAPER_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
     mirror = np.array([1.0, 1.0, -1.0, 1.0, -1.0])
     seen, other = (np.array([model.output(a, b) for a, b in zip(x * sign, u, strict=True)]) for sign in (1.0, mirror))
     return Information(
