@@ -53,8 +53,9 @@ def regained_adhesion(
     """Return the adhesion beyond the brake limit while groups regain speed after a slide, shape (n, groups).
 
     Where the rail allows less than the brakes draw, their surplus slows the wheelsets; where it allows more, the
-    contact accelerates them again, beyond the brake limit. The deficit of momentum, between 0 and that of locked wheels, is
-    integrated over time for each group. A slide that deep would use less than the peak adhesion: it is an upper limit.
+    contact accelerates them again, beyond the brake limit. The deficit of momentum, between 0 and that of locked
+    wheels, is integrated over time for each group. A slide that deep would use less than the peak adhesion: it is an
+    upper limit.
 
     Args:
         time: Shape (n,) [s].
