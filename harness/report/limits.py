@@ -22,7 +22,9 @@ class Clause(Table):
 
     clause: str
     limit: Number | None = Field(default=None, description="in SI units; without one the figure is not judged")
-    friction: tuple[Number, Number] | None = Field(default=None, description="mean frictions for which it is quoted")
+    adhesion: tuple[Number, Number] | None = Field(
+        default=None, description="lowest and highest adhesion at the first slide for which the clause is quoted"
+    )
 
 
 class Supply(Table):
@@ -56,18 +58,18 @@ class Limits(Table):
     supply: Supply
     build_up: BuildUp
 
-    def verdicts(self, values: Mapping[str, float | None], friction: float | None = None) -> dict[str, bool | None]:
+    def verdicts(self, values: Mapping[str, float | None], adhesion: float | None = None) -> dict[str, bool | None]:
         """Return for each clause whether its value keeps the limit; None where the clause is not judged.
 
         Args:
             values: Clause → value in SI units, None where there is none.
-            friction: Mean friction of the rail; without it, clauses that are quoted for some frictions are not judged.
+            adhesion: At the first slide; without it, clauses that are quoted for a range of adhesion are not judged.
         """
         verdicts: dict[str, bool | None] = {}
         for name, value in values.items():
             clause: Clause = getattr(self, name)
-            is_quoted = clause.friction is None or (
-                friction is not None and clause.friction[0] <= friction <= clause.friction[1]
+            is_quoted = clause.adhesion is None or (
+                adhesion is not None and clause.adhesion[0] <= adhesion <= clause.adhesion[1]
             )
             if clause.limit is None or value is None or not is_quoted:
                 verdicts[name] = None

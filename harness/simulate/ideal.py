@@ -2,10 +2,11 @@
 
 A scenario selects one as the kind of its controller; sensors, estimator and controller are then not used.
 
-In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant. A controller
-that observes α_max cannot stop more than 0.25 % shorter on a rail that slip does not change. A real controller does not
-reach the bound, because pressure takes time to build up and the peak must be found first. The bound integrates the
-train as a point mass; the physics comes from the plant:
+In the stop of the ideal bound each group uses min(peak adhesion, brake limit, α_max) at every instant, and exceeds the
+brake limit while its wheelsets regain the speed that a slide took from them. No controller that keeps to α_max stops in
+a distance shorter by more than 0.1 %, on a rail that slip does not change; none reaches the bound, because pressure
+takes time to build up and the peak must be found first. The train is integrated as a point mass; the physics comes from
+the plant:
 
 - peak adhesion from `RailBraking.FMUs.ContactPoint`, at the scenario's friction;
 - pad friction and running resistance as functions of speed, and the transfer of load between wheelsets as a multiple of
@@ -31,7 +32,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.loop import Ending
 from railgrip.simulate.parts import assembled, judged
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.trace.bound import with_bound
+from railgrip.trace.bound import regained_adhesion, with_bound
 from railgrip.trace.contact import peak
 from railgrip.trace.recorder import Recorder
 from railgrip.vehicle.signals import CURVE, PLANT
@@ -62,6 +63,8 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
     count = round(scenario.horizon / period) + 1
     time = np.arange(count, dtype=np.float64) * period
     profile, force = profile_of(scenario, formation), vehicle.track_force
+    groups = formation.group_of_wheelset
+    rotating_mass = np.array([0.0 if b is None else b.inertia / b.wheel_radius**2 for b in vehicle.true.brakes])
     recorder = Recorder((*PLANT, *vehicle.layout.sent_signals), formation, count)
     recorder.rows[:] = np.nan  # most signals of a train do not exist for a point mass
     speed, distance, acceleration = _first_guess(scenario, time)
@@ -83,10 +86,21 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         )  # fmt: skip
         ideal, share = bound["ideal_adhesion"].values, bound["ideal_share"].values
         loads = rows[:moving, at["wheelset_load"]]
+        usable = np.minimum(bound["peak_adhesion"].values, scenario.limits.alpha_max)
+        regained = regained_adhesion(
+            time=time[:moving],
+            speed=speed[:moving],
+            usable=usable,
+            limit=bound["brake_limit"].values,
+            load=formation.summed(loads),
+            rotating_mass=rotating_mass,
+        )
+        used = np.minimum(ideal + regained, usable)
+        share = share * np.divide(used, ideal, out=np.ones_like(ideal), where=ideal > 0.0)[:, groups]
         slowing = (np.sum(share * loads, axis=1) + np.interp(speed[:moving], speeds, resistance)) / mass
         slowing -= force.at(distance[:moving]) / mass
         rows[:moving, at["adhesion"]] = share
-        rows[:moving, at["group_adhesion"]] = ideal
+        rows[:moving, at["group_adhesion"]] = used
         rows[:moving, at["slip"]] = bound["peak_slip"].values
         before = distance[end or -1]
         speed, distance, acceleration = _integrated(scenario.start.speed, slowing, count, period)

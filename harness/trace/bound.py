@@ -3,7 +3,7 @@
 For each group it is the minimum of three limits: peak adhesion, which the rail gives at the best slip; brake limit,
 which full brake pressure draws, or the pressure that the driver demands; and α_max, which the operator allows. The
 brake limit includes bearing and rolling resistance, which act through the contact as a brake does. It holds for a
-constant slip: a wheelset that regains speed draws more for a moment.
+constant slip: a wheelset that regains speed draws more for a moment, which `regained_adhesion` gives.
 """
 
 from collections.abc import Sequence
@@ -45,6 +45,36 @@ def brake_limit(
     torque = brake.units * pad_friction * brake.pad_force(most) * brake.friction_radius
     rotation = brake.inertia * deceleration / brake.wheel_radius
     return np.maximum(torque + resistance_lever * load - rotation, 0) / (brake.wheel_radius * load)
+
+
+def regained_adhesion(
+    *, time: Array, speed: Array, usable: Array, limit: Array, load: Array, rotating_mass: Array
+) -> Array:
+    """Return the adhesion beyond the brake limit while groups regain speed after a slide, shape (n, groups).
+
+    Where the rail allows less than the brakes draw, their surplus slows the wheelsets; where it allows more, the
+    contact accelerates them again, beyond the brake limit. The deficit of momentum, between 0 and that of locked
+    wheels, is integrated over time for each group. A slide that deep would use less than the peak adhesion: it is an
+    upper limit.
+
+    Args:
+        time: Shape (n,) [s].
+        speed: Of the train, shape (n,) [m/s].
+        usable: Adhesion that rail and operator allow, shape (n, groups).
+        limit: Adhesion that the brakes draw at constant slip, shape (n, groups).
+        load: Of each group, shape (n, groups) [N].
+        rotating_mass: Inertia of each group over the square of the wheel radius, shape (groups,) [kg].
+    """
+    stride = max(1, round(_STRIDE / (time[1] - time[0]))) if len(time) > 1 else 1
+    steps = np.diff(time[::stride], append=time[-1])
+    surplus = ((limit - usable) * load)[::stride] * steps[:, None]
+    largest = speed[::stride, None] * rotating_mass
+    regained, deficit = np.zeros(surplus.shape), np.zeros(len(rotating_mass))
+    for i in range(len(surplus)):
+        regained[i] = np.clip(-surplus[i], 0.0, deficit)
+        deficit = np.clip(deficit + surplus[i], 0.0, largest[i])
+    force = np.divide(regained, steps[:, None], out=np.zeros_like(regained), where=steps[:, None] > 0.0)
+    return np.repeat(force, stride, axis=0)[: len(time)] / load
 
 
 def with_bound(

@@ -15,8 +15,11 @@ SLIP_EDGES = (0.02, 0.05, 0.10, 0.15, 0.20, 0.30, 0.50, 0.90)
 
 DEEP_SLIDE = 0.30
 
+SLIDE = 0.05
+"""Slip above which a group slides, for the adhesion at the first slide."""
+
 FAST = 15 / 3.6
-"""Speed of the train [m/s] below which a lock makes no flat that counts."""
+"""Speed of the train [m/s] below which locks and slides do not count."""
 
 
 def since_brake_demand(trace: xarray.Dataset) -> xarray.Dataset:
@@ -112,6 +115,21 @@ def adhesion_allowed(trace: xarray.Dataset) -> float:
     square = trace["speed"].values ** 2
     inverse = -np.trapezoid(1.0 / peak, square)
     return float((square[0] - square[-1]) / inverse) if inverse > 0 else float("nan")
+
+
+def adhesion_at_slide(trace: xarray.Dataset) -> float:
+    """Return the adhesion of the first group that slides, when its slip first exceeds 5 % above 15 km/h [1].
+
+    It is the adhesion available when the slide begins, which EN 15595 quotes for its test with soap and water. If
+    groups begin to slide in the same sample, it is that of the group with the largest slip. NaN for a stop without
+    slide.
+    """
+    slip = trace["slip"].values
+    is_sliding = np.any(slip > SLIDE, axis=1) & (trace["speed"].values > FAST)
+    if not is_sliding.any():
+        return float("nan")
+    first = int(np.argmax(is_sliding))
+    return float(trace["group_adhesion"].values[first, np.argmax(slip[first])])
 
 
 def over_the_rail(trace: xarray.Dataset) -> float:

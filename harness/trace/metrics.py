@@ -50,6 +50,12 @@ class Metrics:
         "highest adhesion that the creep curve allows, a mean over the speeds of the stop: v^2/(2 g adhesion_allowed) "
         "is the distance with this adhesion alone, without limits of brakes and without running resistance",
     ] = float("nan")  # results of the first release do not have it
+    adhesion_at_slide: Annotated[
+        float,
+        "1",
+        f"adhesion of the first group that slides, when its slip first exceeds {100 * measures.SLIDE:g} % above "
+        "15 km/h; none without a slide",
+    ] = float("nan")  # results of the first release do not have it
     utilisation_wheelset: Annotated[
         Each,
         "1",
@@ -227,6 +233,7 @@ def measure(trace: xarray.Dataset, *, outcome: Outcome, alpha_max: float, actuat
         utilisation_wheelset=share_each,
         adhesion_allowed=measures.adhesion_allowed(trace),
         adhesion_peak=tuple(map(float, trace["group_adhesion"].values.max(axis=0))),
+        adhesion_at_slide=measures.adhesion_at_slide(trace),
         time_over_alpha_max=measures.time_over_limit(trace, alpha_max),
         slip_histogram=measures.slip_histogram(trace),
         time_in_deep_slide=measures.time_in_deep_slide(trace),

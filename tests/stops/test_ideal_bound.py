@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
+from hypothesis import Phase, example, given, settings
 from hypothesis import strategies as st
 
 import railgrip.scenario
@@ -22,10 +23,13 @@ def bound(name, period, *changes):
     )
 
 
-@pytest.mark.parametrize(("name", "distance"), [("plain", 344.3980), ("sine_sweep", 256.4927)])
-def test_the_best_stop_hardly_hangs_on_the_grid(name, distance):
-    """Against the distance at 1 ms; the end of the stop is known to a sample, a millimetre of travel at 0.1 m/s."""
-    assert bound(name, "10 ms").metrics.distance == pytest.approx(distance, abs=2e-3)
+@pytest.mark.parametrize(("name", "distance", "error"), [("plain", 344.3980, 2e-3), ("sine_sweep", 255.9437, 4e-3)])
+def test_the_best_stop_hardly_hangs_on_the_grid(name, distance, error):
+    """Against the distance at 1 ms; the end of the stop is known to a sample, a millimetre of travel at 0.1 m/s.
+
+    What wheelsets regain in the sine sweep is integrated in steps of 10 ms: 2 mm more.
+    """
+    assert bound(name, "10 ms").metrics.distance == pytest.approx(distance, abs=error)
 
 
 def test_the_brake_limit_has_bearing_and_rolling_resistance():
@@ -74,19 +78,24 @@ RAILS = st.one_of(
 )  # fmt: skip
 
 
+BETWEEN_SLIDES = {
+    "kind": "points", "over": "distance",
+    "points": [[f"{25 * i + i % 2} m", mu0] for i, mu0 in enumerate((0.08, 0.08, 0.45, 0.45) * 4)],
+}  # fmt: skip
+"""Short slides and short stretches of good rail, on which the wheelsets regain speed."""
+
+
+@example(rail=BETWEEN_SLIDES, curve="soap", speed=70.0, gradient=0.0, kind="ideal_tracking")
 @settings(max_examples=25, derandomize=True, phases=[Phase.explicit, Phase.generate])
 @given(
     rail=RAILS,
     curve=st.sampled_from(["dry", "wet", "soap", "poor_wheelset_study"]),
     speed=st.floats(30.0, 160.0),
-    gradient=st.floats(-0.01, 0.02),
+    gradient=st.floats(-0.01, 0.02, allow_subnormal=False),
     kind=st.sampled_from(["full_brake", "ideal_tracking", "slip_two_state"]),
 )
 def test_no_stop_is_shorter_than_the_bound(rail, curve, speed, gradient, kind):
-    """By more than 0.25 %; the controllers have no limit of adhesion, so that the bound has none either.
-
-    Discs that stay cooler than in the full brake from which the bound takes pad friction give up to 0.2 %.
-    """
+    """By more than 0.1 %, the error of pad friction; without a limit of adhesion, which the controllers do not have."""
     changes = {
         "adhesion": rail | {"polach": curve}, "start": {"speed": f"{speed} km/h"}, "estimator": {"kind": "none"},
         "limits": {"alpha_max": 1.0}, "truth": {"gradient": gradient},
@@ -98,7 +107,16 @@ def test_no_stop_is_shorter_than_the_bound(rail, curve, speed, gradient, kind):
         for name in ("ideal_bound", kind)
     )
     assert stop.outcome.value == best.outcome.value == "standstill"
-    assert stop.metrics.distance > 0.9975 * best.metrics.distance
+    assert stop.metrics.distance > 0.999 * best.metrics.distance
+
+
+def test_the_bound_keeps_to_alpha_max_where_wheelsets_regain_speed():
+    points = ", ".join(f"['{place}', {mu0}]" for place, mu0 in BETWEEN_SLIDES["points"])
+    rail = f"adhesion={{kind='points', over='distance', polach='soap', points=[{points}]}}"
+    stop = bound("plain", "10 ms", rail, "limits.alpha_max=0.12", "start.speed=140 km/h")
+    used, limit = stop.trace["group_adhesion"].values, stop.trace["brake_limit"].values
+    assert used.max() <= 0.12 * (1 + 1e-12)
+    assert np.any(used > limit + 1e-3)  # while it is regained
 
 
 def test_a_horizon_that_cuts_off_the_best_stop_is_its_outcome():

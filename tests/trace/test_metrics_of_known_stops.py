@@ -9,7 +9,7 @@ from synthetic import BRAKES, LOAD, parabola, uniform_stop
 
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace import estimation, measures
-from railgrip.trace.bound import brake_limit, with_bound
+from railgrip.trace.bound import brake_limit, regained_adhesion, with_bound
 from railgrip.trace.metrics import Metrics, actuations, air_used, meanings, measure
 
 
@@ -118,6 +118,24 @@ def test_part_of_the_brake_torque_stops_the_wheelset_itself():
     assert difference == pytest.approx(222.0 / 0.16 / LOAD)
 
 
+def test_a_wheelset_regains_the_momentum_that_a_slide_took_from_it():
+    """Rail below the brake limit for 5 s, above it afterwards: the surplus of the brakes, or the lock, is regained."""
+    time = np.arange(0.0, 10.0, 0.001)
+    ones = np.ones((len(time), 1))
+    usable = np.where(time[:, None] < 5.0, 0.06, 0.3)
+    arguments = {"time": time, "speed": np.full(len(time), 20.0), "load": LOAD * ones}
+    surplus = 5.0 * 0.06 * LOAD
+    for mass, momentum in ((1400.0, 20.0 * 1400.0), (1e4, min(surplus, 20.0 * 1e4))):
+        regained = regained_adhesion(usable=usable, limit=0.12 * ones, rotating_mass=np.array([mass]), **arguments)
+        assert np.trapezoid(regained[:, 0] * LOAD, time) == pytest.approx(momentum, rel=2e-3)
+        assert not regained[time < 5.0].any()
+        assert (regained + 0.12 <= usable + 1e-12)[time >= 5.0].all()
+    without_slide = regained_adhesion(
+        usable=0.3 * ones, limit=0.12 * ones, rotating_mass=np.array([1400.0]), **arguments
+    )
+    assert not without_slide.any()
+
+
 def test_an_isolated_brake_bounds_its_group_to_nothing():
     bound = with_bound(uniform_stop(), parabola, (None, *BRAKES[1:]), alpha_max=0.15)
     assert bound["brake_limit"].values[0] == pytest.approx([0.0, 0.0875, 0.0875, 0.0875])
@@ -150,6 +168,19 @@ def test_the_adhesion_allowed_is_the_peak_of_the_creep_curve():
         half = trace.isel(time=slice(0, 1))
         assert np.isnan(measures.adhesion_allowed(half))
     assert np.isnan(measures.adhesion_allowed(uniform_stop()))
+
+
+def test_the_adhesion_at_the_first_slide_is_that_of_the_group_that_slides_first():
+    """Group 3 passes 5 % slip after 4 s, group 1 later; what follows and slides below 15 km/h do not count."""
+    trace = uniform_stop(speed=20.0, deceleration=1.0)
+    time = trace["time"].values[:, None]
+    begins = np.array([6.0, 99.0, 4.0, 99.0])
+    slip = np.where(time < begins, 0.049, 0.051)
+    adhesion = np.array([0.05, 0.06, 0.07, 0.08]) + 0.001 * time
+    sliding = uniform_stop(speed=20.0, deceleration=1.0, slip=slip, group_adhesion=adhesion)
+    assert measures.adhesion_at_slide(sliding) == pytest.approx(0.074, abs=2e-5)
+    steady = uniform_stop(speed=20.0, deceleration=1.0, slip=np.where(time < 16.0, 0.049, 1.0))
+    assert np.isnan(measures.adhesion_at_slide(steady))
 
 
 def test_time_over_the_limit_counts_each_group():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from synthetic import BRAKES, parabola, uniform_stop
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
@@ -13,6 +14,8 @@ from railgrip.report.results import Result
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.studies.type_test.judge import judgements, measured, summaries
+from railgrip.trace.bound import with_bound
+from railgrip.trace.measures import utilisation as utilisation_of
 from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.stop import StopRecord
 
@@ -27,16 +30,16 @@ TAKING_PART = {
 }  # fmt: skip
 
 
-def result(case, controller, distance, *, stands=True, speed=20.0, friction=0.06, **figures):
-    """A stop that stood after `distance`, its other figures 0 unless given."""
+def result(case, controller, distance, *, stands=True, speed=20.0, **figures):
+    """A stop that stood after `distance` and slid first at an adhesion of 0.06, its other figures 0 unless given."""
     plain = {name: (0.0, 0.0) if name in EACH else 0.0 for name in meanings()}
-    metrics = Metrics(**(plain | {"distance": distance} | figures))
+    metrics = Metrics(**(plain | {"distance": distance, "adhesion_at_slide": 0.06} | figures))
     record = StopRecord(
         directory=Path(), outcome=Outcome.STANDSTILL if stands else Outcome.HORIZON, reason="",
         scenario={"start": {"speed": speed}, "actuation": {"kind": "pneumatic"}}, digest="", metrics=metrics,
         versions={}, fmus={},
     )  # fmt: skip
-    variants = {"case": case, "controller": controller, "friction": str(friction), "curve": "dry"}
+    variants = {"case": case, "controller": controller, "friction": "0.3", "curve": "dry"}
     return measured(Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None))
 
 
@@ -75,10 +78,35 @@ def test_each_clause_is_kept_up_to_its_limit():
     assert {name for name, verdict in bad.verdicts.items() if verdict is False} == {"extension", "lock", "utilisation"}
 
 
-def test_the_extension_is_judged_only_at_the_friction_it_is_quoted_for():
-    for friction, verdict in ((0.049, None), (0.05, False), (0.08, False), (0.081, None)):
-        stops = [result("a", "dry", 250.0), result("a", "mine", 500.0, friction=friction)]
+def test_the_extension_is_judged_by_the_adhesion_at_the_first_slide():
+    for adhesion, verdict in ((0.049, None), (0.05, False), (0.08, False), (0.081, None), (math.nan, None)):
+        stops = [result("a", "dry", 250.0), result("a", "mine", 500.0, adhesion_at_slide=adhesion)]
         assert mine(stops).verdicts["extension"] is verdict
+
+
+def test_all_controllers_of_a_case_are_judged_by_the_same_adhesion():
+    """By the median. The dry rail and the ideal bound do not count; a controller that never slides is judged, too."""
+    adhesions = {"dry": 0.3, "ideal_bound": 0.3, "tuned": 0.081, "second": 0.06, "slip_three_state": 0.07}
+    stops = [
+        result("a", name, 250.0 if name == "dry" else 500.0, adhesion_at_slide=adhesion)
+        for name, adhesion in adhesions.items()
+    ]
+    stops.append(result("a", "mine", 500.0, adhesion_at_slide=math.nan))
+    judged = judgements(stops, TAKING_PART, LIMITS)
+    assert {stop.first_adhesion for stop in judged} == {0.07}
+    assert {stop.verdicts["extension"] for stop in judged} == {False}
+
+
+def test_use_of_the_adhesion_is_judged_with_an_isolated_group():
+    """The isolated brake draws nothing; the train has a utilisation all the same, from the trace to the verdict."""
+    brakes = (None, *BRAKES[1:])
+    for used, verdict in ((0.07, True), (0.04, False)):
+        trace = with_bound(uniform_stop(adhesion=used, mu0=0.0875), parabola, brakes, alpha_max=0.15)
+        utilisation, each = utilisation_of(trace)
+        assert math.isnan(each[0])
+        stop = mine([result("a", "dry", 250.0), result("a", "mine", 300.0, utilisation=utilisation)])
+        assert stop.utilisation == pytest.approx(utilisation)
+        assert stop.verdicts["utilisation"] is verdict
 
 
 def test_a_train_that_does_not_stop_fails_and_has_no_distance():

@@ -35,6 +35,8 @@ class Measured:
         strokes: Of all valves.
         tread_energy_mj: Largest of any wheelset, in the contacts of its wheels: what flats are made of.
         utilisation: Of the adhesion that there was [1].
+        adhesion_at_slide: Adhesion of the first group that slides, when it begins to [1]; None without a slide, and in
+            results of earlier versions.
         nees: Mean squared error of the estimated adhesion over its variance, above 10 km/h, mean of the groups; None
             without an estimator that says how sure it is.
     """
@@ -53,6 +55,7 @@ class Measured:
     tread_energy_mj: float | None
     utilisation: float | None
     nees: float | None
+    adhesion_at_slide: float | None = None
 
 
 def measured(stop: Result) -> Measured:
@@ -73,6 +76,7 @@ def measured(stop: Result) -> Measured:
         strokes=round(sum(metrics.actuations)),
         tread_energy_mj=finite(1e-6 * max(metrics.tread_energy)),
         utilisation=finite(metrics.utilisation),
+        adhesion_at_slide=finite(metrics.adhesion_at_slide),
         nees=None if metrics.adhesion_nees is None else finite(float(np.mean(metrics.adhesion_nees))),
     )
 
@@ -85,6 +89,8 @@ class Judged(Measured):
         tuned: Whether the parameters of the controller were searched.
         dry_m, bound_m, best_m: Of others in the same case: full brake on a dry rail, the ideal bound, the best tuned
             baseline that keeps the lock clause; None where that is not there.
+        first_adhesion: Median adhesion at the first slide of all controllers in the case [1], by which clauses are
+            selected: the same for all, and known for a controller that never slides. None if no controller slides.
         extension: Over the dry distance [1].
         over_bound, over_best: Distance over `bound_m` and over `best_m`.
         k_wet: Dry over wet deceleration distance, at most 1 [1]; SUBSET-040 §4.4.1.
@@ -96,6 +102,7 @@ class Judged(Measured):
     dry_m: float | None
     bound_m: float | None
     best_m: float | None
+    first_adhesion: float | None
     extension: float | None
     over_bound: float | None
     over_best: float | None
@@ -128,8 +135,16 @@ def judgements(stops: Iterable[Measured], taking_part: Mapping[str, Entrant], li
             default=None,
         )
         dry, bound = distances.get("dry"), distances.get("ideal_bound")
+        adhesion = _quantile(
+            [
+                stop.adhesion_at_slide
+                for name, stop in stops_of_case.items()
+                if stop.adhesion_at_slide is not None and taking_part[name].role in ("baseline", "entrant")
+            ],
+            0.5,
+        )
         rows += [
-            _judge(stop, taking_part[name].tuned, limits, dry=dry, bound=bound, best=best)
+            _judge(stop, taking_part[name].tuned, limits, dry=dry, bound=bound, best=best, adhesion=adhesion)
             for name, stop in stops_of_case.items()
             if taking_part[name].role != "reference"
         ]
@@ -142,7 +157,14 @@ def keeps_lock(longest: float | None, limits: Limits) -> bool:
 
 
 def _judge(
-    stop: Measured, tuned: bool, limits: Limits, *, dry: float | None, bound: float | None, best: float | None
+    stop: Measured,
+    tuned: bool,
+    limits: Limits,
+    *,
+    dry: float | None,
+    bound: float | None,
+    best: float | None,
+    adhesion: float | None,
 ) -> Judged:
     distance = stop.distance_m
     extension = None if distance is None or dry is None else distance / dry - 1.0
@@ -161,6 +183,7 @@ def _judge(
         dry_m=dry,
         bound_m=bound,
         best_m=best,
+        first_adhesion=adhesion,
         extension=extension,
         over_bound=_ratio(distance, bound),
         over_best=_ratio(distance, best),
@@ -170,7 +193,7 @@ def _judge(
         if distance is None
         else min(1.0, k_wet_of_distances(dry, distance, stop.speed, limits.build_up.time)),
         reservoir_bar=None if remaining is None else 1e-5 * remaining,
-        verdicts={"stops": distance is not None} | limits.verdicts(values, float(stop.variants["friction"])),
+        verdicts={"stops": distance is not None} | limits.verdicts(values, adhesion),
     )
 
 
