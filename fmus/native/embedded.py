@@ -13,7 +13,7 @@ from railgrip.fmus.native.discrete import Discrete, WrittenStep
 from railgrip.fmus.native.model import Variable
 from railgrip.fmus.native.package import c_identifier
 
-_FUNCTION = re.compile(r"^(?:int|void|double) (\w+)\(.*\);$", re.MULTILINE)
+_FUNCTION = re.compile(r"^(?!typedef)(?:\w+ )+\*?(\w+)\(.*\);$", re.MULTILINE)
 """A declaration in a header of the loop."""
 
 _HEADER = """/* {description}.

@@ -141,7 +141,7 @@ def conditioning(
     fresh: Fresh = False,
     import_from: ImportFrom = None,
 ) -> None:
-    """Repeat stops with the plant's parameters perturbed, and with other lots of sensors."""
+    """Repeat stops with other parameters and sensors."""
     loaded = load_campaign(file)
     if loaded.conditioning is None:
         raise ScenarioError(f"{file.name}: has no key 'conditioning'; it names the file that is to be written")

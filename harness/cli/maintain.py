@@ -13,7 +13,7 @@ class _Maintain(Commands):
             "regress": Command("baselines:regress", "Run what has a baseline and compare every number."),
             "accept": Command("baselines:accept", "Move the baselines to the results of the last regress."),
             "validation": Command("baselines:validation", "Write the accepted distances into the documentation."),
-            "conditioning": Command("baselines:conditioning", "Repeat stops with the plant's parameters perturbed."),
+            "conditioning": Command("baselines:conditioning", "Repeat stops with other parameters and sensors."),
             "discretisation": Command("baselines:discretisation", "Repeat stops with half and a quarter of the step."),
         },
         "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},

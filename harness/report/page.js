@@ -83,7 +83,9 @@ addEventListener("beforeprint", () => {
   for (const one of document.querySelectorAll(".plot")) {
     if (!one.layout) continue;
     const { width, height, meta } = one.layout;
+    document.body.style.width = `${PAPER.width}px`;  // text above it is as wide as paper, not as the screen
     const above = one.closest(".summary") ? one.offsetTop : 0;  // on the first page, below the answer
+    document.body.style.width = "";
     const free = PAPER.height - above - 40;  // room for the caption
     if (meta.train) {
       one.dataset.size = JSON.stringify({ width, height });

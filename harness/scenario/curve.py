@@ -177,7 +177,7 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
     """Return the numbers of rows, each given with its line number, shape (rows, count)."""
     try:
         values = np.array([row for _, row in rows], dtype=np.float64)
-        if values.shape[1:] == (count,) and all(_is_of_numbers(row, count) for _, row in rows):
+        if values.shape[1:] == (count,) and np.isfinite(values).all():
             return values
     except ValueError:  # a cell is not a number, or rows differ in length
         pass

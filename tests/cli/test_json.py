@@ -45,7 +45,7 @@ def test_a_train_that_contradicts_itself_prints_the_contradictions_and_ends_with
     assert railgrip("new", "train", "own.toml").code == 0
     text = (project / "own.toml").read_text(encoding="utf-8")
     assert "spring_force" in text
-    lines = ['spring_force = "1 MN"' if line.startswith("spring_force") else line for line in text.splitlines()]
+    lines = ['spring_force = "50 kN"' if line.startswith("spring_force") else line for line in text.splitlines()]
     (project / "own.toml").write_text("\n".join(lines), encoding="utf-8")
     ended = railgrip("train", "check", "own.toml", "--json")
     result = json.loads(ended.out)

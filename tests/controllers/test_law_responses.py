@@ -55,7 +55,7 @@ def tuned_laws():
     files = registry.files(registry.LAWS)
     for kind in registry.modules(registry.LAWS):
         law = registry.part(registry.LAWS, kind, GroupLaw)
-        has_set = {name: file_of(law.sets_of or kind, name).removesuffix(".toml") in files for name in SETS}
+        has_set = {name: file_of(kind, name).removesuffix(".toml") in files for name in SETS}
         names = [name for name in SETS if has_set[name]] or [SEARCHED]
         for name, (actuation, period), slip in product(names, PERIODS.items(), ("read", "estimated")):
             try:

@@ -146,12 +146,6 @@ def test_list_shows_every_recipe_whole_where_there_is_no_screen():
         assert f" {recipe['class']} " in shown.stdout
 
 
-def test_the_former_command_line_names_the_new_one():
-    done = ended(sys.executable, "-m", "railgrip.fmus", "build")
-    assert done.returncode == 2
-    assert "railgrip build" in done.stderr
-
-
 def test_the_program_imports_nothing_from_the_current_folder(tmp_path):
     for name in ("typer", "railgrip", "rumoca", "json"):
         (tmp_path / f"{name}.py").write_text("open('ran', 'w').close()\nraise ImportError('a trap')\n")

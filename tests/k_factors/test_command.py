@@ -34,7 +34,7 @@ def test_the_same_file_gives_the_same_bytes_but_for_seconds(tmp_path, capsys, mo
     # The page says when it was written.
     assert all("EBCL" in folder_files.pop("index.html").decode() for folder_files in (first, again))
     assert first == again
-    assert set(first) == {"k_factors.png"}
+    assert set(first) == {"k_factors.png", ".railgrip.json"}
     assert [one["ebcl"] for one in contents[0]["k_dry"]] == 4 * list(range(10))
     assert all(one["low_of_rates"] <= one["low"] for one in contents[0]["k_dry"])
     assert all(one["high"] <= one["high_of_rates"] for one in contents[0]["k_dry"])

@@ -175,7 +175,7 @@ def test_the_ride_of_the_library_is_valid():
 def test_invalid_rides_and_estimators_are_refused(tmp_path, files):
     with pytest.raises(ScenarioError, match=r"\[car\] condition is 'oil'; there is dry"):
         read_ride(written(tmp_path, condition="oil"))
-    with pytest.raises(EstimatorError, match="there is no such file; `make learn` writes"):
+    with pytest.raises(EstimatorError, match="there is no such file; correct the path; `make learn` writes"):
         ride_beside(read_ride(written(tmp_path, file="gone.json")), tmp_path)
     (tmp_path / "other.json").write_text('{"kind": "paper", "format": 1}')
     with pytest.raises(EstimatorError, match="damaged trained estimator"):

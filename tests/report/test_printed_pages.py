@@ -3,11 +3,13 @@
 import re
 import shutil
 import subprocess
+from pathlib import Path
 from unicodedata import normalize
 
 import numpy as np
 import pytest
 
+import railgrip.studies
 from railgrip.report.distances import rows_of, shown
 from railgrip.report.index import write_report
 from railgrip.report.page import Page
@@ -99,10 +101,11 @@ def test_every_kind_of_figure_is_drawn(tmp_path):
     bars.set_xticks([0, 1], ["left tick", "right tick"])
     bars.legend()
     drawing.suptitle("above both")
-    values = dict.fromkeys(("published", "distances", "parameters", "profile", "alternatives", "lyapunov"), "")
-    names = ("adhesion_based_4.png", "adhesion_based_1.svg", "adhesion_based_3.png", "profile.png")
-    figures = dict.fromkeys(names, drawing)
     template = "studies/papers/papers.md.jinja"
+    text = (Path(railgrip.studies.__file__).parents[1] / template).read_text(encoding="utf-8")
+    values = dict.fromkeys(re.findall(r"{{ (\w+) }}", text), "")
+    names = ["adhesion_based_4.png", *re.findall(r'figures\["(.+?)"\]', text)]
+    figures = dict.fromkeys(names, drawing)
     page = Page(title="t", question="q", answer="a", template=template, values=values, figures=figures)
     texts, _ = printed(page.write(tmp_path), tmp_path)
     for text in ("in the image", "at a bar", "left tick", "bars", "band", "in the legend alone", "above both"):

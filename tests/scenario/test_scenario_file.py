@@ -125,7 +125,7 @@ REFUSALS = [
     (["adhesion.conditioning.by=axle"], "[adhesion.conditioning] by is 'axle'; there is 'group' or 'wheelset'"),
     (
         ["adhesion.calibrated.DRY=2"],
-        "[adhesion] calibrated has a factor for 'DRY' (did you mean 'dry'?); ",
+        "[adhesion] calibrated has a factor for 'DRY'; there is dry",
     ),
     (["adhesion.calibrated.mine=2"], "[adhesion] calibrated has a factor for 'mine'; there is dry, "),
     (["seed=-1"], "seed is -1; input should be greater than or equal to 0"),
@@ -185,7 +185,7 @@ def test_a_path_on_the_command_line_starts_at_the_current_folder(tmp_path, monke
     ("content", "sentence"),
     [
         (b"name = ", "bad.toml: is not TOML: "),
-        (b"\xff\xfe", "bad.toml: is not TOML: "),
+        (b"\xff\xfe", "bad.toml: is not text in UTF-8"),
         (b"", "bad.toml: [vehicle] is missing; it is wanted and has no default"),
     ],
 )
@@ -200,7 +200,7 @@ def test_a_file_that_is_no_scenario_is_refused(tmp_path, content, sentence):
 def test_a_missing_file_and_a_folder_are_named(tmp_path):
     with pytest.raises(ScenarioError, match=r"gone\.toml: there is no such file"):
         load(tmp_path / "gone.toml")
-    with pytest.raises(ScenarioError, match="cannot be read: Is a directory"):
+    with pytest.raises(ScenarioError, match="is a folder, and a file is expected"):
         load(tmp_path)
 
 

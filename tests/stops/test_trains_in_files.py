@@ -210,7 +210,7 @@ def test_a_changed_file_is_another_train_and_a_moved_one_the_same(tmp_path):
 
 
 def test_a_train_that_is_none_ends_in_a_sentence(tmp_path):
-    with pytest.raises(ScenarioError, match=r"\[vehicle\] train names 'nothing', but there is no file"):
+    with pytest.raises(ScenarioError, match=r"\[vehicle\] train is 'nothing': there is no such file, and no train"):
         dry({"train": "nothing"}, "50 km/h")
     (tmp_path / "bad.toml").write_text('name = "bad"\n', encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"bad.toml: \[resistance\] is missing"):

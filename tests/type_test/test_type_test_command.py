@@ -127,8 +127,8 @@ def test_a_task_has_a_demand_or_says_how_wheels_clean(tmp_path, capsys):
     (tmp_path / "own.toml").write_text(OWN, encoding="utf-8")
     assert run("--task", str(tmp_path / "own.toml"), "--out", str(tmp_path)) == 2
     assert "own.toml: has neither [demand] nor [adhesion.conditioning]" in capsys.readouterr().err
-    assert run("--against", "nobody", "--out", str(tmp_path)) == 2
-    assert "--against nobody: is none of dry, ideal_bound" in capsys.readouterr().err
+    assert run("--against", "nobody", "--out", str(tmp_path / "results")) == 2
+    assert "--against nobody: is not one of dry, ideal_bound" in capsys.readouterr().err
 
 
 def test_a_wrong_name_is_refused_in_one_sentence(tmp_path, capsys):
