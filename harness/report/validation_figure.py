@@ -25,6 +25,8 @@ _MARKS: Final[tuple[dict[str, Any], ...]] = (
     {"marker": "s", "markerfacecolor": palette.VERMILION, "color": palette.VERMILION, "markersize": 5},
     {"marker": "^", "markerfacecolor": palette.GREEN, "color": palette.GREEN, "markersize": 6},
 )
+_COLUMN: Final = 32.0
+"""Width of a column of numbers [pt]."""
 _BEYOND: Final = "full_brake"
 """Kind of controller that does not extend the scale: a train that slides stops far behind the others."""
 
@@ -40,12 +42,12 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
     scenarios = list(dict.fromkeys(cell.column for cell in cells))
     controllers = list(dict.fromkeys(_name(cell) for cell in cells))
     equipment = list(dict.fromkeys(cell.line[0] for cell in cells))
-    drawing, panels = style.panels(11, 0.37 * len(controllers) + 1.3, 1, len(scenarios), sharey=True, squeeze=False)
+    drawing, panels = style.panels(12, 0.37 * len(controllers) + 1.3, 1, len(scenarios), sharey=True, squeeze=False)
     drawing.set_layout_engine("constrained", rect=(0.0, 0.0, 0.985, 1.0), w_pad=0.12)
     for panel, scenario in zip(panels[0], scenarios, strict=True):
         here = [cell for cell in cells if cell.column == scenario]
         style.dress(panel, x="braking distance [m]")
-        panel.set_title(scenario, loc="left", fontsize=11, fontweight="bold", pad=26)
+        panel.set_title(scenario, loc="left", fontsize=11, fontweight="bold", pad=36)
         panel.grid(visible=False, axis="y")
         for row in range(0, len(controllers), 2):
             panel.axhspan(row - 0.5, row + 0.5, color="#F1F1F1", linewidth=0, zorder=0)
@@ -55,15 +57,7 @@ def distances_figure(campaign: Campaign, baseline: Baseline) -> tuple[Figure, st
         for cell in here:
             _draw(panel, cell, controllers.index(_name(cell)), equipment.index(cell.line[0]), len(equipment), high)
         for number, name in enumerate(equipment):
-            panel.text(
-                *(_column(number), 1.01),
-                name,
-                transform=panel.transAxes,
-                ha="right",
-                va="bottom",
-                fontsize=8,
-                color=_MARKS[number % len(_MARKS)]["color"],
-            )
+            _write(panel, number, name, (1.0, 1.01), "axes fraction", va="bottom")
     panels[0, 0].set_yticks(range(len(controllers)), [textwrap.fill(name, 26) for name in controllers], fontsize=8.5)
     panels[0, 0].set_ylim(len(controllers) - 0.5, -0.5)
     for panel in panels[0]:
@@ -88,9 +82,20 @@ def _mark(number: int) -> dict[str, Any]:
     return {"markeredgewidth": 1.5, "linewidth": 1.6, **_MARKS[number % len(_MARKS)]}
 
 
-def _column(number: int) -> float:
-    """Return the right end of a column of numbers, as a share of the panel."""
-    return 1.18 + 0.2 * number
+def _write(panel: Axes, number: int, text: str, place: tuple[float, float], coordinates: Any, **options: Any) -> None:
+    """Write into a column to the right of a panel, at the height of a place on the panel's edge."""
+    panel.annotate(
+        text,
+        place,
+        xycoords=coordinates,
+        xytext=(_COLUMN * (number + 1), 0),
+        textcoords="offset points",
+        ha="right",
+        fontsize=8,
+        color=_MARKS[number % len(_MARKS)]["color"],
+        annotation_clip=False,
+        **options,
+    )
 
 
 def _scale(cells: Sequence[Cell]) -> tuple[float, float]:
@@ -111,15 +116,7 @@ def _draw(panel: Axes, cell: Cell, row: int, number: int, count: int, high: floa
     else:
         panel.plot(cell.ends, [y, y], "-|", color=mark["color"], linewidth=1.6, markersize=5, zorder=3)
     panel.plot([min(distance, high)], [y], zorder=4, **mark)
-    panel.text(
-        *(_column(number), row),
-        f"{distance:.0f}",
-        transform=panel.get_yaxis_transform(),
-        ha="right",
-        va="center",
-        fontsize=8,
-        color=mark["color"],
-    )
+    _write(panel, number, f"{distance:.0f}", (1.0, row), panel.get_yaxis_transform(), va="center")
 
 
 def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
@@ -129,7 +126,7 @@ def _draw_published(panel: Axes, cells: Sequence[Cell]) -> None:
             panel.axvline(cell.paper, color=palette.BLACK, linestyle=(0, (4, 3)), linewidth=1.0, zorder=1)
             panel.text(
                 *(cell.paper, 1.01),
-                f"paper, {_name(cell).partition(',')[0]}\n{cell.paper:.1f}",
+                f"paper,\n{_name(cell).partition(',')[0]}\n{cell.paper:.1f}",
                 transform=panel.get_xaxis_transform(),
                 ha="center",
                 va="bottom",
