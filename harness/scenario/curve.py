@@ -177,7 +177,11 @@ def _numbers(rows: Sequence[tuple[int, list[str]]], count: int) -> NDArray[np.fl
     """Return the numbers of rows, each given with its line number, shape (rows, count)."""
     try:
         values = np.array([row for _, row in rows], dtype=np.float64)
-        if values.shape[1:] == (count,) and np.isfinite(values).all():
+        if (
+            values.shape[1:] == (count,)
+            and np.isfinite(values).all()
+            and not any("_" in cell for _, row in rows for cell in row)
+        ):
             return values
     except ValueError:  # a cell is not a number, or rows differ in length
         pass

@@ -103,7 +103,7 @@ def test_full_brake_from_the_start_is_a_stop_without_a_demand():
     plain = {"start.speed": "20 km/h", **GRIPPY}
     without = rg.run(rg.Scenario.load("plain", plain))
     full = rg.run(rg.Scenario.load("plain", plain | {"demand": {"phases": [{"pressure": "full"}]}}))
-    assert full.metrics == without.metrics
+    assert repr(full.metrics) == repr(without.metrics)  # NaN is not equal to NaN
     assert set(full.trace.data_vars) == {*without.trace.data_vars, "driver_demand"}
     for name, values in without.trace.data_vars.items():
         assert values.values.tobytes() == full.trace[name].values.tobytes(), name
