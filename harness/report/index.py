@@ -223,7 +223,7 @@ def _scenarios(stops: Sequence[Result]) -> Table:
 
 def _train(vehicle: Mapping[str, Any]) -> str:
     """Return the source of a stop's plant, as its scenario names it."""
-    return str(next(vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)))
+    return str(next((vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)), "unknown"))
 
 
 def _provenance(results: Results) -> dict[str, str]:
