@@ -212,7 +212,7 @@ TAME = st.fixed_dictionaries(
 )
 """Stops whose adhesion is good enough for a delay to be seen: slip hides it otherwise."""
 EITHER_WAY = st.booleans()
-few = settings(max_examples=25)
+few = settings(max_examples=25, derandomize=True)
 
 
 @given(VEHICLES)
