@@ -139,7 +139,7 @@ def require_stop(path: Path, trace: xarray.Dataset, *, groups: int) -> None:
         RecordError: A signal is missing or has other dimensions, or the formation is not one.
     """
     problems = [f"'{name}' is missing" for name in _REQUIRED if name not in trace]
-    for name, variable in trace.variables.items():  # a signal with a dimension of its own is read as a coordinate
+    for name, variable in trace.variables.items():  # a signal that is its only dimension is a coordinate
         expected = _DIMENSIONS.get(str(name), variable.dims)
         if variable.dims != expected:
             problems.append(f"'{name}' has the dimensions {variable.dims}, {expected} are expected")

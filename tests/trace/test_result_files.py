@@ -16,7 +16,7 @@ from railgrip.campaign.sweep import Result, Sweep
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import Recorder, thinned
+from railgrip.trace.recorder import Recorder, require_stop, thinned
 from railgrip.trace.stop import read_stop, write_stop
 from railgrip.vehicle.signals import PLANT, SENT
 
@@ -182,3 +182,10 @@ def test_a_file_that_is_no_trace_is_refused(tmp_path, content):
         (tmp_path / "trace.nc").write_bytes(content)
     with pytest.raises(RecordError, match=r"trace\.nc: (there is no such trace|is not a NetCDF file)"):
         read_trace(tmp_path / "trace.nc")
+
+
+def test_a_trace_whose_distance_is_a_dimension_is_refused(stop, tmp_path):
+    """It is then a coordinate of the data set, of whatever length."""
+    trace = stop.trace.drop_vars("distance").assign_coords(distance=[0.0, 1.0])
+    with pytest.raises(RecordError, match="'distance' has the dimensions"):
+        require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
