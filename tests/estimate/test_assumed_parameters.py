@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import xarray
-from test_agreement import wagon, written
+from test_recording_agreement import wagon, written
 from typer.testing import CliRunner
 
 from railgrip.base.errors import ScenarioError
