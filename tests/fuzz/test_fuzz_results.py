@@ -89,6 +89,8 @@ def write_table(path, table):
     """Write JSON, and the digests that a stop has of itself: a sender can compute them."""
     if path.name == "stop.json":
         trace = path.with_name("trace.nc")
+        if not isinstance(table, dict):
+            return
         if table.get("trace_sha256") and trace.is_file():
             table["trace_sha256"] = hashlib.sha256(trace.read_bytes()).hexdigest()
         table.pop("sha256", None)
