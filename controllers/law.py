@@ -176,12 +176,16 @@ class Entry:
         role: A baseline is what an entrant has to beat.
         slip: Whether it is given an estimator or readings alone.
         tuning: Name of its set.
+        since: First version of the type test with it; results of earlier versions do not change.
+        hand_trials: Number of sets of parameters that were tried by hand; None where it was not counted.
     """
 
     description: str
     role: Literal["baseline", "entrant"]
     slip: tuned.SlipSource
     tuning: str = tuned.SEARCHED
+    since: int = 1
+    hand_trials: int | None = None
 
 
 Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]

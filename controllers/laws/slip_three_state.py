@@ -35,4 +35,12 @@ class SlipThreeState(SlipTwoState):
             slip="estimated",
             tuning="type_test",
         ),
+        "slip_three_state_deep": Entry(
+            description="three-state slip control, 20 and 30 %, slip as read",
+            role="baseline",
+            slip="read",
+            tuning="deep",
+            since=2,
+            hand_trials=0,
+        ),
     }

@@ -44,7 +44,10 @@ class Command:
 
 
 def command_of(name: str, target: Any) -> Any:
-    """Return the command of a function or of a group; it accepts the global options after its name, too."""
+    """Return the command of a function or of a group; it accepts the global options after its name, too.
+
+    An option of the command replaces a global one of the same name.
+    """
     if isinstance(target, typer.Typer):
         command = typer.main.get_command(target)
     else:
@@ -52,7 +55,8 @@ def command_of(name: str, target: Any) -> Any:
         program.command(name)(target)
         command = typer.main.get_command(program)
     for each in (command, *getattr(command, "commands", {}).values()):
-        each.params += _global_options()
+        names = {name for option in each.params for name in option.opts}
+        each.params += [option for option in _global_options() if not names.intersection(option.opts)]
     return command
 
 

@@ -112,8 +112,8 @@ class Law(_OverTheTrain):
         exclude_if=lambda tuning: tuning is None,
         validate_default=True,
         description="set of parameters: paper, where a publication gives them; searched, on training rails for this "
-        "actuation; type_test, on the training cases of the type test, with valves. Those of slip-based control are "
-        "for slip as read, where the estimator is 'none', or else as estimated",
+        "actuation; type_test, on the training cases of the type test, with valves; or another file of the law. Those "
+        "of slip-based control are for slip as read, where the estimator is 'none', or else as estimated",
     )
     parameters: Parameters = Field(default={}, description="what differs from that set")
 
@@ -126,6 +126,7 @@ class Law(_OverTheTrain):
         """
         kind, files = info.data.get("kind", ""), registry.files(registry.LAWS)
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
+        sets |= {file.removeprefix(f"{kind}."): file for file in files if file.startswith(f"{kind}.")}
         names = [name for name, file in sets.items() if file in files]
         if tuning is not None and tuning not in names:
             raise broken(

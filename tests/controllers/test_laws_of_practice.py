@@ -8,6 +8,9 @@ from wheelset import GROUP, SPEED, observed, simulate, state_of
 
 from railgrip.controllers.laws.constant_slip import ConstantSlip, ConstantSlipTuning
 from railgrip.controllers.laws.extremum_seeking import ExtremumSeeking, ExtremumSeekingTuning
+from railgrip.controllers.laws.fuzzy_slip import FuzzySlip, FuzzySlipTuning
+from railgrip.controllers.laws.perturb_observe import PerturbObserve, PerturbObserveTuning
+from railgrip.controllers.laws.recursive_slope import RecursiveSlope, RecursiveSlopeTuning
 from railgrip.controllers.laws.wheel_reference import WheelReference, WheelReferenceTuning
 
 FULL = GROUP.pressure_max
@@ -21,6 +24,13 @@ SEEKING = ExtremumSeekingTuning(
     period=1e-3, slip_start=0.04, slip_least=0.005, slip_most=0.3, dither=0.2, frequency=1.0, washout_time=0.5,
     climb=1.0, gain=0.2, integral_time=0.2, adhesion_small=0.01, speed_min=0.5,
 )  # fmt: skip
+STEPPING = PerturbObserveTuning(
+    period=1e-3, slip_start=0.04, step=0.1, interval=0.4, settling=0.5, gain=0.2, integral_time=0.2
+)
+TRACKING = RecursiveSlopeTuning(
+    period=1e-3, slip_start=0.04, washout_time=0.8, memory=1.0, dither=0.15, climb=0.6, gain=0.2, integral_time=0.2
+)
+FUZZY = FuzzySlipTuning(period=1e-3, slip_medium=0.05, slip_ratio=2.0, deceleration=1.0, fill_rate=0.5, vent_rate=1.5)
 
 
 def wheels(law, *speeds, pressure=FULL, count=1):
@@ -60,6 +70,48 @@ def test_extremum_seeking_stays_where_adhesion_does_not_answer():
     for _ in range(5000):
         law.decide(observed(0.0, SPEED, 0.0, (0.04,), (0.05,), (0.35,), (FULL,)))
     assert state_of(law, "set_slip[1]") == pytest.approx(0.04, rel=1e-9)
+
+
+@pytest.mark.parametrize(("law", "tuning"), [(PerturbObserve, STEPPING), (RecursiveSlope, TRACKING)])
+@pytest.mark.parametrize("peak_slip", [0.02, 0.04, 0.1])
+def test_laws_that_track_the_maximum_reach_the_peak_from_either_side(law, tuning, peak_slip):
+    """From 4 % slip; adhesion at 30 % from the peak's slip is 4 % below the peak."""
+    controller = law([GROUP], tuning)
+    simulate(controller, 15.0, peak_slip=peak_slip)
+    assert state_of(controller, "set_slip[1]") == pytest.approx(peak_slip, rel=0.3)
+
+
+def test_perturb_and_observe_turns_back_when_adhesion_falls():
+    law, slips = PerturbObserve([GROUP], STEPPING), []
+    for adhesion in (0.05, 0.06, 0.05, 0.04):
+        for _ in range(400):
+            law.decide(observed(0.0, SPEED, 0.0, (0.04,), (adhesion,), (0.35,), (FULL,)))
+        slips.append(state_of(law, "set_slip[1]") / 0.04)
+    assert slips == pytest.approx([1.1, 1.21, 1.1, 1.21])
+
+
+def test_the_recursion_finds_the_elasticity_of_a_power_law():
+    """α = 0.05 (s/0.04)^0.5 around s = 0.04."""
+    law = RecursiveSlope([GROUP], replace(TRACKING, climb=0.0))
+    for k in range(8000):
+        slip = 0.04 * (1 + 0.05 * np.sin(2 * np.pi * k * 1e-3))
+        law.decide(observed(0.0, SPEED, 0.0, (slip,), (0.05 * (slip / 0.04) ** 0.5,), (0.35,), (FULL,)))
+    assert state_of(law, "elasticity[1]") == pytest.approx(0.5, rel=0.03)
+
+
+def test_the_rules_fill_below_the_medium_slip_hold_at_it_and_vent_above():
+    for slip, change in ((0.0, FUZZY.fill_rate), (0.05, 0.0), (0.1, -0.5 * FUZZY.vent_rate)):
+        law = FuzzySlip([GROUP], FUZZY)
+        law.state[[quantity.name.startswith("share") for quantity in law.formula.states]] = 0.5
+        wheels(law, SPEED * (1 - slip), count=100)
+        assert state_of(law, "share[1]") == pytest.approx(0.5 + 0.1 * change, abs=1e-9)
+
+
+def test_a_wheel_that_loses_speed_is_vented_at_the_medium_slip():
+    law = FuzzySlip([GROUP], FUZZY)
+    for k in range(300):  # 3 m/s² more than the train
+        wheels(law, 0.95 * SPEED - 3.0e-3 * k)
+    assert state_of(law, "share[1]") < 0.9
 
 
 def test_the_reference_is_the_fastest_wheel_and_falls_no_faster_than_a_train_can():
@@ -122,6 +174,11 @@ def test_below_its_lowest_speed_the_reference_leaves_the_brake_alone():
         (lambda: replace(STEADY, gain=-1.0), "ConstantSlip: gain must be finite and not negative, got -1.0 1"),
         (lambda: replace(SEEKING, slip_start=0.4), "ExtremumSeeking: wanted is slip_least <= slip_start <= slip_most"),
         (lambda: replace(SEEKING, frequency=300.0), "leaves less than four decisions"),
+        (lambda: replace(STEPPING, slip_start=0.4), "PerturbObserve: slips must have"),
+        (lambda: replace(STEPPING, interval=1e-3), "PerturbObserve: an interval of 0.001 s"),
+        (lambda: replace(TRACKING, slip_start=0.4), "RecursiveSlope: slips must have"),
+        (lambda: replace(TRACKING, dither=1.0), "RecursiveSlope: dither is a share"),
+        (lambda: replace(FUZZY, slip_ratio=1.0), "FuzzySlip: slip_medium must be below 1 and slip_ratio above 1"),
         (lambda: replace(SEEKING, dither=1.0), "ExtremumSeeking: dither is a share of the set slip, below 1"),
     ],
 )
@@ -131,7 +188,9 @@ def test_a_tuning_that_means_nothing_is_refused(change, sentence):
 
 
 @pytest.mark.parametrize("actuation", ["ideal", "pneumatic"])
-@pytest.mark.parametrize("law", [WheelReference, ConstantSlip, ExtremumSeeking])
+@pytest.mark.parametrize(
+    "law", [WheelReference, ConstantSlip, ExtremumSeeking, PerturbObserve, RecursiveSlope, FuzzySlip]
+)
 def test_every_law_has_a_whole_set_for_each_actuation(law, actuation):
     for slip in ("read", "estimated"):
         law.tuned_for(actuation, slip, period=PERIOD)

@@ -10,6 +10,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [
     ROOT / "README.md",
     ROOT / "docs/how_to/driver_demand.md",
+    ROOT / "docs/how_to/type_test.md",
     *sorted((ROOT / "docs/tutorials").glob("*.md")),
 ]
 

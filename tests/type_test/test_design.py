@@ -8,6 +8,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import scenario_of
 from railgrip.scenario.merge import merged
+from railgrip.studies.type_test.case_set import case_named
 from railgrip.studies.type_test.design import (
     CASES,
     FRICTION,
@@ -17,7 +18,6 @@ from railgrip.studies.type_test.design import (
     SPEED,
     TRAINING_SEED,
     VALIDATION_SEED,
-    case_named,
     cases,
 )
 from railgrip.studies.type_test.entrants import train_of

@@ -8,7 +8,8 @@ import pytest
 from railgrip.report.limits import limits_of
 from railgrip.simulate.run import run_stop
 from railgrip.studies.type_test import design
-from railgrip.studies.type_test.design import CASES, QUICK, case_named, cases
+from railgrip.studies.type_test.case_set import case_named
+from railgrip.studies.type_test.design import CASES, QUICK, cases
 from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import judgements
 from railgrip.studies.type_test.shipped import shipped, write_shipped

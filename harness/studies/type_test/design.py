@@ -6,7 +6,6 @@ are. How fast a train is depends on the friction it finds: a stop from 200 km/h 
 nothing that a slower one does not.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
@@ -15,8 +14,7 @@ from typing import Any, Final
 import numpy as np
 from scipy.stats.qmc import Sobol
 
-from railgrip.base.errors import ScenarioError
-from railgrip.base.units import GRAVITY, cut
+from railgrip.base.units import GRAVITY
 
 KMH: Final = 3.6
 
@@ -97,6 +95,16 @@ class Case:
     lot: int
 
     @property
+    def train(self) -> str:
+        """Name of its train: '' for that of the command."""
+        return ""
+
+    @property
+    def has_bound(self) -> bool:
+        """Whether the pointwise bound holds: slip does not change the rail."""
+        return True
+
+    @property
     def horizon(self) -> float:
         """Time after which the train is said not to stop [s]: thrice that at six tenths of the friction."""
         return float(round(15.0 + 3.0 * self.speed / (0.6 * self.friction * GRAVITY)))
@@ -133,6 +141,10 @@ class Case:
             "adhesion": self._adhesion(),
             "limits": {"horizon": self.horizon},
         }
+
+    def fault_tables(self, groups: int) -> Mapping[str, Any]:
+        """Return the tables of its fault."""
+        return FAULTS[self.fault]
 
     def _adhesion(self) -> dict[str, Any]:
         """Return the rail; patches and noise reach all wheelsets at once, as no rail does.
@@ -188,17 +200,3 @@ def cases(count: int = CASES, seed: int = SEED) -> tuple[Case, ...]:
             )
         )
     return tuple(design)
-
-
-def case_named(name: str) -> Case:
-    """Return the case of a name, which says of how many and of which set it is.
-
-    Raises:
-        ScenarioError: The case does not exist.
-    """
-    match = re.fullmatch(r"\d+of(\d{1,5})-(\d{1,9})", name)
-    design = cases(int(match[1]), int(match[2])) if match and int(match[1]) else ()
-    found = next((case for case in design if case.name == name), None)
-    if found is None:
-        raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {cases(QUICK)[0].name}")
-    return found

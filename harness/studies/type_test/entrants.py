@@ -3,16 +3,17 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Literal, get_args
 
-from pydantic import ConfigDict, Field, StrictBool
+from pydantic import ConfigDict, Field, StrictBool, StrictInt
 
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut
 from railgrip.controllers.law import GroupLaw
-from railgrip.controllers.tuned import SEARCHED
+from railgrip.controllers.tuned import SEARCHED, TYPE_TEST
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.file import Elsewhere
@@ -20,7 +21,7 @@ from railgrip.scenario.load import read_scenario, read_toml, scenario_of, valida
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases
+from railgrip.studies.type_test.case_set import VERSIONS, AnyCase
 
 LIBRARY = Path(__file__).parent / "library"
 _SCENARIOS = Path(__file__).parents[2] / "scenario"
@@ -42,6 +43,7 @@ class Entrant(Table):
     description: str
     role: Role
     tuned: StrictBool = Field(default=False, description="whether its parameters were searched on the training rails")
+    hand_trials: StrictInt | None = Field(default=None, description="sets tried by hand; not counted without it")
 
     @property
     def tables(self) -> dict[str, Any]:
@@ -49,14 +51,17 @@ class Entrant(Table):
         return dict(self.model_extra or {})
 
 
-def entrants() -> dict[str, Entrant]:
-    """Return those of this project, by name: references first, then baselines."""
+def entrants(version: int = 1) -> dict[str, Entrant]:
+    """Return those of this project in a version of the type test, by name: references first, then baselines."""
     tables = dict(read_toml(LIBRARY / "entrants.toml"))
     for kind in registry.modules(registry.LAWS):
         law = registry.part(registry.LAWS, kind, GroupLaw)
         for name, entry in law.entries.items():
-            is_tuned = entry.tuning != "paper" and bool(law.ranges)
+            if entry.since > version:
+                continue
+            is_tuned = entry.tuning in (SEARCHED, TYPE_TEST) and bool(law.ranges)
             common = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
+            common |= {"hand_trials": entry.hand_trials}
             controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
             estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
             tables[name] = common | {"controller": controller} | estimator
@@ -176,12 +181,13 @@ _TRAINING_SPEED = 60 / 3.6
 """m/s. Fastest start of a stop that controllers are tuned on: what a law does shows in a short one as well."""
 
 
-def training_cases(count: int) -> list[Case]:
+def training_cases(count: int, version: int = 1) -> list[AnyCase]:
     """Return a number of short cases of the set that controllers are tuned on."""
-    return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases(count, TRAINING_SEED)]
+    cases = VERSIONS[version].draw(count, VERSIONS[version].training)
+    return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases]
 
 
-def training(count: int) -> tuple[PlannedStop, ...]:
+def training(count: int, version: int = 1) -> tuple[PlannedStop, ...]:
     """Return a number of stops of the built-in train to tune controllers on, from a separate set of cases.
 
     The axis `rail` names the case.
@@ -191,15 +197,16 @@ def training(count: int) -> tuple[PlannedStop, ...]:
         replace(
             stop, variants={"rail": ", ".join(value for key, value in stop.variants.items() if key != "controller")}
         )
-        for stop in campaign_of(training_cases(count), tuned, train_of(None)).stops
+        for stop in campaign_of(training_cases(count, version), tuned, train_of(None)).stops
     )
 
 
 def campaign_of(
-    design: Iterable[Case],
+    design: Iterable[AnyCase],
     taking_part: Mapping[str, Entrant],
     train: Mapping[str, Any],
     *,
+    trains: Mapping[str, Mapping[str, Any]] = MappingProxyType({}),
     task: Mapping[str, Any] | None = None,
     keep_traces: bool = False,
 ) -> Campaign:
@@ -209,19 +216,23 @@ def campaign_of(
         design: The cases.
         taking_part: By name.
         train: Tables of the train, `train_of`.
+        trains: Tables of the trains of single cases by name; cases of other trains have `train`.
         task: Tables that override those of every case, `task_of`; full brake without it.
         keep_traces: Whether each stop leaves its trace.
 
     Raises:
         ScenarioError: A combination is not a valid scenario.
     """
-    bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
-    groups = VehicleData(bare).formation.groups
+    groups = {name: _groups(table) for name, table in {**trains, "": train}.items()}
     stops: list[PlannedStop] = []
     for case in design:
-        of_case = merged(train, {"name": "type-test"} | case.tables(groups))
-        of_case = merged(of_case, FAULTS[case.fault])
+        of_train = case.train if case.train in trains else ""
+        tables = {"name": "type-test"} | case.tables(groups[of_train])
+        of_case = merged(trains.get(of_train, train), tables)
+        of_case = merged(of_case, case.fault_tables(groups[of_train]))
         for name, entrant in taking_part.items():
+            if not case.has_bound and entrant.tables["controller"]["kind"] in registry.ANALYSES:
+                continue
             task_table = dict(task or {})
             if entrant.role == "bound":
                 task_table.pop("demand", None)  # it brakes with all there is, whatever the demand
@@ -239,3 +250,9 @@ def campaign_of(
                 )
             )
     return Campaign(name="type_test", description="", stops=tuple(stops), references=(), panels="none")
+
+
+def _groups(train: Mapping[str, Any]) -> int:
+    """Return the number of groups of a train."""
+    bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
+    return VehicleData(bare).formation.groups

@@ -115,8 +115,17 @@ class Judged(Measured):
         return asdict(self)
 
 
-def judgements(stops: Iterable[Measured], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
-    """Return what each stop is worth, references left out, case by case."""
+def judgements(
+    stops: Iterable[Measured], taking_part: Mapping[str, Entrant], limits: Limits, *, only_tuned: bool = True
+) -> list[Judged]:
+    """Return what each stop is worth, references left out, case by case.
+
+    Args:
+        stops: Stops of all controllers.
+        taking_part: Entrants by name.
+        limits: Limits of the clauses.
+        only_tuned: Whether only tuned baselines are compared with, as in version 1 of the type test; else all.
+    """
     by_case: dict[str, dict[str, Measured]] = {}
     for stop in stops:
         by_case.setdefault(stop.case, {})[stop.controller] = stop
@@ -128,7 +137,7 @@ def judgements(stops: Iterable[Measured], taking_part: Mapping[str, Entrant], li
                 distance
                 for name, distance in distances.items()
                 if distance
-                and taking_part[name].tuned
+                and (taking_part[name].tuned or not only_tuned)
                 and taking_part[name].role == "baseline"
                 and keeps_lock(stops_of_case[name].longest_lock_s, limits)
             ),

@@ -16,24 +16,22 @@ from pathlib import Path
 from typing import Any, Final
 
 from railgrip.base.files import write_text
-from railgrip.studies.type_test.design import FAULTS, Case, cases
+from railgrip.studies.type_test.case_set import AnyCase, CaseSet
 from railgrip.studies.type_test.entrants import LIBRARY
 from railgrip.studies.type_test.judge import Measured
 
 _OF_THE_CASE: Final = ("variants", "speed")
 """Follow from the name of the case."""
-_FILE: Final = "results_{}_{}.csv"
-"""Of a set, by its number of cases and its seed."""
 _TEXTS: Final = ("case", "controller", "outcome")
 
 
-def digest_of(design: Iterable[Case], train: Mapping[str, Any]) -> str:
+def digest_of(design: Iterable[AnyCase], train: Mapping[str, Any]) -> str:
     """Return a SHA-256 of everything that defines the stops of a test, but for the controllers and their task."""
-    two_groups = [[case.name, case.tables(2), FAULTS[case.fault]] for case in design]
+    two_groups = [[case.name, case.tables(2), case.fault_tables(2), *filter(None, [case.train])] for case in design]
     return hashlib.sha256(json.dumps([train, two_groups], sort_keys=True, default=str).encode()).hexdigest()
 
 
-def write_shipped(stops: Iterable[Measured], design: Sequence[Case], train: Mapping[str, Any], folder: Path) -> Path:
+def write_shipped(stops: Iterable[Measured], design: Sequence[AnyCase], train: Mapping[str, Any], folder: Path) -> Path:
     """Write the stops of a set of cases into its file in a folder; return the file."""
     columns = [field.name for field in fields(Measured) if field.name not in _OF_THE_CASE]
     content = io.StringIO()
@@ -41,13 +39,13 @@ def write_shipped(stops: Iterable[Measured], design: Sequence[Case], train: Mapp
     writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     writer.writerows(asdict(stop) for stop in sorted(stops, key=lambda stop: (stop.case, stop.controller)))
-    path = folder / _FILE.format(*_set_of(design[0]))
+    path = folder / _file_of(_set_of(design[0]))
     write_text(path, content.getvalue())
     return path
 
 
 def shipped(
-    design: Iterable[Case], train: Mapping[str, Any], folder: Path = LIBRARY
+    design: Iterable[AnyCase], train: Mapping[str, Any], folder: Path = LIBRARY
 ) -> tuple[list[Measured], list[str]]:
     """Return the stops that come with the package for some cases, and a sentence for each set of cases about them.
 
@@ -56,21 +54,22 @@ def shipped(
         train: Tables of the train, `train_of`.
         folder: Of the files.
     """
-    sets: dict[tuple[int, int], list[Case]] = {}
+    sets: dict[CaseSet, list[AnyCase]] = {}
     for case in design:
         sets.setdefault(_set_of(case), []).append(case)
     stops: list[Measured] = []
     sentences: list[str] = []
-    for (count, seed), of_the_set in sets.items():
-        file = _FILE.format(count, seed)
+    for case_set, of_the_set in sets.items():
+        file = _file_of(case_set)
         if not (folder / file).exists():
             sentences.append(
-                f"No results of railgrip's controllers come with these {count} cases; they come with those of --quick."
+                f"No results of railgrip's controllers come with these {case_set.count} cases; "
+                "they come with those of --quick."
             )
             continue
         header, *lines = (folder / file).read_text(encoding="utf-8").splitlines()
         digest, release = re.findall(r"# cases (\w+), railgrip (.+)", header)[0]
-        if digest != digest_of(cases(count, seed), train):
+        if digest != digest_of(case_set.cases(), train):
             sentences.append(
                 f"The results of railgrip's controllers in {file} are not shown: they are of other cases or of another "
                 "train. `railgrip study type_test --write` writes those of the present cases on the train of railgrip."
@@ -82,13 +81,20 @@ def shipped(
     return stops, sentences
 
 
-def _set_of(case: Case) -> tuple[int, int]:
-    """Return the number of cases and the seed of the set that the name of a case is of."""
-    count, seed = case.name.partition("of")[2].split("-")
-    return int(count), int(seed)
+def _file_of(case_set: CaseSet) -> str:
+    """Return the name of the file of a set."""
+    version = "" if case_set.version == 1 else f"v{case_set.version}_"
+    return f"results_{version}{case_set.count}_{case_set.seed}.csv"
 
 
-def _stop(row: Mapping[str, str], case: Case) -> Measured:
+def _set_of(case: AnyCase) -> CaseSet:
+    """Return the set that is in the name of a case."""
+    found = CaseSet.of(case.name)
+    assert found is not None, case.name
+    return found
+
+
+def _stop(row: Mapping[str, str], case: AnyCase) -> Measured:
     values: dict[str, Any] = {
         name: text if name in _TEXTS else None if not text else int(text) if name == "strokes" else float(text)
         for name, text in row.items()

@@ -27,12 +27,15 @@ from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.statistics import finite
 from railgrip.report.table import Table, names, percent, share
+from railgrip.scenario.campaign import Campaign
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import CustomParts
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
-from railgrip.studies.type_test.design import CASES, QUICK, SEED, VALIDATION_SEED, case_named, cases
+from railgrip.studies.type_test.case_set import VERSIONS, AnyCase, CaseSet, case_named
+from railgrip.studies.type_test.controller_digest import controller_digest
+from railgrip.studies.type_test.design import VALIDATION_SEED
 from railgrip.studies.type_test.entrants import (
     LIBRARY,
     Entrant,
@@ -43,6 +46,7 @@ from railgrip.studies.type_test.entrants import (
     train_of,
     training_cases,
 )
+from railgrip.studies.type_test.family import Family, by_axis, families, losses, table_of_families
 from railgrip.studies.type_test.judge import (
     JUDGED,
     Judged,
@@ -53,7 +57,9 @@ from railgrip.studies.type_test.judge import (
     measured,
     summaries,
 )
+from railgrip.studies.type_test.looks import count_look, table_of_looks
 from railgrip.studies.type_test.shipped import shipped, write_shipped
+from railgrip.studies.type_test.track_case import HEADLINES, TRAINS, TrackCase
 
 PAGE: Final = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""
@@ -91,6 +97,13 @@ class TypeTest(Study):
     quick: Annotated[bool, Option(help="A tenth of the cases: shows where a controller stands.")] = False
     validation: Annotated[bool, Option(help="Other cases, for a finished controller: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
+    version: Annotated[
+        int | None,
+        Option(min=1, max=2, help="Version of the cases, 1 by default; 2: rails over distance."),
+    ] = None
+    sealed: Annotated[
+        bool, Option("--sealed", help="Cases drawn from the digest of one controller, which nobody has tuned on.")
+    ] = False
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
     limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
     write: Annotated[
@@ -100,39 +113,38 @@ class TypeTest(Study):
 
     @property
     def place(self) -> str:
-        """A folder for each train, task, and for single cases."""
+        """A folder for each version after the first, train, task, and for single cases."""
         names = [Path(file).stem for file in (self.train, self.task) if file is not None]
+        if self._version > 1:
+            names.insert(0, f"version_{self._version}")
         return "/".join([*names, "cases"] if self.case else names)
+
+    @property
+    def _version(self) -> int:
+        return max(self.version or 1, *(found.version for name in self.case or () if (found := CaseSet.of(name))), 1)
 
     def page(self, work: Work) -> Page:
         """Run missing stops, judge all stops, and rank the controllers."""
-        if self.write and (self.controller or self.train or self.task or self.case or self.limits):
-            raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
-        judging, ours = limits_of(self.limits), entrants()
-        candidates = ours if self.controller is None else entrants_named(self.controller, ours)
+        self._require_consistent()
+        judging, ours = limits_of(self.limits), entrants(self._version)
+        known = entrants(max(VERSIONS))
+        candidates = ours if self.controller is None else entrants_named(self.controller, known)
         taking_part = ours | candidates
         if self.against is not None and self.against not in taking_part:
             raise ScenarioError(
                 f"--against {self.against}: is not one of {', '.join(taking_part)}"
                 + did_you_mean(self.against, taking_part, before="; ")
             )
-        # References are run, too; stops of other controllers come from earlier runs.
-        running = {name for name, entrant in ours.items() if entrant.role in {"reference", "bound"}} | candidates.keys()
-        if self.case:
-            design = tuple(case_named(name) for name in self.case)
-        else:
-            count = self.count or (QUICK if self.quick else CASES)
-            design = cases(count, VALIDATION_SEED if self.validation else SEED)
-        train = train_of(self.train)
-        task = None if self.task is None else task_of(self.task)
-        campaign = campaign_of(design, taking_part, train, task=task, keep_traces=bool(self.case))
-        stops = campaign.only(lambda stop: stop.variants["controller"] in running)
+        digests = {name: controller_digest(one, self.import_from or ()) for name, one in candidates.items()}
+        design = self._design(digests)
+        campaign = self._campaign(design, taking_part)
+        stops = campaign.only(lambda stop: stop.variants["controller"] in self._running(ours, candidates))
         runner = partial(run_stop, objects=CustomParts(folders=tuple(self.import_from or ())))
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
         found = [measured(stop) for stop in results.stops]
-        beside, notes = ([], []) if self.controller is None or task else shipped(design, train)
+        beside, notes = ([], []) if self.controller is None or self.task else shipped(design, train_of(self.train))
         page = page_of(
             found,
             taking_part,
@@ -143,21 +155,82 @@ class TypeTest(Study):
             missing=_missing(results),
             against=self.against,
             again=self._again(candidates),
+            looks=self._looks(design, digests),
+            version=self._version,
         )
         if self.write:
             if results.missing:
                 raise ScenarioError(f"--write: {len(results.missing)} stops have no result; nothing was written.")
-            write_shipped(found, design, train, LIBRARY)
-            kind = "validation" if self.validation else "test"
-            of = f"{len(design)} cases of the {kind} set, railgrip {version('railgrip')}:\n\n"
-            controllers = page.values["controllers"].without(("results",))
-            write_tables(PAGE, {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"})
+            self._write(page, found, design)
         panels = [
             str(write_panels(work.folder / stop.name))
             for stop in (stops.stops if self.case else ())
             if stop.variants["controller"] in candidates and (work.folder / stop.name / "trace.nc").exists()
         ]
+        page = _without_cases(page) if self.sealed else page
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
+
+    def _require_consistent(self) -> None:
+        """Raise an error for options that exclude each other."""
+        if self.write and (self.controller or self.train or self.task or self.case or self.limits):
+            raise ScenarioError("--write is for all controllers of railgrip on its train; leave out other options.")
+        if self.sealed and (len(self.controller or ()) != 1 or self.case or self.validation or self.write):
+            raise ScenarioError(
+                "--sealed is for one --controller; leave out --case, --validation, --write and other controllers."
+            )
+
+    def _design(self, digests: Mapping[str, str]) -> tuple[AnyCase, ...]:
+        """Return the cases; those with --train have its train in place of the trains of the library."""
+        version = VERSIONS[self._version]
+        if self.case:
+            design = tuple(case_named(name) for name in self.case)
+        elif self.sealed:
+            design = CaseSet.sealed(self._version, *digests.values()).cases()
+        else:
+            count = self.count or (version.quick if self.quick else version.count)
+            design = version.draw(count, version.validation if self.validation else version.test)
+        if self.train is None:
+            return design
+        return tuple(replace(case, train="") if isinstance(case, TrackCase) else case for case in design)
+
+    def _campaign(self, design: Sequence[AnyCase], taking_part: Mapping[str, Entrant]) -> Campaign:
+        """Return the stops of all who take part in the cases."""
+        used = {case.train for case in design} & {*TRAINS} - {""}
+        return campaign_of(
+            design,
+            taking_part,
+            train_of(self.train),
+            trains={name: train_of(name) for name in sorted(used)},
+            task=None if self.task is None else task_of(self.task),
+            keep_traces=bool(self.case),
+        )
+
+    def _running(self, ours: Mapping[str, Entrant], candidates: Mapping[str, Entrant]) -> set[str]:
+        """Return the names of those who are run; stops of other controllers come from earlier runs.
+
+        References are run, too, and in a sealed set, which nobody has run, the baselines.
+        """
+        roles = {"reference", "bound", *(["baseline"] if self.sealed else [])}
+        return {name for name, entrant in ours.items() if entrant.role in roles} | candidates.keys()
+
+    def _looks(self, design: Sequence[AnyCase], digests: Mapping[str, str]) -> Table | None:
+        """Count a look at the set of the cases, and return the table of looks; None in version 1."""
+        case_set = CaseSet.of(design[0].name)
+        if self._version == 1 or case_set is None:
+            return None
+        return table_of_looks(count_look(case_set.label, digests.values()), case_set.label)
+
+    def _write(self, page: Page, found: Sequence[Measured], design: Sequence[AnyCase]) -> None:
+        """Write the tables of the page of documentation, and the stops into the package."""
+        write_shipped(found, design, train_of(None), LIBRARY)
+        kind = "validation" if self.validation else "test"
+        of = f"{len(design)} cases of the {kind} set, railgrip {version('railgrip')}:\n\n"
+        controllers = page.values["controllers"].without(("results",))
+        tables: dict[str, Table | str] = {"controllers": controllers, "leaderboard": f"{of}{page.screen[0]}"}
+        if self._version > 1:
+            tables |= {"losses": f"{of}{page.values['losses']}", "looks": page.values["looks"]}
+            tables = {f"{name} of version {self._version}": table for name, table in tables.items()}
+        write_tables(PAGE, tables)
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
         """Return by controller the command line that runs a case of it again, up to the name of the case."""
@@ -170,13 +243,14 @@ class TypeTest(Study):
         arguments = dict(zip(candidates, dict.fromkeys(self.controller or ()), strict=False))
         return {
             name: f"railgrip study type_test --controller {arguments.get(name, name)}{rest} --case"
-            for name in (*entrants(), *candidates)
+            for name in (*entrants(max(VERSIONS)), *candidates)
         }
 
     def headlines(self, work: Work) -> list[Finding]:
         """Return quantiles of the distance over the best tuned baseline's, in six short cases of the training set.
 
-        As in the leaderboard, a baseline that does not stop or does not keep the lock clause does not count.
+        As in the leaderboard, a baseline that does not stop or does not keep the lock clause does not count. Of version
+        2 there are the distances of two laws in single training cases.
         """
         taking_part = {name: entrants()[name] for name in ("constant_slip", "extremum_seeking", "slope_seeking")}
         stops = campaign_of(training_cases(6), taking_part, train_of(None)).stops
@@ -189,6 +263,17 @@ class TypeTest(Study):
         return [
             mean(f"{who}: median of {count}", float(np.median(ratios))),
             mean(f"{who}: worst of {count}", float(max(ratios))),
+            *self._distances_of_version_2(work),
+        ]
+
+    def _distances_of_version_2(self, work: Work) -> list[Finding]:
+        """Return the distances of two laws in `HEADLINES`."""
+        taking_part = {name: entrants(2)[name] for name in ("slope_seeking", "slip_three_state_deep")}
+        stops = campaign_of(HEADLINES, taking_part, train_of(None)).stops
+        results = work.map(_distance_and_lock, [stop.scenario for stop in stops])
+        return [
+            mean(f"version 2, {stop.variants['case']}: {stop.variants['controller']}", distance, "m")
+            for stop, (distance, _) in zip(stops, results, strict=True)
         ]
 
 
@@ -208,6 +293,15 @@ def _missing(results: Results) -> list[str]:
     return [name for name in results.missing if name.rpartition("-")[2] in present]
 
 
+def _without_cases(page: Page) -> Page:
+    """Return the page of a sealed set, on which no single case can be tuned on."""
+    data = {
+        name: {key: value for key, value in content.items() if key != "cases"} for name, content in page.data.items()
+    }
+    tables = {name: table for name, table in page.tables.items() if name != "cases.csv"}
+    return replace(page, values={**page.values, "worst": [], "rankings": {}}, tables=tables, data=data)
+
+
 def page_of(
     found: Sequence[Measured],
     taking_part: Mapping[str, Entrant],
@@ -219,6 +313,8 @@ def page_of(
     missing: Sequence[str] = (),
     against: str | None = None,
     again: Mapping[str, str],
+    looks: Table | None = None,
+    version: int = 1,
 ) -> Page:
     """Return the page of a type test.
 
@@ -232,13 +328,16 @@ def page_of(
         missing: Names of stops without a result.
         against: Whom the others are compared with case by case, on the screen.
         again: Controller → command line that runs a case of it again, up to the name of the case.
+        looks: How often sets of cases were looked at.
+        version: Version of the type test.
     """
     run = {(stop.case, stop.controller) for stop in found}
     from_package = [stop for stop in beside if (stop.case, stop.controller) not in run]
-    stops = judgements([*found, *from_package], taking_part, limits)
+    stops = judgements([*found, *from_package], taking_part, limits, only_tuned=version == 1)
     board = summaries(stops, taking_part)
     plain = [{name: row[name] for name in _JSON} | row for row in (stop.to_plain() for stop in stops)]
     drawings = _drawings(stops, _lines(board, candidates))
+    rows = families(stops) if version > 1 else []
     return Page(
         title="Type test of wheel-slide protection",
         question=f"{f'How does {names(candidates)} compare with' if candidates else 'Which is the shortest of'} the "
@@ -247,7 +346,10 @@ def page_of(
         template="studies/type_test/type_test.md.jinja",
         values={
             **_values(stops, board, limits),
-            "controllers": _controllers(board, {stop.controller for stop in from_package}),
+            **_values_of_families(rows, board),
+            "version": version,
+            "looks": looks,
+            "controllers": _controllers(board, {stop.controller for stop in from_package}, taking_part, version),
             "captions": {f"figures/{name}.png": caption for name, caption, _ in drawings},
             "worst": [
                 (summary, worst(stops, summary.controller, again[summary.controller]))
@@ -258,7 +360,7 @@ def page_of(
             "notes": notes,
         },
         figures={f"figures/{name}.png": drawing for name, _, drawing in drawings if stops and drawing},
-        tables={"cases.csv": table_of(stops)},
+        tables={"cases.csv": table_of(stops)} | ({"families.csv": table_of_families(rows)} if rows else {}),
         data={
             "type_test.json": {
                 "cases": plain,
@@ -299,6 +401,12 @@ def _values(stops: Sequence[Judged], board: Sequence[Summary], limits: Limits) -
         "rankings": {case: (variants, ranking(stops, case)) for case, variants in variants_of.items()},
         "supply": limits.supply,
     }
+
+
+def _values_of_families(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, object]:
+    """Return the variables of the template for families of cases."""
+    laws = [summary for summary in board if summary.controller not in registry.ANALYSES]
+    return {"losses": losses(rows, laws), "families": by_axis(rows, board)}
 
 
 def table_of(stops: Sequence[Judged]) -> Table:
@@ -375,13 +483,22 @@ def leaderboard(board: Sequence[Summary]) -> Table:
     return Table(rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",))
 
 
-def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> Table:
+def _controllers(
+    board: Sequence[Summary], from_package: Collection[str], taking_part: Mapping[str, Entrant], version: int
+) -> Table:
     """Return a description of each controller, and whether its stops were run or come with the package."""
+
+    def trials(name: str) -> dict[str, object]:
+        count = taking_part[name].hand_trials
+        is_law = name not in registry.ANALYSES
+        return {"sets tried by hand": count if count is not None else "not counted" if is_law else ""}
+
     rows = [
         {
             "controller": summary.controller,
             "description": summary.description,
             "parameters searched": "yes" if summary.tuned else "",
+            **(trials(summary.controller) if version > 1 else {}),
             "results": "shipped" if summary.controller in from_package else "run here",
         }
         for summary in board

@@ -1,0 +1,113 @@
+"""Fuzzy slip control: rules on slip and on the deceleration of the wheel give the rate of the pressure."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Final
+
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.laws.adhesion_literal import Derivatives
+from railgrip.controllers.sampled import Draft, Expression, choose, within
+
+_RULES: Final = (
+    (1.0, 1.0, 0.0),
+    (0.5, 0.0, -0.5),
+    (0.0, -0.5, -1.0),
+)
+"""Rate of the pressure: above 0 over `fill_rate`, below over `vent_rate`.
+
+Rows: slip small, medium, large. Columns: the wheel regains speed, keeps the deceleration of the train, loses speed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FuzzySlipTuning(Tuning):
+    """Parameters of fuzzy slip control: the places of the fuzzy sets, and the rates of the rules."""
+
+    period: Annotated[float, "s", "between two decisions"]
+    filter_time: Annotated[float, "s", "time constant of the filter that differentiates the wheel speed"] = 0.05
+    slip_medium: Annotated[float, "1", "slip that is medium and nothing else"]
+    slip_ratio: Annotated[float, "1", "slip from which on it is large, over the medium one"]
+    deceleration: Annotated[float, "m/s2", "of the wheel beyond the train's at which it loses speed and nothing else"]
+    fill_rate: Annotated[float, "1/s", "rate of the pressure over the full one of a rule that fills"]
+    vent_rate: Annotated[float, "1/s", "rate of the pressure over the full one of a rule that vents"]
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
+
+    LAW: ClassVar[str] = "FuzzySlip"
+    POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_medium", "deceleration", "vent_rate"})
+
+    def __post_init__(self) -> None:
+        """Refuse parameters without a meaning.
+
+        Raises:
+            ValueError: See `Tuning`; or the fuzzy sets of the slip are not in order below 1.
+        """
+        Tuning.__post_init__(self)
+        if not (self.slip_ratio > 1.0 and self.slip_medium < 1.0):
+            raise ValueError(
+                "FuzzySlip: slip_medium must be below 1 and slip_ratio above 1, got "
+                f"{self.slip_medium} and {self.slip_ratio}."
+            )
+
+
+class FuzzySlip(GroupLaw):
+    """Rules of Sugeno's kind with constant conclusions, on slip and on the deceleration of the wheel.
+
+    Per group, with memberships that are linear between the places of three sets of each quantity and have the sum 1:
+
+        ṗ = Σᵢⱼ μᵢ(s) μⱼ(−r ω̇ + v̇) qᵢⱼ,  qᵢⱼ of the table of rules, over fill_rate or vent_rate
+
+    Sources: Takagi and Sugeno, Fuzzy identification of systems and its applications to modeling and control, IEEE
+    Trans. SMC 15 (1985) 116; for the slip of railway wheels, Djukić, Rusov, Mitrović, Obradović and Šalinić, Fuzzy
+    model for braking force maximization, J. Theor. Appl. Mech. 50 (2012), for air brakes, and Tian, Daniel, Liu and
+    Meehan, Computers in Railways XIV (2014) 885, for traction. Table and places of the sets are of this project, in
+    their form; places and rates are searched.
+    """
+
+    description = "Wheel-slide protection by fuzzy rules on slip and deceleration"
+    brake_data = FULL_PRESSURE
+    tuning = FuzzySlipTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "read"): {
+            "slip_medium": (0.01, 0.2),
+            "slip_ratio": (1.2, 4.0),
+            "deceleration": (0.3, 5.0),
+            "fill_rate": (0.1, 3.0),
+            "vent_rate": (0.3, 5.0),
+        }
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "fuzzy_slip": Entry(
+            description="fuzzy rules on slip and deceleration, slip as read",
+            role="baseline",
+            slip="read",
+            since=2,
+            hand_trials=1,
+        )
+    }
+
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return the demand of one group."""
+        filters = Derivatives(draft, tuning)
+
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            full, protecting = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
+            share = draft.state(group.label("share"), "1", "demand over the full pressure", start=1.0)
+            rolling = group.wheelset_speed * group.brake["wheel_radius"]
+            _, rate = filters.follow(draft, group.label("rolling"), rolling)
+            beyond = within((group.acceleration - rate) / tuning["deceleration"], -1.0, 1.0)
+            above = within((group.slip / tuning["slip_medium"] - 1.0) / (tuning["slip_ratio"] - 1.0), 0.0, 1.0)
+            below = within(1.0 - group.slip / tuning["slip_medium"], 0.0, 1.0)
+            of_slip = (below, 1.0 - below - above, above)
+            of_wheel = (within(-beyond, 0.0, 1.0), 1.0 - within(beyond, 0.0, 1.0) - within(-beyond, 0.0, 1.0),
+                        within(beyond, 0.0, 1.0))  # fmt: skip
+            change = sum(
+                weight * other * rule * (tuning["fill_rate"] if rule > 0.0 else tuning["vent_rate"])
+                for weight, rules in zip(of_slip, _RULES, strict=True)
+                for other, rule in zip(of_wheel, rules, strict=True)
+                if rule
+            )
+            demanded = within(share + change * tuning["period"], 0.0, 1.0)
+            draft.keep(share, choose(protecting, demanded, 1.0))
+            return choose(protecting, full * demanded, full)
+
+        return demand

@@ -1,0 +1,123 @@
+"""Perturb and observe: the set slip goes on in steps while adhesion rises, and turns back when it falls."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.laws.constant_slip import slip_control
+from railgrip.controllers.sampled import Draft, Expression, choose, every, within
+from railgrip.vehicle.brake import Brake
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PerturbObserveTuning(Tuning):
+    """Parameters of perturb and observe.
+
+    Peaks are between `slip_least` and `slip_most`; a wheel that is hardly braked says nothing about the rail.
+    """
+
+    period: Annotated[float, "s", "between two decisions"]
+    slip_start: Annotated[float, "1", "first set slip"]
+    slip_least: Annotated[float, "1", "minimum of the set slip"] = 0.005
+    slip_most: Annotated[float, "1", "maximum of the set slip"] = 0.3
+    step: Annotated[float, "1", "relative change of the set slip in a step"]
+    interval: Annotated[float, "s", "between two steps"]
+    settling: Annotated[float, "1", "share of the interval after a step in which adhesion is not averaged", 0.9] = 0.5
+    gain: Annotated[float, "1", "share of the full pressure for a relative slip error of 1"]
+    integral_time: Annotated[float, "s", "time constant of the integral part"]
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which the set slip stays"] = 0.01
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
+
+    LAW: ClassVar[str] = "PerturbObserve"
+    POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip_start", "slip_least", "interval", "integral_time"})
+
+    def __post_init__(self) -> None:
+        """Refuse parameters without a meaning.
+
+        Raises:
+            ValueError: See `Tuning`; or slips are not in order, or an interval has no sample to average.
+        """
+        Tuning.__post_init__(self)
+        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
+            raise ValueError(
+                "PerturbObserve: slips must have slip_least <= slip_start <= slip_most < 1, got "
+                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
+            )
+        if (1.0 - self.settling) * self.interval < self.period:
+            raise ValueError(
+                f"PerturbObserve: an interval of {self.interval} s with a settling share of {self.settling} has no "
+                f"decision, {self.period} s apart, to average; lengthen it."
+            )
+
+
+class PerturbObserve(GroupLaw):
+    """Maximum-adhesion tracking by perturb and observe; PI control holds the slip.
+
+    Each group has a set slip, a direction d of 1 or −1 and the mean ᾱ of its estimated adhesion over the last part of
+    each interval:
+
+        d ← d if ᾱ ≥ ᾱ of the interval before, else −d          observe
+        s_set ← s_set (1 + step)^d                               perturb
+
+    Source: perturb and observe for maximum adhesion tracking, Abouzeid, Guerrero, Lejarza, Muniategui, Endemaño and
+    Briz, Advanced maximum adhesion tracking strategies in railway traction drives, arXiv:2406.13650 (2024), there of
+    the slip velocity in traction. The relative steps of the slip are of this project: peaks are anywhere between 0.5 %
+    and 40 % slip.
+    """
+
+    description = "Wheel-slide protection by perturb and observe"
+    brake_data = FULL_PRESSURE
+    needs = ("adhesion",)
+    tuning = PerturbObserveTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "estimated"): {
+            "slip_start": (0.01, 0.15),
+            "step": (0.03, 0.5),
+            "interval": (0.1, 2.0),
+            "gain": (0.05, 1.0),
+            "integral_time": (0.1, 2.0),
+        }
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "perturb_observe": Entry(
+            description="perturb and observe", role="baseline", slip="estimated", since=2, hand_trials=1
+        )
+    }
+
+    def __init__(self, groups: Sequence[Brake], tuning: PerturbObserveTuning) -> None:
+        """Control `groups` with one `tuning`, starting with its first set slip."""
+        super().__init__(groups, tuning)
+        starts = [quantity.name.startswith("set_slip") for quantity in self.formula.states]
+        self.state[starts] = tuning.slip_start
+
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return the demand of one group."""
+        period, interval = tuning["period"], tuning["interval"]
+
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            slip = draft.state(group.label("set_slip"), "1", "set slip")
+            clock = draft.state(group.label("clock"), "s", "since the last step")
+            total = draft.state(group.label("total"), "1", "sum of the adhesion of this interval")
+            count = draft.state(group.label("count"), "1", "number of samples in the sum")
+            before = draft.state(group.label("before"), "1", "mean adhesion of the interval before")
+            upwards = draft.state(group.label("upwards"), "1", "1 while the slip is increased", start=1.0)
+            ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
+            now = clock + period
+            averages = choose(now > tuning["settling"] * interval, 1.0, 0.0)
+            added, counted = total + choose(averages, group.adhesion, 0.0), count + averages
+            steps = every(now >= interval, counted > 0.0)
+            mean = added / counted
+            goes_on = choose(mean >= before, upwards, 1.0 - upwards)
+            factor = choose(goes_on, 1.0 + tuning["step"], 1.0 / (1.0 + tuning["step"]))
+            stepped = within(slip * factor, tuning["slip_least"], tuning["slip_most"])
+            draft.keep(slip, choose(ready, choose(steps, stepped, slip), slip))
+            draft.keep(clock, choose(ready, choose(steps, 0.0, now), 0.0))
+            draft.keep(total, choose(ready, choose(steps, 0.0, added), 0.0))
+            draft.keep(count, choose(ready, choose(steps, 0.0, counted), 0.0))
+            draft.keep(before, choose(ready, choose(steps, mean, before), before))
+            draft.keep(upwards, choose(ready, choose(steps, goes_on, upwards), upwards))
+            return slip_control(draft, group, tuning, slip)
+
+        return demand

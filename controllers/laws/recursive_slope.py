@@ -1,0 +1,139 @@
+"""Maximum-adhesion tracking on the slope of adhesion over slip from recursive least squares."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+import casadi as ca
+
+from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.laws.constant_slip import slip_control
+from railgrip.controllers.sampled import Draft, Expression, choose, every, within
+from railgrip.vehicle.brake import Brake
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RecursiveSlopeTuning(Tuning):
+    """Parameters of tracking by recursive least squares.
+
+    Peaks are between `slip_least` and `slip_most`. `covariance_max` limits the growth of the covariance while the slip
+    does not change.
+    """
+
+    period: Annotated[float, "s", "between two decisions"]
+    slip_start: Annotated[float, "1", "first set slip"]
+    slip_least: Annotated[float, "1", "minimum of the set slip"] = 0.005
+    slip_most: Annotated[float, "1", "maximum of the set slip"] = 0.3
+    washout_time: Annotated[float, "s", "time constant of the high-pass of slip and adhesion"]
+    memory: Annotated[float, "s", "time constant of forgetting"]
+    covariance_max: Annotated[float, "1", "maximum of the covariance of the slope over the noise"] = 1e3
+    dither: Annotated[float, "1", "relative amplitude of the excitation of the set slip"]
+    frequency: Annotated[float, "Hz", "of the excitation"] = 1.0
+    climb: Annotated[float, "1/s", "relative rate of the set slip for an elasticity of 1"]
+    gain: Annotated[float, "1", "share of the full pressure for a relative slip error of 1"]
+    integral_time: Annotated[float, "s", "time constant of the integral part"]
+    adhesion_small: Annotated[float, "1", "estimated adhesion below which the set slip stays"] = 0.01
+    speed_min: Annotated[float, "m/s", "train speed below which the brake is applied"] = 0.5
+
+    LAW: ClassVar[str] = "RecursiveSlope"
+    POSITIVE: ClassVar[frozenset[str]] = frozenset(
+        {"period", "slip_start", "slip_least", "memory", "covariance_max", "integral_time", "adhesion_small"}
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse parameters without a meaning.
+
+        Raises:
+            ValueError: See `Tuning`; or slips are not in order, or the excitation reaches the whole slip.
+        """
+        Tuning.__post_init__(self)
+        if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:
+            raise ValueError(
+                "RecursiveSlope: slips must have slip_least <= slip_start <= slip_most < 1, got "
+                f"{self.slip_least}, {self.slip_start} and {self.slip_most}."
+            )
+        if self.dither >= 1.0:
+            raise ValueError(f"RecursiveSlope: dither is a share of the set slip, below 1, got {self.dither}.")
+
+
+class RecursiveSlope(GroupLaw):
+    """Gradient tracking of the maximum adhesion; PI control holds the slip.
+
+    Per group, with x and y the high-pass filtered relative slip s/s_set and relative adhesion α/ᾱ, the elasticity
+    e = d ln α/d ln s follows from recursive least squares with forgetting λ:
+
+        K = P x/(λ + P x²),  e ← e + K (y − e x),  P ← min((1 − K x) P/λ, covariance_max)
+        ṡ_set/s_set = climb·e,  and slip control is given s_set (1 + dither·sin ωt)
+
+    Sources: the gradient method of maximum adhesion tracking as reviewed by Abouzeid, Guerrero, Lejarza, Muniategui,
+    Endemaño and Briz, arXiv:2406.13650 (2024); the slope of the friction curve, calculated while braking, as the
+    reference of slip control, Automatika 60 (2019) 413; the recursion, Ljung, System Identification (1999), §11.2.
+    Relative quantities are of this project, as in `railgrip.controllers.laws.extremum_seeking`.
+    """
+
+    description = "Wheel-slide protection on the slope from recursive least squares"
+    brake_data = FULL_PRESSURE
+    needs = ("adhesion",)
+    tuning = RecursiveSlopeTuning
+    ranges: ClassVar[Ranges] = {
+        ("pneumatic", "estimated"): {
+            "slip_start": (0.01, 0.15),
+            "washout_time": (0.2, 3.0),
+            "memory": (0.2, 5.0),
+            "dither": (0.03, 0.5),
+            "climb": (0.1, 3.0),
+            "gain": (0.05, 1.0),
+            "integral_time": (0.1, 2.0),
+        }
+    }
+    entries: ClassVar[Mapping[str, Entry]] = {
+        "recursive_slope": Entry(
+            description="adhesion tracking, slope from recursive least squares",
+            role="baseline",
+            slip="estimated",
+            since=2,
+            hand_trials=1,
+        )
+    }
+
+    def __init__(self, groups: Sequence[Brake], tuning: RecursiveSlopeTuning) -> None:
+        """Control `groups` with one `tuning`, starting with its first set slip and an unknown slope."""
+        super().__init__(groups, tuning)
+        for state, start in (("set_slip", tuning.slip_start), ("covariance", tuning.covariance_max)):
+            self.state[[quantity.name.startswith(state) for quantity in self.formula.states]] = start
+
+    @staticmethod
+    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+        """Return the demand of one group."""
+        period = tuning["period"]
+        turn = draft.state("turn", "1", "phase of the excitation over a whole turn")
+        onwards = turn + tuning["frequency"] * period
+        draft.keep(turn, onwards - ca.floor(onwards))
+        wave = ca.sin(2.0 * ca.pi * turn)
+        share = period / (tuning["washout_time"] + period)
+        forgetting = tuning["memory"] / (tuning["memory"] + period)
+
+        def demand(draft: Draft, group: GroupObservation) -> Expression:
+            slip = draft.state(group.label("set_slip"), "1", "set slip without the excitation")
+            steady_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
+            steady = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")
+            slope = draft.state(group.label("elasticity"), "1", "estimate of d ln α/d ln s")
+            covariance = draft.state(group.label("covariance"), "1", "covariance of the estimate over the noise")
+            started = draft.state(group.label("started"), "1", "1 once the filters have a sample")
+            ready = every(group.adhesion >= tuning["adhesion_small"], group.speed >= tuning["speed_min"])
+            mean_slip = choose(started, steady_slip + share * (group.slip - steady_slip), group.slip)
+            mean = choose(started, steady + share * (group.adhesion - steady), group.adhesion)
+            x, y = (group.slip - mean_slip) / slip, (group.adhesion - mean) / mean
+            correction = covariance * x / (forgetting + covariance * x * x)
+            estimate = within(slope + correction * (y - slope * x), -1.0, 1.0)
+            grown = within((1.0 - correction * x) * covariance / forgetting, 0.0, tuning["covariance_max"])
+            moved = slip * (1.0 + tuning["climb"] * estimate * period)
+            draft.keep(slip, choose(ready, within(moved, tuning["slip_least"], tuning["slip_most"]), slip))
+            draft.keep(steady_slip, choose(ready, mean_slip, steady_slip))
+            draft.keep(steady, choose(ready, mean, steady))
+            draft.keep(slope, choose(ready, estimate, slope))
+            draft.keep(covariance, choose(ready, grown, covariance))
+            draft.keep(started, choose(ready, 1.0, 0.0))
+            return slip_control(draft, group, tuning, slip * (1.0 + tuning["dither"] * wave))
+
+        return demand

@@ -1,0 +1,115 @@
+"""Sets of cases: the versions of the type test, their seeds, and the sealed set of a controller."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Final, Self
+
+from railgrip.base.errors import ScenarioError
+from railgrip.base.units import cut
+from railgrip.studies.type_test import design
+from railgrip.studies.type_test.design import Case
+from railgrip.studies.type_test.track_case import TrackCase, track_cases
+
+AnyCase = Case | TrackCase
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Version:
+    """A version of the type test.
+
+    Attributes:
+        count, quick: Number of cases of a full test, and of a quick one.
+        test, validation, training: Seeds of the sets.
+        draw: Returns a number of cases of a seed.
+    """
+
+    count: int
+    quick: int
+    test: int
+    validation: int
+    training: int
+    draw: Callable[[int, int], tuple[AnyCase, ...]]
+
+
+VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
+    {
+        1: Version(
+            count=design.CASES,
+            quick=design.QUICK,
+            test=design.SEED,
+            validation=design.VALIDATION_SEED,
+            training=design.TRAINING_SEED,
+            draw=design.cases,
+        ),
+        2: Version(count=432, quick=24, test=25595, validation=64105, training=3021, draw=track_cases),
+    }
+)
+
+SEALED: Final = 48
+"""Number of cases of a sealed set."""
+_SEALED_FROM: Final = 10**9
+"""Seeds of sealed sets are above those that a name of a case may have: their cases are not run one by one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseSet:
+    """A set of cases, from which the cases follow."""
+
+    version: int
+    count: int
+    seed: int
+
+    @classmethod
+    def of(cls, name: str) -> Self | None:
+        """Return the set that is in the name of a case, None for another name."""
+        match = re.fullmatch(r"\d+of(\d{1,5})(?:v(\d))?-(\d{1,10})", name)
+        if match is None or not int(match[1]) or int(match[2] or 1) not in VERSIONS:
+            return None
+        return cls(version=int(match[2] or 1), count=int(match[1]), seed=int(match[3]))
+
+    @classmethod
+    def sealed(cls, version: int, digest: str) -> Self:
+        """Return the set that is drawn from the digest of a controller."""
+        return cls(version=version, count=SEALED, seed=_SEALED_FROM + int(digest[:8], 16) % _SEALED_FROM)
+
+    @property
+    def is_sealed(self) -> bool:
+        """Whether its cases follow from a controller."""
+        return self.seed >= _SEALED_FROM
+
+    @property
+    def kind(self) -> str:
+        """What it is for: test, validation, training, sealed, or other."""
+        version = VERSIONS[self.version]
+        if self.is_sealed:
+            return "sealed"
+        return next(
+            (kind for kind in ("test", "validation", "training") if getattr(version, kind) == self.seed), "other"
+        )
+
+    @property
+    def label(self) -> str:
+        """Its version, kind and number of cases."""
+        return f"version {self.version}, {self.kind}, {self.count} cases"
+
+    def cases(self) -> tuple[AnyCase, ...]:
+        """Return its cases."""
+        return VERSIONS[self.version].draw(self.count, self.seed)
+
+
+def case_named(name: str) -> AnyCase:
+    """Return the case of a name, which contains its set.
+
+    Raises:
+        ScenarioError: The case does not exist, or its set is sealed.
+    """
+    of_name = CaseSet.of(name)
+    if of_name and of_name.is_sealed:
+        raise ScenarioError(f"--case {cut(name)}: cases of a sealed set are run together, by --sealed")
+    found = next((case for case in of_name.cases() if case.name == name), None) if of_name else None
+    if found is None:
+        example = design.cases(design.QUICK)[0].name
+        raise ScenarioError(f"--case {cut(name)}: there is no such case; it is named like {example}")
+    return found

@@ -1,0 +1,195 @@
+"""The cases of version 2, the sealed set of a controller, the count of looks, and results by family."""
+
+from collections import Counter
+from dataclasses import replace
+
+import pytest
+
+from railgrip.base.errors import ScenarioError
+from railgrip.report.limits import limits_of
+from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named
+from railgrip.studies.type_test.controller_digest import controller_digest
+from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
+from railgrip.studies.type_test.family import FEWEST, families, losses
+from railgrip.studies.type_test.judge import Measured, judgements, summaries
+from railgrip.studies.type_test.looks import count_look
+from railgrip.studies.type_test.shipped import digest_of, shipped
+from railgrip.studies.type_test.study import TypeTest, page_of
+from railgrip.studies.type_test.track_case import CLEANING, FASTEST, LOAD, RADIUS, RAILS, TRAINS
+
+SECOND = VERSIONS[2]
+CASES = SECOND.draw(SECOND.count, SECOND.test)
+
+
+def test_the_first_version_keeps_its_cases_its_digest_and_its_entrants():
+    first = CaseSet(version=1, count=24, seed=15595)
+    assert first.label == "version 1, test, 24 cases"
+    header = "a1076805311cab05547c60fe47099991cce78229f1878ad433859c86c2de0736"
+    assert digest_of(first.cases(), train_of(None)) == header
+    assert entrants(2).keys() - entrants(1).keys() == {
+        "perturb_observe", "recursive_slope", "fuzzy_slip", "slip_three_state_deep",
+    }  # fmt: skip
+
+
+def test_a_full_set_has_more_than_400_cases_and_every_value_at_its_share():
+    assert len(CASES) >= 400
+    rails = Counter(case.rail for case in CASES)
+    assert {rail: round(count * len(RAILS) / len(CASES)) for rail, count in rails.items()} == Counter(RAILS)
+    trains = Counter(case.train for case in CASES)
+    assert {train: round(count * len(TRAINS) / len(CASES)) for train, count in trains.items()} == Counter(TRAINS)
+    assert sum(case.over == "distance" for case in CASES) > 0.7 * len(CASES)
+    assert sum(case.over == "time" for case in CASES) < 0.2 * len(CASES)
+    assert {len(case.faults) for case in CASES} == {0, 1, 2}
+    assert {case.cleaning for case in CASES} >= CLEANING.keys()
+    assert 0.4 < sum(bool(case.other) for case in CASES) / len(CASES) < 0.6
+
+
+def test_values_are_inside_their_ranges():
+    for case in CASES:
+        assert abs(case.load - 1) <= LOAD
+        assert 0 <= case.radius <= RADIUS
+        assert case.speed <= FASTEST.get(case.train, 200 / 3.6) + 0.01
+        assert case.speed * case.horizon < 20e3  # m, the longest tabulated rail
+
+
+def test_a_pair_of_faults_is_of_two_parts_and_of_the_groups_of_the_train():
+    pairs = [case for case in CASES if len(case.faults) == 2]
+    assert pairs
+    for case in pairs:
+        rows = case.fault_tables(4)["faults"]
+        assert rows[0]["part"] != rows[1]["part"]
+        assert all(1 <= row.get("group", 1) <= 4 for row in rows)
+
+
+def test_a_blend_is_between_its_two_curves():
+    case = next(case for case in CASES if {case.curve, case.other} == {"dry", "leaf"})
+    polach = case.tables(4)["adhesion"]["polach"]
+    assert 0.04 < polach["k_A"] < 1.0
+    assert 0.4 < polach["A"] < 0.5
+
+
+def test_radii_and_pads_differ_by_group_and_are_the_same_for_more_groups():
+    case = max(CASES, key=lambda case: case.radius)
+    two, four = (case.tables(groups)["truth"] for groups in (2, 4))
+    assert len(set(four["wheel_radius"])) == 4
+    assert four["wheel_radius"][:2] == two["wheel_radius"]
+    assert len(set(four["pad_friction"])) == 4
+
+
+def test_sets_have_no_case_in_common():
+    sets = [{replace(case, name="") for case in SECOND.draw(96, seed)}
+            for seed in (SECOND.test, SECOND.validation, SECOND.training)]  # fmt: skip
+    assert not sets[0] & sets[1]
+    assert not sets[1] & sets[2]
+    assert not sets[0] & sets[2]
+
+
+def test_every_case_is_a_scenario_of_its_train_and_cleaned_rails_have_no_pointwise_bound():
+    design = CASES[:48]
+    trains = {name: train_of(name) for name in FASTEST}
+    taking_part = {name: entrants(2)[name] for name in ("dry", "ideal_bound", "fuzzy_slip")}
+    stops = campaign_of(design, taking_part, train_of(None), trains=trains).stops
+    names = {stop.name for stop in stops}
+    for case in design:
+        assert f"{case.name}-fuzzy_slip" in names
+        assert (f"{case.name}-ideal_bound" in names) == (case.cleaning == "none")
+    case = next(case for case in design if case.train == "tram")
+    stop = next(stop for stop in stops if stop.name == f"{case.name}-fuzzy_slip")
+    assert stop.scenario.resolved()["vehicle"]["train"] == "tram"
+
+
+def test_a_case_is_found_by_its_name_but_not_in_a_sealed_set():
+    assert case_named(CASES[6].name) == CASES[6]
+    sealed = CaseSet.sealed(2, "0123456789abcdef")
+    assert (sealed.kind, sealed.count) == ("sealed", SEALED)
+    with pytest.raises(ScenarioError, match="cases of a sealed set are run together"):
+        case_named(sealed.cases()[0].name)
+    assert CaseSet.sealed(2, "1123456789abcdef") != sealed
+
+
+def test_a_digest_follows_source_and_parameters_but_not_comments(tmp_path):
+    source = '"""Law."""\n\n\nclass Own:\n    """Law."""\n\n    gain = 1.0\n'
+    (tmp_path / "mine.py").write_text(source, encoding="utf-8")
+    entrant = Entrant.model_validate({"description": "", "role": "entrant", "controller": {"kind": "mine:Own"}})
+    first = controller_digest(entrant, [tmp_path])
+    (tmp_path / "mine.py").write_text(source.replace("Law.", "Other words.") + "# comment\n", encoding="utf-8")
+    assert controller_digest(entrant, [tmp_path]) == first
+    (tmp_path / "mine.py").write_text(source.replace("1.0", "1.1"), encoding="utf-8")
+    assert controller_digest(entrant, [tmp_path]) != first
+    ours = entrants(2)
+    assert len({controller_digest(ours[name]) for name in ours}) == len(ours)
+    with pytest.raises(ScenarioError, match="the source of nowhere was not found"):
+        controller_digest(Entrant.model_validate({**entrant.model_dump(), "controller": {"kind": "nowhere:Own"}}))
+
+
+def test_looks_are_counted_by_set_and_controller(tmp_path, monkeypatch):
+    monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path))
+    count_look("one", ["a", "b"])
+    count_look("one", ["a"])
+    assert count_look("other", ["a"]) == {"one": {"a": 2, "b": 1}, "other": {"a": 1}}
+
+
+@pytest.mark.parametrize("options", [{}, {"controller": ["a", "b"]}, {"controller": ["a"], "validation": True}])
+def test_a_sealed_set_is_of_one_controller(options):
+    with pytest.raises(ScenarioError, match="--sealed is for one --controller"):
+        TypeTest(sealed=True, **options)._require_consistent()
+
+
+def stop_of(case, controller, distance, *, lock=0.0):
+    variants = {name: value for name, value in case.variants().items() if name != "case"}
+    return Measured(
+        case=case.name, variants=variants, speed=case.speed, controller=controller, outcome="standstill",
+        distance_m=distance, duration_s=20.0, longest_lock_s=lock, locked_distance_m=0.0, air_l=100.0, strokes=10,
+        tread_energy_mj=0.1, utilisation=0.9, nees=None,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def stops():
+    """Fuzzy rules stop a tenth longer than deep three-state control where slip cleans, elsewhere a tenth shorter."""
+    found = []
+    for case in CASES[:60]:
+        found.append(stop_of(case, "slip_three_state_deep", 100.0))
+        found.append(stop_of(case, "slip_two_state", 50.0, lock=2.0))
+        found.append(stop_of(case, "fuzzy_slip", 90.0 if case.cleaning == "none" else 110.0))
+    return found
+
+
+def test_the_best_baseline_need_not_be_tuned_but_keeps_the_lock_clause(stops):
+    taking_part = entrants(2)
+    best = {stop.best_m for stop in judgements(stops, taking_part, limits_of(), only_tuned=False)}
+    assert best == {90.0, 100.0}
+    assert {stop.best_m for stop in judgements(stops, taking_part, limits_of())} == {90.0, 110.0}
+
+
+def test_a_law_loses_in_the_family_with_its_largest_median(stops):
+    taking_part = entrants(2)
+    judged = judgements(stops, taking_part, limits_of(), only_tuned=False)
+    rows = families(judged)
+    cleaned = next(row for row in rows if (row.value, row.controller) == ("strong", "fuzzy_slip"))
+    assert cleaned.compared >= FEWEST
+    assert cleaned.median == pytest.approx(1.1)
+    assert cleaned.lost == 1.0
+    table = losses(rows, summaries(judged, taking_part))
+    where = {row["controller"]: row["loses where"] for row in table.rows}
+    assert where["fuzzy_slip"] in ("cleaning: strong", "cleaning: weak")
+
+
+def test_the_page_shows_families_the_bound_and_the_looks(stops):
+    again = dict.fromkeys(entrants(2), "railgrip study type_test --case")
+    page = page_of(stops, entrants(2), limits_of(), again=again, version=2)
+    assert list(page.values["families"]) == ["curve", "over", "rail", "cleaning", "number of faults", "train"]
+    assert "families.csv" in page.tables
+    assert page.values["losses"].rows
+
+
+def test_shipped_results_of_version_2_are_of_all_its_controllers_or_say_how_to_renew_them():
+    design = CaseSet(version=2, count=SECOND.quick, seed=SECOND.test).cases()
+    found, (sentence,) = shipped(design, train_of(None))
+    if not found:
+        assert "`railgrip study type_test --write` writes" in sentence or "No results" in sentence
+        return
+    expected = {(case.name, name) for case in design for name in entrants(2)}
+    missing = expected - {(stop.case, stop.controller) for stop in found}
+    assert {name for _, name in missing} <= {"ideal_bound", "ideal_tracking"}
+    assert replace(found[0]) == found[0]
