@@ -7,6 +7,8 @@ import pytest
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.limits import limits_of
+from railgrip.studies.study import conduct
+from railgrip.studies.type_test import case_set, study
 from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_named
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
@@ -133,6 +135,21 @@ def test_looks_are_counted_by_set_and_controller(tmp_path, monkeypatch):
 def test_a_sealed_set_is_of_one_controller(options):
     with pytest.raises(ScenarioError, match="--sealed is for one --controller"):
         TypeTest(sealed=True, **options)._require_consistent()
+
+
+def test_a_sealed_set_is_run_with_the_baselines_and_shows_no_single_case(tmp_path, monkeypatch):
+    few = {name: entrants(2)[name] for name in ("dry", "slip_two_state", "fuzzy_slip")}
+    monkeypatch.setenv("RAILGRIP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(case_set, "SEALED", 1)
+    monkeypatch.setattr(study, "entrants", lambda version=1: few)
+    test = TypeTest(version=2, sealed=True, controller=["fuzzy_slip"])
+    page, path = conduct(test, tmp_path / "out", workers=1)
+    assert path == tmp_path / "out" / "version_2" / "index.html"
+    assert {row["controller"] for row in page.values["board"].rows} == {"slip_two_state", "fuzzy_slip"}
+    assert page.values["rankings"] == {}
+    assert "cases.csv" not in page.tables
+    assert "cases" not in page.data["type_test.json"]
+    assert page.values["looks"].rows[0]["set"] == "version 2, sealed, 1 cases"
 
 
 def stop_of(case, controller, distance, *, lock=0.0):

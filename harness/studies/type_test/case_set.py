@@ -47,6 +47,9 @@ VERSIONS: Final[Mapping[int, Version]] = MappingProxyType(
     }
 )
 
+"""Number → version. A stop of version 2 takes 0.75 s of processor time in the mean of all controllers in the quick set,
+so that the full set of one controller takes some 3 minutes on two idle cores."""
+
 SEALED: Final = 48
 """Number of cases of a sealed set."""
 _SEALED_FROM: Final = 10**9

@@ -14,7 +14,7 @@ from railgrip.studies.type_test.judge import Judged, Summary
 AXES: Final = ("curve", "over", "rail", "cleaning", "number of faults", "train")
 """Variants of a case that make families."""
 
-FEWEST: Final = 8
+FEWEST: Final = 5
 """Minimum number of compared cases of a family in which a controller can be said to lose."""
 
 _SAME: Final = 0.002
@@ -32,11 +32,11 @@ class Family:
         controller: Name of the entrant.
         cases: Number of cases that it has run.
         compared: Number of those with an admissible baseline.
-        stops: Share of `cases` that came to a stand.
+        stops: Share of `cases` in which the train stops.
         lost: Share of `compared` in which it is longer than the best baseline; None without a comparison.
         median, p95: Of distance over that of the best baseline; None without a comparison, or infinite.
         median_interval, p95_interval: 95 % bootstrap intervals.
-        over_bound: Median of distance over that of the ideal bound; None where there is no bound.
+        over_bound: Median of distance over that of the ideal bound; None without a bound.
     """
 
     axis: str
@@ -90,30 +90,27 @@ def _interval(ratios: Sequence[float], of: float) -> Interval:
 def losses(rows: Iterable[Family], board: Sequence[Summary]) -> Table:
     """Return for each controller the family in which its median over the best baseline is largest.
 
-    Families with fewer than `FEWEST` compared cases do not count; nor do those without a median above 1.
+    Of families with the same median it is the one with the larger share of cases in which the controller is longer.
+    Families with fewer than `FEWEST` compared cases do not count.
     """
     by_controller: dict[str, list[Family]] = {}
     for row in rows:
         if row.compared >= FEWEST:
             by_controller.setdefault(row.controller, []).append(row)
-    table: list[dict[str, object]] = []
-    for summary in board:
-        worst = max(by_controller.get(summary.controller, ()), key=_badness, default=None)
-        if worst is None or _badness(worst)[0] <= 1.0 + _SAME:
-            table.append({"controller": summary.controller, "loses where": "in no family, by its median"})
-            continue
-        table.append(
-            {
-                "controller": summary.controller,
-                "loses where": f"{worst.axis}: {worst.value}",
-                "cases": f"{worst.compared} of {worst.cases}",
-                "stops": worst.stops,
-                "longer than best": worst.lost,
-                "median": with_interval(worst.median, worst.median_interval),
-                "95 %": with_interval(worst.p95, worst.p95_interval),
-                "median of all": with_interval(summary.median, (None, None)),
-            }
-        )
+    table = [
+        {
+            "controller": summary.controller,
+            "loses where": f"{worst.axis}: {worst.value}",
+            "cases": f"{worst.compared} of {worst.cases}",
+            "stops": worst.stops,
+            "longer than best": worst.lost,
+            "median": with_interval(worst.median, worst.median_interval),
+            "95 %": with_interval(worst.p95, worst.p95_interval),
+            "median of all": with_interval(summary.median, (None, None)),
+        }
+        for summary in board
+        if (worst := max(by_controller.get(summary.controller, ()), key=_badness, default=None))
+    ]
     return Table(table, {"stops": share, "longer than best": share}, ("controller", "loses where"))
 
 

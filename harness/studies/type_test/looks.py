@@ -47,7 +47,7 @@ def _counts(path: Path) -> dict[str, dict[str, int]]:
 
 
 def table_of_looks(counts: Mapping[str, Mapping[str, int]], case_set: str) -> Table:
-    """Return the looks at each set: all, and those at the controller with the most; the present set first."""
+    """Return the number of looks at each set and the maximum of one controller; the present set comes first."""
     rows = [
         {
             "set": name,

@@ -159,8 +159,10 @@ class TypeTest(Study):
             version=self._version,
         )
         if self.write:
-            if results.missing:
-                raise ScenarioError(f"--write: {len(results.missing)} stops have no result; nothing was written.")
+            # A bound that is not found leaves its case without a bound.
+            missing = [name for name in results.missing if taking_part[name.rpartition("-")[2]].role != "bound"]
+            if missing:
+                raise ScenarioError(f"--write: {len(missing)} stops have no result; nothing was written.")
             self._write(page, found, design)
         panels = [
             str(write_panels(work.folder / stop.name))
@@ -701,8 +703,13 @@ def _by_curve(stops: Sequence[Judged], controllers: Sequence[str]) -> Figure:
     return figure
 
 
-def _over_friction(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure:
-    """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases."""
+def _over_friction(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+    """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases.
+
+    None without a bound.
+    """
+    if not any(stop.over_bound and stop.controller != "ideal_bound" for stop in stops):
+        return None
     figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
     for name, line in lines.items():
@@ -716,6 +723,5 @@ def _over_friction(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any
     axes.set_xticks([], minor=True)
     axes.set_ylim(0.95, 2.5)
     style.dress(axes, x="mean of the maximum friction", y="distance over the ideal bound")
-    if axes.lines:
-        style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    style.legend(axes, loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
