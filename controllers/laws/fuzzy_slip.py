@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
 from railgrip.controllers.laws.adhesion_literal import Derivatives
-from railgrip.controllers.sampled import Draft, Expression, choose, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 
 _RULES: Final = (
     (1.0, 1.0, 0.0),
@@ -74,8 +74,8 @@ class FuzzySlip(GroupLaw):
             "vent_rate": (0.3, 5.0),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "fuzzy_slip": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "fuzzy_slip": TypeTestEntry(
             description="fuzzy rules on slip and deceleration, slip as read",
             role="baseline",
             slip="read",
@@ -85,11 +85,11 @@ class FuzzySlip(GroupLaw):
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         filters = Derivatives(draft, tuning)
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             full, protecting = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
             share = draft.state(group.label("share"), "1", "demand over the full pressure", start=1.0)
             rolling = group.wheelset_speed * group.brake["wheel_radius"]

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
 from railgrip.controllers.laws.constant_slip import slip_control
-from railgrip.controllers.sampled import Draft, Expression, choose, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
 from railgrip.vehicle.brake import Brake
 
 
@@ -79,8 +79,8 @@ class PerturbObserve(GroupLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "perturb_observe": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "perturb_observe": TypeTestEntry(
             description="perturb and observe", role="baseline", slip="estimated", since=2, hand_trials=1
         )
     }
@@ -92,11 +92,11 @@ class PerturbObserve(GroupLaw):
         self.state[starts] = tuning.slip_start
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         period, interval = tuning["period"], tuning["interval"]
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             slip = draft.state(group.label("set_slip"), "1", "set slip")
             clock = draft.state(group.label("clock"), "s", "since the last step")
             total = draft.state(group.label("total"), "1", "sum of the adhesion of this interval")

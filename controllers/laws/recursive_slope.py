@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
 from railgrip.controllers.laws.constant_slip import slip_control
-from railgrip.controllers.sampled import Draft, Expression, choose, every, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, every, within
 from railgrip.vehicle.brake import Brake
 
 
@@ -86,8 +86,8 @@ class RecursiveSlope(GroupLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "recursive_slope": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "recursive_slope": TypeTestEntry(
             description="adhesion tracking, slope from recursive least squares",
             role="baseline",
             slip="estimated",
@@ -103,7 +103,7 @@ class RecursiveSlope(GroupLaw):
             self.state[[quantity.name.startswith(state) for quantity in self.formula.states]] = start
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         period = tuning["period"]
         turn = draft.state("turn", "1", "phase of the excitation over a whole turn")
@@ -113,7 +113,7 @@ class RecursiveSlope(GroupLaw):
         share = period / (tuning["washout_time"] + period)
         forgetting = tuning["memory"] / (tuning["memory"] + period)
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             slip = draft.state(group.label("set_slip"), "1", "set slip without the excitation")
             steady_slip = draft.state(group.label("steady_slip"), "1", "low-pass filtered slip")
             steady = draft.state(group.label("steady_adhesion"), "1", "low-pass filtered adhesion")

@@ -13,9 +13,9 @@ from railgrip.studies.type_test.case_set import SEALED, VERSIONS, CaseSet, case_
 from railgrip.studies.type_test.controller_digest import controller_digest
 from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.family import FEWEST, families, losses
-from railgrip.studies.type_test.judge import Measured, judgements, summaries
+from railgrip.studies.type_test.judge import CaseMeasurement, judgements, summaries
 from railgrip.studies.type_test.looks import count_look
-from railgrip.studies.type_test.shipped import digest_of, shipped
+from railgrip.studies.type_test.shipped import digest_of, read_shipped
 from railgrip.studies.type_test.study import TypeTest, page_of
 from railgrip.studies.type_test.track_case import CLEANING, FASTEST, LOAD, RADIUS, RAILS, TRAINS
 
@@ -154,7 +154,7 @@ def test_a_sealed_set_is_run_with_the_baselines_and_shows_no_single_case(tmp_pat
 
 def stop_of(case, controller, distance, *, lock=0.0):
     variants = {name: value for name, value in case.variants().items() if name != "case"}
-    return Measured(
+    return CaseMeasurement(
         case=case.name, variants=variants, speed=case.speed, controller=controller, outcome="standstill",
         distance_m=distance, duration_s=20.0, longest_lock_s=lock, locked_distance_m=0.0, air_l=100.0, strokes=10,
         tread_energy_mj=0.1, utilisation=0.9, nees=None,
@@ -202,7 +202,7 @@ def test_the_page_shows_families_the_bound_and_the_looks(stops):
 
 def test_shipped_results_of_version_2_are_of_all_its_controllers_or_say_how_to_renew_them():
     design = CaseSet(version=2, count=SECOND.quick, seed=SECOND.test).cases()
-    found, (sentence,) = shipped(design, train_of(None))
+    found, (sentence,) = read_shipped(design, train_of(None))
     if not found:
         assert "`railgrip study type_test --write` writes" in sentence or "No results" in sentence
         return

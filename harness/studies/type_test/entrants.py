@@ -16,9 +16,9 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED, TYPE_TEST
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.file import Elsewhere
-from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validated
-from railgrip.scenario.merge import merged
+from railgrip.scenario.file import OtherFileString
+from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validate_table
+from railgrip.scenario.merge import merge
 from railgrip.scenario.table import Table
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.case_set import VERSIONS, AnyCase
@@ -66,7 +66,8 @@ def entrants(version: int = 1) -> dict[str, Entrant]:
             estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
             tables[name] = common | {"controller": controller} | estimator
     all_of_them = {
-        name: validated(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}") for name, table in tables.items()
+        name: validate_table(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}")
+        for name, table in tables.items()
     }
     return dict(sorted(all_of_them.items(), key=lambda item: get_args(Role).index(item[1].role)))
 
@@ -118,7 +119,7 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
 def _read(path: Path) -> dict[str, Any]:
     """Return the tables of a scenario; its files are found from any folder."""
     tables = read_scenario(path)
-    return Elsewhere.within(tables.table, tables.directory.resolve())
+    return OtherFileString.within(tables.table, tables.directory.resolve())
 
 
 def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
@@ -133,10 +134,10 @@ def train_of(argument: str | None) -> dict[str, Any]:
     Raises:
         ScenarioError: The train does not exist.
     """
-    table = merged(
+    table = merge(
         read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "equipment" / "service.toml")
     )
-    table = merged(table, {"estimator": _FILTER})
+    table = merge(table, {"estimator": _FILTER})
     if argument is None:
         return table
     is_ours = argument in registry.shelf("trains")
@@ -228,8 +229,8 @@ def campaign_of(
     for case in design:
         of_train = case.train if case.train in trains else ""
         tables = {"name": "type-test"} | case.tables(groups[of_train])
-        of_case = merged(trains.get(of_train, train), tables)
-        of_case = merged(of_case, case.fault_tables(groups[of_train]))
+        of_case = merge(trains.get(of_train, train), tables)
+        of_case = merge(of_case, case.fault_tables(groups[of_train]))
         for name, entrant in taking_part.items():
             if not case.has_bound and entrant.tables["controller"]["kind"] in registry.ANALYSES:
                 continue
@@ -237,7 +238,7 @@ def campaign_of(
             if entrant.role == "bound":
                 task_table.pop("demand", None)  # it brakes with all there is, whatever the demand
             scenario = scenario_of(
-                merged(merged(of_case, task_table), entrant.tables),
+                merge(merge(of_case, task_table), entrant.tables),
                 directory=LIBRARY,
                 origin=f"type test, case {case.name}, {name}",
             )
@@ -254,5 +255,5 @@ def campaign_of(
 
 def _groups(train: Mapping[str, Any]) -> int:
     """Return the number of groups of a train."""
-    bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
+    bare = scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train")
     return VehicleData(bare).formation.groups

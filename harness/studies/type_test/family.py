@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 
 from railgrip.report.statistics import endless, finite, quantile, quantile_interval
-from railgrip.report.table import Table, share
-from railgrip.studies.type_test.judge import Judged, Summary
+from railgrip.report.table import ReportTable, share
+from railgrip.studies.type_test.judge import CaseJudgement, Summary
 
 AXES: Final = ("curve", "over", "rail", "cleaning", "number of faults", "train")
 """Variants of a case that make families."""
@@ -53,9 +53,9 @@ class Family:
     over_bound: float | None
 
 
-def families(stops: Sequence[Judged]) -> list[Family]:
+def families(stops: Sequence[CaseJudgement]) -> list[Family]:
     """Return the results of each controller by axis and value, in the order of `AXES`."""
-    groups: dict[tuple[str, str, str], list[Judged]] = {}
+    groups: dict[tuple[str, str, str], list[CaseJudgement]] = {}
     for axis in AXES:
         for stop in sorted(stops, key=lambda stop: stop.variants.get(axis, "")):
             if axis in stop.variants:
@@ -63,7 +63,7 @@ def families(stops: Sequence[Judged]) -> list[Family]:
     return [_family(*key, members) for key, members in groups.items()]
 
 
-def _family(axis: str, value: str, controller: str, stops: Sequence[Judged]) -> Family:
+def _family(axis: str, value: str, controller: str, stops: Sequence[CaseJudgement]) -> Family:
     ratios = [endless(stop.over_best) for stop in stops if stop.best_m]
     bounds = [endless(stop.over_bound) for stop in stops if stop.bound_m]
     return Family(
@@ -87,7 +87,7 @@ def _interval(ratios: Sequence[float], of: float) -> Interval:
     return finite(low), finite(high)
 
 
-def losses(rows: Iterable[Family], board: Sequence[Summary]) -> Table:
+def losses(rows: Iterable[Family], board: Sequence[Summary]) -> ReportTable:
     """Return for each controller the family in which its median over the best baseline is largest.
 
     Of families with the same median it is the one with the larger share of cases in which the controller is longer.
@@ -111,7 +111,7 @@ def losses(rows: Iterable[Family], board: Sequence[Summary]) -> Table:
         for summary in board
         if (worst := max(by_controller.get(summary.controller, ()), key=_badness, default=None))
     ]
-    return Table(table, {"stops": share, "longer than best": share}, ("controller", "loses where"))
+    return ReportTable(table, {"stops": share, "longer than best": share}, ("controller", "loses where"))
 
 
 def _badness(row: Family) -> tuple[float, float, float]:
@@ -125,9 +125,9 @@ def with_interval(value: float | None, interval: Interval) -> str:
     return text if low is None else f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
 
 
-def by_axis(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, Table]:
+def by_axis(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, ReportTable]:
     """Return a table for each axis: median and 95 % quantile of each controller in each family."""
-    tables: dict[str, Table] = {}
+    tables: dict[str, ReportTable] = {}
     for axis in AXES:
         cells: dict[str, dict[str, object]] = {}
         counts: Mapping[str, int] = {row.value: row.compared for row in rows if row.axis == axis}
@@ -140,7 +140,7 @@ def by_axis(rows: Sequence[Family], board: Sequence[Summary]) -> dict[str, Table
             order = [summary.controller for summary in board if summary.controller in cells]
             columns = max(cells.values(), key=len)
             filled = [{name: cells[controller].get(name, "") for name in columns} for controller in order]
-            tables[axis] = Table(filled, left=("controller",))
+            tables[axis] = ReportTable(filled, left=("controller",))
     return tables
 
 
@@ -148,7 +148,7 @@ def _p95(row: Family) -> str:
     return with_interval(row.p95, (None, None))
 
 
-def table_of_families(rows: Iterable[Family]) -> Table:
+def table_of_families(rows: Iterable[Family]) -> ReportTable:
     """Return every family as a row, with intervals, for a CSV file."""
     plain: list[dict[str, object]] = []
     for row in rows:
@@ -170,4 +170,4 @@ def table_of_families(rows: Iterable[Family]) -> Table:
                 "over_bound": row.over_bound,
             }
         )
-    return Table(plain)
+    return ReportTable(plain)

@@ -9,7 +9,7 @@ from typing import Final
 from railgrip.base import cache
 from railgrip.base.errors import RecordError
 from railgrip.base.files import write_json
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 _FILE: Final = Path("type_test") / "looks.json"
 
@@ -46,7 +46,7 @@ def _counts(path: Path) -> dict[str, dict[str, int]]:
     return {}
 
 
-def table_of_looks(counts: Mapping[str, Mapping[str, int]], case_set: str) -> Table:
+def table_of_looks(counts: Mapping[str, Mapping[str, int]], case_set: str) -> ReportTable:
     """Return the number of looks at each set and the maximum of one controller; the present set comes first."""
     rows = [
         {
@@ -57,4 +57,4 @@ def table_of_looks(counts: Mapping[str, Mapping[str, int]], case_set: str) -> Ta
         }
         for name in sorted(counts, key=lambda name: (name != case_set, name))
     ]
-    return Table(rows, left=("set",))
+    return ReportTable(rows, left=("set",))
