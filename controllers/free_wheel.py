@@ -5,7 +5,7 @@ from functools import cache
 from types import MappingProxyType
 
 from railgrip.controllers.brake import by_name
-from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose, either, every
+from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake
 
 PARAMETERS = MappingProxyType(
@@ -54,7 +54,7 @@ def free_wheel(groups: int) -> Formula:
     one for `test_after`, one group after the other is, from the rear. Test releases for a reference speed are the
     practice of protection without radar (Pugi et al., Railway Engineering Science 31 (2023) 108).
     """
-    draft = Draft()
+    draft = FormulaBuilder()
     speed = draft.input("speed", "m/s", "reading of the train speed; NaN while there is none")
     numbers = range(1, groups + 1)
     wheels = [draft.input(f"wheelset_speed[{g}]", "rad/s", "newest reading") for g in numbers]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.prediction import FilterVariables
 
@@ -153,7 +153,7 @@ class FilterDesign:
         reading = self.reading_noise if reading_noise is None else _reading_covariance(reading_noise, self.outputs)
         return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
 
-    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return the belief before the first step.
 
         Args:

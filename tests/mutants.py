@@ -37,7 +37,7 @@ from railgrip.campaign.run import kept_result, write_description
 from railgrip.report.baseline import compare, findings_of, load_baseline
 from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import run_stop
 
@@ -316,8 +316,8 @@ def write_page(results: Sequence[Result]) -> None:
     write_tables(
         PAGE,
         {
-            "mutants": Table.of(("mutant in", "mutants", "noticed", "not noticed"), [*rows, total]),
-            "checks": Table.of(("mutant", "function", "independent test", "fails"), checks, left=4),
+            "mutants": ReportTable.of(("mutant in", "mutants", "noticed", "not noticed"), [*rows, total]),
+            "checks": ReportTable.of(("mutant", "function", "independent test", "fails"), checks, left=4),
         },
     )
 

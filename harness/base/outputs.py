@@ -64,7 +64,7 @@ def claim(directory: Path, *files: str) -> None:
 
     Raises:
         RecordError: See `make_folder` and `require_free`.
-        Unwritten: The record cannot be written.
+        WriteFailed: The record cannot be written.
     """
     require_free(directory, *files)
     make_folder(directory, *files)
@@ -77,7 +77,7 @@ def adopt(directory: Path, *files: str) -> None:
     """Record files with names that railgrip uses: release 0.1.0 wrote them without a record.
 
     Raises:
-        Unwritten: The record cannot be written.
+        WriteFailed: The record cannot be written.
     """
     present = [name for name in files if (directory / name).is_file()]
     if present and _recorded(directory) is None:
@@ -88,7 +88,7 @@ def discard(directory: Path, files: Iterable[str]) -> None:
     """Remove those of the files from a folder that railgrip has written.
 
     Raises:
-        Unwritten: The folder is not writable.
+        WriteFailed: The folder is not writable.
     """
     own = {name for name in files if os.path.lexists(inside(directory, name)) and _is_own(directory, name)}
     if own:

@@ -55,7 +55,7 @@ def run(
     Raises:
         RecordError: Results cannot be written to the folder, files of the user would be overwritten, or the folder is
             that of a campaign; nothing was run.
-        Unwritten: The result could not be written.
+        WriteFailed: The result could not be written.
         ScenarioError: The scenario requires something that its parts cannot do; the message names the scenario.
     """
     require_place(directory)

@@ -23,7 +23,7 @@ from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results
 from railgrip.report.row import Row
-from railgrip.report.variants import Reference, change_table, changes_against
+from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign
 from railgrip.trace.stop import require_no_result
 
@@ -62,7 +62,7 @@ def campaign(
     campaigns = [load_campaign(file, overrides or []) for file in files]
     if against is not None:
         for loaded in campaigns:
-            Reference.named(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
+            ReferenceVariant.named(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
     # Accepted distances apply to the campaign as its file defines it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
     folder = out if out is not None and len(files) == 1 else None

@@ -136,14 +136,14 @@ def disagreements(
 
     Comparisons without the necessary signals or parameters are omitted.
     """
-    comparison = _Comparison(specification, run)
+    comparison = _RecordingComparison(specification, run)
     found = comparison.scales()
     if not any(each.is_impossible for each in found):
         found += comparison.delays()
-    return found + _Comparison(specification, run if braking is None else braking).forces()
+    return found + _RecordingComparison(specification, run if braking is None else braking).forces()
 
 
-class _Comparison:
+class _RecordingComparison:
     """The signals of a recording, and the parameters of the model for the comparisons."""
 
     def __init__(self, specification: Specification, recording: xarray.Dataset) -> None:

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
 from railgrip.base.errors import EstimationError
-from railgrip.estimation.spec import LowPass, Trust
+from railgrip.estimation.spec import LowPass, SensorDeviations
 from railgrip.estimators.belief import Array
 
 GRID = 1.0
@@ -37,7 +37,7 @@ FEWEST = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class ReconstructedTrack:
     """The reconstructed track, on an even grid of distance.
 
     Attributes:
@@ -68,7 +68,7 @@ class Course:
         return (horizontal[:, 0] - north) * np.cos(heading) + (horizontal[:, 1] - east) * np.sin(heading)
 
 
-def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPass) -> Course:
+def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPass) -> ReconstructedTrack:
     """Return the course of a track from positions along it.
 
     Args:
@@ -100,7 +100,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
         return np.unwrap(np.arctan2(east(s, nu=1), north(s, nu=1)))
 
     turn = (heading(before) - heading(behind) + np.pi) % (2.0 * np.pi) - np.pi
-    return Course(
+    return ReconstructedTrack(
         distance=grid,
         horizontal=np.column_stack([north(grid), east(grid)]),
         height=up(grid),
@@ -131,7 +131,7 @@ class Motion:
     distance: Array
     speed: Array
     scale: float
-    course: Course
+    course: ReconstructedTrack
 
 
 def motion_of(
@@ -141,7 +141,7 @@ def motion_of(
     accelerations: Array,
     horizontal: Array,
     height: Array,
-    trust: Trust,
+    trust: SensorDeviations,
     low_pass: LowPass,
 ) -> Motion:
     """Return motion and course from readings on one even grid.
@@ -176,7 +176,7 @@ def motion_of(
     )
 
 
-def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: Trust) -> Array:
+def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: SensorDeviations) -> Array:
     """Return smoothed states, shape (k, 5).
 
     Their covariance is not returned: the receiver's error is correlated, but the smoother assumes it to be white.

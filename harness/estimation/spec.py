@@ -51,7 +51,7 @@ from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
 from railgrip.scenario.file import located
 from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validated
 from railgrip.scenario.merge import nested, read_overrides
-from railgrip.scenario.quantity import Magnitude, NotNegative, Number, Unit, in_units
+from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
 from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, broken
 from railgrip.scenario.track.table import CurveLaw
 from railgrip.trace.samples import period_of
@@ -68,16 +68,18 @@ class LowPass(Table):
     base: Length = Field(description="Δs of the differences")
 
 
-class Trust(Table):
+class SensorDeviations(Table):
     """Standard deviations of the sensors of motion."""
 
-    speed: Annotated[float, Unit("m/s", above=0)] = Field(description="of the speed sensor")
-    scale: Annotated[float, Unit("1", above=0)] = Field(description="of its scale")
-    acceleration: Annotated[float, Unit("m/s**2", above=0)] = Field(description="of the mean of the accelerometers")
-    bias: Annotated[float, Unit("m/s**2", above=0)] = Field(description="of their bias and gradient at the start")
+    speed: Annotated[float, UnitRange("m/s", above=0)] = Field(description="of the speed sensor")
+    scale: Annotated[float, UnitRange("1", above=0)] = Field(description="of its scale")
+    acceleration: Annotated[float, UnitRange("m/s**2", above=0)] = Field(
+        description="of the mean of the accelerometers"
+    )
+    bias: Annotated[float, UnitRange("m/s**2", above=0)] = Field(description="of their bias and gradient at the start")
     drift: Positive = Field(description="of these, per √s [m/s2/√s]")
     jerk: Positive = Field(description="change of acceleration, per √s [m/s2/√s]")
-    position: Annotated[float, Unit("m", above=0)] = Field(description="of GNSS along the track")
+    position: Annotated[float, UnitRange("m", above=0)] = Field(description="of GNSS along the track")
 
 
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
@@ -87,7 +89,9 @@ long, shorter waves are noise of the receiver.
 The values are estimates, not fitted to any case.
 """
 
-TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
+SENSOR_DEVIATIONS = SensorDeviations(
+    speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3
+)
 """Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is a gradient that
 changes by 5 ‰ in 5 s, `jerk` a brake applied within a second."""
 
@@ -148,7 +152,7 @@ class CourseTable(Table):
     mass: Mass = Field(description="of the train")
     curve_law: CurveLaw = Field(description="formula of the resistance in curves")
     low_pass: LowPass = LOW_PASS
-    trust: Trust = TRUST
+    trust: SensorDeviations = SENSOR_DEVIATIONS
 
 
 class SourceTable(Table):

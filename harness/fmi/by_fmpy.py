@@ -49,7 +49,7 @@ class _Block:
         return [self._as_type(value) for value in np.rint(self.values).tolist()]
 
 
-class _ByFmpy(LoadedPlant):
+class _FmpyPlant(LoadedPlant):
     """Common base of the plants that are stepped through FMPy."""
 
     def _prepare(self, instance: Instance) -> None:
@@ -98,7 +98,7 @@ class _ByFmpy(LoadedPlant):
         """Hold the inputs over one period."""
 
 
-class SlaveOfFmi3(_ByFmpy):
+class SlaveOfFmi3(_FmpyPlant):
     """A co-simulation FMU 3.0 in this process, without event mode and early return: it handles events inside a step."""
 
     def _advance(self, instance: Instance, inputs: Vector) -> None:
@@ -112,7 +112,7 @@ class SlaveOfFmi3(_ByFmpy):
             raise PlantFailed(instance.failure("not_integrated", "fmi3DoStep", self.time, doing=doing))
 
 
-class IntegratedModel(_ByFmpy):
+class IntegratedModel(_FmpyPlant):
     """A Model Exchange FMU in this process, integrated by CVODE, with state, time and step events.
 
     A change of the inputs is an event: they are set in event mode, and CVODE restarts.

@@ -9,13 +9,13 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from railgrip.report import palette, style
-from railgrip.report.distribution import Distribution, Paired
+from railgrip.report.distribution import Distribution, PairedComparison
 
 _MOST_BINS = 60
 
 _JITTER = 0.26  # of the height of a row, to either side
 
-_Against = Callable[[Distribution], Paired | None]
+_Against = Callable[[Distribution], PairedComparison | None]
 
 
 def distribution_figure(distributions: Sequence[Distribution], *, of: str = "draw") -> Figure:
@@ -138,9 +138,9 @@ def _name(distribution: Distribution, of: str) -> str:
     )
 
 
-def _vs_sbc(distribution: Distribution) -> Paired | None:
+def _vs_sbc(distribution: Distribution) -> PairedComparison | None:
     return distribution.vs_sbc
 
 
-def _vs_tuned(distribution: Distribution) -> Paired | None:
+def _vs_tuned(distribution: Distribution) -> PairedComparison | None:
     return distribution.vs_tuned

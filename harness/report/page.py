@@ -21,7 +21,7 @@ from railgrip.base.files import write_json, write_text
 from railgrip.base.outputs import claim, discard, written
 from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.report.escape import as_html, as_markdown
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,10 +63,10 @@ class Page:
     figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
     plots: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Any])
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
-    tables: Mapping[str, Table] = field(default_factory=dict[str, Table])
+    tables: Mapping[str, ReportTable] = field(default_factory=dict[str, ReportTable])
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])
     files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Any])
-    screen: Sequence[Table | str] = ()
+    screen: Sequence[ReportTable | str] = ()
     exit_code: int = 0
 
     def write(self, folder: Path, formats: Sequence[str] = FORMATS[:1]) -> Path:
@@ -121,7 +121,7 @@ class Page:
             page=self,
             first=next(iter(plots), None),
             body=Markup(_html_of(body)),
-            origin=Table([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
+            origin=ReportTable([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
             plots=_packed(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1),
             plotly=_plotly(),
             script=Markup((_ROOT / "report/page.js").read_text(encoding="utf-8")),
@@ -209,7 +209,7 @@ def _html_value(value: Any) -> Any:
 
 
 def _markdown_value(value: Any) -> Any:
-    if isinstance(value, Table):
+    if isinstance(value, ReportTable):
         return value.with_texts(as_markdown)
     return as_markdown(value) if type(value) is str else value
 

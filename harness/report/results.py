@@ -13,7 +13,7 @@ from pydantic import Field, FiniteFloat, ValidationError, field_validator
 from railgrip.base.errors import RecordError
 from railgrip.base.records import inside, read_json, words_of
 from railgrip.scenario.campaign import DRAW
-from railgrip.scenario.conditioning import Repeated
+from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.table import Name, broken
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, read_stop
 from railgrip.trace.stored import Digest, Stored
@@ -26,7 +26,7 @@ class StoredPlan(Stored):
     variants: dict[str, str]
     scenario_digest: Digest
     paper_distance_m: Annotated[FiniteFloat, Field(gt=0)] | None = None
-    conditioning: Annotated[Repeated, Field(strict=False)] | None = None
+    conditioning: Annotated[RepeatedDistances, Field(strict=False)] | None = None
 
     @field_validator("variants")
     @classmethod
@@ -70,10 +70,10 @@ class Result:
     variants: Mapping[str, str]
     record: StopRecord
     paper_distance: float | None
-    conditioning: Repeated | None = None
+    conditioning: RepeatedDistances | None = None
 
     @property
-    def repeats_of_this_stop(self) -> Repeated | None:
+    def repeats_of_this_stop(self) -> RepeatedDistances | None:
         """Repeats, unless they belong to another scenario or another distance."""
         conditioning, record = self.conditioning, self.record
         return conditioning if conditioning and conditioning.belongs(record.digest, record.braking_distance) else None

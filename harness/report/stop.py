@@ -4,7 +4,7 @@ from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from railgrip.report.results import Result
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.trace import stop
 from railgrip.trace.metrics import Metrics, meanings
 from railgrip.trace.recorder import thinned
@@ -55,7 +55,7 @@ class Stop(stop.Stop):
         return f"<pre>{self!r}</pre><details><summary>Figures</summary>{figures.__html__()}</details>"
 
 
-def metrics_table(metrics: Metrics) -> Table:
+def metrics_table(metrics: Metrics) -> ReportTable:
     """Return the figures of a stop with units and definitions."""
     rows = [
         {
@@ -66,7 +66,7 @@ def metrics_table(metrics: Metrics) -> Table:
         }
         for name, (unit, meaning) in meanings().items()
     ]
-    return Table(rows, left=("figure", "value", "unit", "meaning"))
+    return ReportTable(rows, left=("figure", "value", "unit", "meaning"))
 
 
 def value_text(value: object) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.curve import Curve
+from railgrip.scenario.curve import FrictionCurve
 from railgrip.scenario.profile import (
     LONGEST_RAIL,
     Conditioning,
@@ -32,7 +32,7 @@ _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Profile:
+class FrictionTable:
     """Friction tabulated on an even grid, for a look-up that is fast enough for every sample.
 
     The nearest grid point is used: over time the grid is that of the samples, so the look-up is exact; over distance
@@ -67,7 +67,7 @@ class Profile:
         return np.clip(nearest, 0, len(self.mu0_at) - 1)
 
 
-def profile_of(scenario: Scenario, formation: Formation) -> Profile:
+def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
     """Return the friction profile of a scenario under each wheelset of a formation, up to its horizon.
 
     A profile over time reaches all wheelsets at once. One over distance is fixed to the rail: each wheelset reaches it
@@ -94,7 +94,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
         )
     mu0.flags.writeable = False
-    return Profile(
+    return FrictionTable(
         over_time=not scenario.runs_over_distance,
         step=step,
         mu0_at=mu0,
@@ -337,7 +337,7 @@ def _inside(patch: Patch, places: Array) -> Array:
     return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)
 
 
-def _from_curve(curve: Curve, places: Array) -> Array:
+def _from_curve(curve: FrictionCurve, places: Array) -> Array:
     columns = range(places.shape[1])
     last = curve.mu0.shape[1] - 1
     return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)

@@ -19,7 +19,7 @@ from railgrip.scenario.file import is_file, located
 from railgrip.scenario.load import Tables, read_scenario, read_toml, require_kind, validated
 from railgrip.scenario.merge import nested, read_overrides
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, Table, broken
 
@@ -37,15 +37,15 @@ These are all that keep samples, those with adhesion-based control, or no stops.
 """
 
 
-class Reference(Table):
+class PublishedDistance(Table):
     """A distance that another author published for some of the stops."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
-    distance: Annotated[float, Unit("m", above=0)] = Field(description="braking distance")
+    distance: Annotated[float, UnitRange("m", above=0)] = Field(description="braking distance")
     source: str = Field(description="who published it, and where")
 
 
-class Expected(Table):
+class ExpectedOutcome(Table):
     """The documented outcome of some of the stops, if it is not standstill."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
@@ -96,10 +96,10 @@ class CampaignFile(Table):
         max_length=1000,
         description="axis → variant or variants; a stop that matches all of one entry is left out",
     )
-    reference: tuple[Reference, ...] = Field(
+    reference: tuple[PublishedDistance, ...] = Field(
         default=(), max_length=1000, description="published distances of some of the stops"
     )
-    expected: tuple[Expected, ...] = Field(
+    expected: tuple[ExpectedOutcome, ...] = Field(
         default=(),
         max_length=1000,
         description="outcomes of stops that do not end with a standstill; of several that match, the first",
@@ -107,7 +107,7 @@ class CampaignFile(Table):
     conditioning: str | None = Field(
         default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
     )
-    permitted_distance: Annotated[float, Unit("m", above=0)] | None = Field(
+    permitted_distance: Annotated[float, UnitRange("m", above=0)] | None = Field(
         default=None, description="distance that a stop may take; the page says how often draws exceed it"
     )
     panels: Panels = Field(default="all", description="which stops get a page with their panels")
@@ -144,7 +144,7 @@ class Campaign:
     name: str
     description: str
     stops: tuple[PlannedStop, ...]
-    references: tuple[Reference, ...]
+    references: tuple[PublishedDistance, ...]
     panels: Panels = "all"
     conditioning: Path | None = None
     permitted_distance: float | None = None
@@ -153,7 +153,7 @@ class Campaign:
         """Return the same campaign with the stops that `keep` selects."""
         return replace(self, stops=tuple(filter(keep, self.stops)))
 
-    def reference_for(self, stop: PlannedStop) -> Reference | None:
+    def reference_for(self, stop: PlannedStop) -> PublishedDistance | None:
         """Return the first published distance for this stop, or None."""
         return next((reference for reference in self.references if _matches(reference.match, stop.variants)), None)
 
@@ -328,7 +328,9 @@ def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
         )
 
 
-def _with_expected(path: Path, entries: Sequence[Expected], stops: tuple[PlannedStop, ...]) -> tuple[PlannedStop, ...]:
+def _with_expected(
+    path: Path, entries: Sequence[ExpectedOutcome], stops: tuple[PlannedStop, ...]
+) -> tuple[PlannedStop, ...]:
     """Return stops with the outcome of the first matching entry; raise an error for an entry without a match."""
     idle = next((entry for entry in entries if not any(_matches(entry.match, stop.variants) for stop in stops)), None)
     if idle is not None:

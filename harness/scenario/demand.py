@@ -13,20 +13,22 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.curve import Columns, read_columns
+from railgrip.scenario.curve import TabulatedQuantity, read_columns
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.quantity import Number, Unit
+from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken, optional
 from railgrip.scenario.track.table import LARGEST_FORCE
 
-_PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
+_PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
 
 _Pressure = Annotated[float, _PRESSURE] | Literal["full"]
 
-Deceleration = Annotated[float, Unit("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")]
+Deceleration = Annotated[
+    float, UnitRange("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")
+]
 
 
-class Until(Table):
+class PhaseEnd(Table):
     """The condition that ends a phase: exactly one key."""
 
     time: Delay | None = optional("since the start")
@@ -55,9 +57,11 @@ class Until(Table):
 class Traction(Table):
     """A force that pushes the whole train, like the track force; it does not load the wheelsets."""
 
-    force: Annotated[float, Unit("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
-    power: Annotated[float, Unit("W", above=0, at_most=1e9)] | None = optional("most of it, where there is a limit")
-    rate: Annotated[float, Unit("N/s", above=0, at_most=1e9)] | None = optional(
+    force: Annotated[float, UnitRange("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
+    power: Annotated[float, UnitRange("W", above=0, at_most=1e9)] | None = optional(
+        "most of it, where there is a limit"
+    )
+    rate: Annotated[float, UnitRange("N/s", above=0, at_most=1e9)] | None = optional(
         "most that the force changes by, also after the end of the phase; at once where there is none"
     )
 
@@ -65,7 +69,7 @@ class Traction(Table):
 class StopAt(Table):
     """A driver who stops at a target on a braking curve of constant deceleration."""
 
-    distance: Annotated[float, Unit("m", above=0, at_most=1e5)] = Field(description="of the target from the start")
+    distance: Annotated[float, UnitRange("m", above=0, at_most=1e5)] = Field(description="of the target from the start")
     deceleration: Deceleration = Field(description="of the curve; before it there is no demand")
     full_deceleration: Deceleration = Field(description="that the driver expects of full brake")
 
@@ -88,7 +92,7 @@ class Phase(Table):
     )
     stop_at: StopAt | None = optional("in place of `pressure`")
     traction: Traction | None = optional("a force that pushes the train")
-    until: Until | None = optional("the last phase has none")
+    until: PhaseEnd | None = optional("the last phase has none")
 
     @field_validator("pressure", mode="before", json_schema_input_type=_Pressure | list[_Pressure])
     @classmethod
@@ -138,7 +142,7 @@ class Demand(Table):
         """Whether the driver stops at a target."""
         return any(phase.stop_at is not None for phase in self.phases)
 
-    def profile(self) -> Columns:
+    def profile(self) -> TabulatedQuantity:
         """Return the times [s] of the file and pressures [Pa], for all groups or for each.
 
         Raises:
@@ -156,7 +160,7 @@ _FAINTEST = 1e3
 
 
 @lru_cache(maxsize=1)
-def _read_profile(path: Path, digest: str) -> Columns:  # pyright: ignore[reportUnusedParameter]
+def _read_profile(path: Path, digest: str) -> TabulatedQuantity:  # pyright: ignore[reportUnusedParameter]
     """Return `Demand.profile` of a file; cached by its digest, since it is read for validation and for the stop."""
     return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
 

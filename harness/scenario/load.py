@@ -10,7 +10,7 @@ from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_text
 from railgrip.base.registry import shelf
 from railgrip.base.units import cut, place, short
-from railgrip.scenario.file import Elsewhere, is_file, located
+from railgrip.scenario.file import OtherFileString, is_file, located
 from railgrip.scenario.merge import merged, parsed, read_overrides, with_another_plant
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.validation import Layers, validated
@@ -126,7 +126,7 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
         )
     require_straight(path, chain, origin)
     base = _tables_in(path, (*chain, path))
-    below: dict[str, Any] = Elsewhere.within(base.table, base.directory)
+    below: dict[str, Any] = OtherFileString.within(base.table, base.directory)
     if isinstance(below.get("vehicle"), dict) and isinstance(keys.get("vehicle"), dict):
         below["vehicle"] = with_another_plant(below["vehicle"], keys["vehicle"])
     return Tables(origin=origin, directory=folder, table=merged(below, keys), layers=((origin, keys), *base.layers))
@@ -165,7 +165,7 @@ def _equipped(tables: Tables, file: Path) -> Tables:
         table.pop("vehicle", None)
     if tables.table.get("estimator", {"kind": "none"}) == {"kind": "none"} and "kind" not in table.get("estimator", {}):
         table.pop("estimator", None)
-    return tables.laid(file.name, Elsewhere.within(table, file.parent))
+    return tables.laid(file.name, OtherFileString.within(table, file.parent))
 
 
 def read_toml(path: Path) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import cut, short
-from railgrip.scenario.file import Elsewhere
+from railgrip.scenario.file import OtherFileString
 
 _DEEPEST = 12
 """Maximum depth of tables and lists; the deepest file of the library has five."""
@@ -161,7 +161,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
             _insert(tree, nested({key.strip(): _toml_value(value.strip())}))
         except ScenarioError as problem:
             raise ScenarioError(f"--set {cut(override)}: {problem}") from None
-    return Elsewhere.within(tree, Path.cwd())
+    return OtherFileString.within(tree, Path.cwd())
 
 
 def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:

@@ -5,10 +5,10 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from railgrip.base import registry
-from railgrip.scenario.curve import Curve, read_curve
+from railgrip.scenario.curve import FrictionCurve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.sanders import Sand
 from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken, not_in, optional
 
@@ -16,7 +16,9 @@ from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken
 class Conditioning(Table):
     """Each wheelset or group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
 
-    fraction: Annotated[float, Unit("1", at_least=0, below=1)] = Field(description="of the gap that each one closes")
+    fraction: Annotated[float, UnitRange("1", at_least=0, below=1)] = Field(
+        description="of the gap that each one closes"
+    )
     recovered: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
     by: Literal["group", "wheelset"] = Field(description="who cleans for the next")
 
@@ -29,10 +31,11 @@ class Recovery(Table):
     """
 
     mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
-    A: Annotated[float, Unit("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
-    B: Annotated[float, Unit("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
+    A: Annotated[float, UnitRange("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
+    B: Annotated[float, UnitRange("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
     rate: Annotated[
-        float, Unit("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel")
+        float,
+        UnitRange("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel"),
     ] = Field(description="τ, of the recovery over the energy of the slip of a wheel on a metre of rail")
 
 
@@ -71,10 +74,10 @@ class _Profile(Table):
         "creep curve that each wheelset meets outside of patches, in place of polach: the first may clean the rail",
         default=(),
     )
-    level: Annotated[float, Unit("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
+    level: Annotated[float, UnitRange("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
         default=1.0, description="factor on the first wheelset's friction"
     )
-    calibrated: dict[str, Annotated[float, Unit("1", above=0, at_most=100)]] = Field(
+    calibrated: dict[str, Annotated[float, UnitRange("1", above=0, at_most=100)]] = Field(
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
@@ -152,7 +155,7 @@ class Leaves(_Profile):
 
     kind: Literal["leaves"]
     mu0: Frictions = Field(description="maximum friction between patches, for the train or for each wheelset")
-    count: Annotated[float, Unit("1/m", above=0, at_most=1, because="patches are metres long")] = Field(
+    count: Annotated[float, UnitRange("1/m", above=0, at_most=1, because="patches are metres long")] = Field(
         description="mean number of patches that begin in a length of rail, as 8 1/km"
     )
     shortest: Length = Field(description="minimum length of a patch")
@@ -280,7 +283,7 @@ class Random(_Varying):
 
     kind: Literal["random"]
     mean: Friction = Field(description="of the maximum friction")
-    deviation: Annotated[float, Unit("1", at_least=0, below=1)] = Field(description="1σ of the maximum friction")
+    deviation: Annotated[float, UnitRange("1", at_least=0, below=1)] = Field(description="1σ of the maximum friction")
     correlation: Extent = Field(description="over which the autocorrelation falls to 1/e")
     minimum: Friction = Field(description="lower friction is cut off here")
     maximum: Friction = Field(description="higher friction is cut off here")
@@ -306,7 +309,7 @@ class Points(_Varying):
 
     kind: Literal["points"]
     points: tuple[tuple[Extent, Friction], ...] = Field(min_length=1, description="time or distance, and mu0 there")
-    scatter: Annotated[float, Unit("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
+    scatter: Annotated[float, UnitRange("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
     correlation: Extent | None = Field(default=None, description="of the scatter; wanted with it")
 
     @property
@@ -353,7 +356,7 @@ class FromTable(_Profile):
         return float(self.curve.mu0.min())
 
     @property
-    def curve(self) -> Curve:
+    def curve(self) -> FrictionCurve:
         """The content of the file."""
         try:
             return read_curve(self.file.path)

@@ -25,7 +25,7 @@ _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
 """Pattern of a number with its unit, for the schema that editors use."""
 
 
-class Unit:
+class UnitRange:
     """Annotation of a float field: its SI unit and range.
 
     `Annotated[float, Unit("m/s", above=0)]` accepts "80 km/h", which is converted after a check of its dimension, and

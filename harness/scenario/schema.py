@@ -34,7 +34,7 @@ from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
 from railgrip.scenario.table import Name, Seed, Table, broken, optional
 from railgrip.scenario.track.table import Track, steepest_fall
-from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
+from railgrip.scenario.vehicle import LibraryPlant, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the built-in plants, and the time between two samples [s].
@@ -164,7 +164,7 @@ class Scenario(Table):
     @property
     def plant_begin(self) -> float:
         """Time of the plant at the start of the stop [s]."""
-        has_valves = self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, OfOurParts)
+        has_valves = self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, LibraryPlant)
         return begin_off_the_samples(self.periods.communication) if has_valves else 0.0
 
     @property

@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 from railgrip.base.registry import not_one_of, shelf
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import (
     Length,
     MapEntry,
@@ -47,10 +47,10 @@ class FormationTable(Table):
         default=(),
         description="distance of each wheelset behind the leading one; wanted when adhesion is over distance",
     )
-    wheelset_load: tuple[Annotated[float, Unit("N", above=0, at_most=1e6)], ...] = Field(
+    wheelset_load: tuple[Annotated[float, UnitRange("N", above=0, at_most=1e6)], ...] = Field(
         default=(), description="static force of each wheelset on the rail"
     )
-    track_brakes: Annotated[float, Unit("N", at_least=0, at_most=1e7)] = optional(
+    track_brakes: Annotated[float, UnitRange("N", at_least=0, at_most=1e7)] = optional(
         "greatest force of brakes that act on the rail itself, magnetic or eddy current; train files say it",
         default=0.0,
     )
@@ -64,7 +64,7 @@ class FormationTable(Table):
 class Nudge(Table):
     """Random perturbation of every real parameter of the plant, which reveals the conditioning of a distance."""
 
-    relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
+    relative: Annotated[float, UnitRange("1", above=0, at_most=1e-2)] = Field(
         description="most that a parameter moves by, as a share of its value"
     )
     seed: Seed = Field(description="of what each parameter moves by")
@@ -77,7 +77,7 @@ def _is_class(entry: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Recipe:
+class RecipePlant:
     """A built-in plant, by the name of its FMU recipe."""
 
     name: str
@@ -112,11 +112,11 @@ class PythonClass:
     name: str
 
 
-OfOurParts = Recipe | TrainFile
+LibraryPlant = RecipePlant | TrainFile
 """Plants of the library RailBraking only: their physics, such as mass and creep law, is known."""
-CompiledHere = OfOurParts | LibraryClass
+ModelicaPlant = LibraryPlant | LibraryClass
 """Plants from Modelica: their code is trusted, and their parameters have the names of the library."""
-Source = CompiledHere | FmuFile | PythonClass
+Source = ModelicaPlant | FmuFile | PythonClass
 """Source of a plant."""
 
 
@@ -197,7 +197,7 @@ class Vehicle(Table):
         if isinstance(self.plant, NamedFile):
             return FmuFile(self.plant)
         assert self.plant is not None  # `_one_plant` rejects a table without a plant
-        return PythonClass(self.plant) if _is_class(self.plant) else Recipe(self.plant)
+        return PythonClass(self.plant) if _is_class(self.plant) else RecipePlant(self.plant)
 
 
 class Start(Table):

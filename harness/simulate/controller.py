@@ -13,12 +13,12 @@ from railgrip.controllers.train_level import pass_through, with_redistribution, 
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Description
+from railgrip.scenario.parts import BuiltInLaw as LawTable
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
-from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.simulate.files import description_of, units_of
 from railgrip.simulate.foreign_controller import foreign_controller
-from railgrip.simulate.loop.parts import Controller, LawStates
+from railgrip.simulate.loop.parts import LawStates, LoopController
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import of_law
@@ -30,7 +30,7 @@ def controlling(
     fmus: dict[str, Description],
     notify: Callable[[str], None],
     stack: ExitStack,
-) -> tuple[Controller, bool]:
+) -> tuple[LoopController, bool]:
     """Open the controller of a scenario; also return whether it commands the valves directly.
 
     The description of a controller FMU is added to `fmus`.
@@ -57,7 +57,7 @@ def controlling(
     return controller, commands_valves
 
 
-def controller_of(vehicle: VehicleData) -> Controller:
+def controller_of(vehicle: VehicleData) -> LoopController:
     """Return the control law of a scenario, wrapped in the decisions for the whole train.
 
     Raises:
@@ -130,7 +130,7 @@ def _law_named(kind: str) -> type[GroupLaw] | None:
     return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
 
 
-def law_states(controller: Controller) -> LawStates | None:
+def law_states(controller: LoopController) -> LawStates | None:
     """Return the states of a controller that are recorded in the trace, or None."""
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
         return None

@@ -17,7 +17,7 @@ from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.quantity import BOOLEAN
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import CompiledHere, FmuFile, LibraryClass, PythonClass, Recipe, TrainFile
+from railgrip.scenario.vehicle import FmuFile, LibraryClass, ModelicaPlant, PythonClass, RecipePlant, TrainFile
 from railgrip.vehicle.signals import CURVE
 
 
@@ -105,11 +105,11 @@ def plant_description(scenario: Scenario) -> Description:
     """
     has_several_curves = len(scenario.adhesion.curves) > 1
     match scenario.vehicle.source:
-        case Recipe(name) if name in shelf("trains"):
+        case RecipePlant(name) if name in shelf("trains"):
             raise ScenarioError(
                 f"{scenario.name}: [vehicle] plant '{name}' is a train file of this package; write train = '{name}'"
             )
-        case Recipe(name):
+        case RecipePlant(name):
             return description_of((_curved_file if has_several_curves else recipe_file)(name))
         case TrainFile(file):
             is_pneumatic = scenario.actuation.kind == "pneumatic"
@@ -143,7 +143,7 @@ def is_trusted(scenario: Scenario) -> bool:
     Modelica sources that a user names are compiled on this machine, by either compiler; only a prebuilt binary is code
     from elsewhere.
     """
-    return isinstance(scenario.vehicle.source, CompiledHere) or scenario.vehicle.trust
+    return isinstance(scenario.vehicle.source, ModelicaPlant) or scenario.vehicle.trust
 
 
 def parameters_of(description: Description) -> dict[str, float]:

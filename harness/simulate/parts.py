@@ -27,7 +27,7 @@ from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.loop.parts import Clock, Controller, Instruments, Parts, Plant, StateEstimator
+from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
 from railgrip.simulate.plant import fmu_plant, python_plant
 from railgrip.simulate.rail import doubts, driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
@@ -77,7 +77,7 @@ NO_CUSTOM_PARTS = CustomParts()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Assembled:
+class StopAssembly:
     """The opened parts of a stop.
 
     Attributes:
@@ -133,7 +133,7 @@ def assembled(
     notify: Callable[[str], None] = lambda sentence: None,
     objects: CustomParts = NO_CUSTOM_PARTS,
     capacity: int | None = None,
-) -> Generator[Assembled]:
+) -> Generator[StopAssembly]:
     """Open the parts of a scenario's stop; they are closed when the block ends.
 
     Args:
@@ -150,13 +150,13 @@ def assembled(
     fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, players = _clock(scenario), _Players(objects)
+    clock, user_objects = _clock(scenario), _UserObjects(objects)
     for doubt in doubts(scenario):
         notify(doubt)
     with shared_budget(), ExitStack() as stack:
-        plant = _plant(vehicle, players, stack, notify)
-        filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
-        if (law := players.part("controllers", scenario.controller, objects.controller)) is not None:
+        plant = _plant(vehicle, user_objects, stack, notify)
+        filter_, estimates = _estimator(vehicle, user_objects, fmus, stack, notify)
+        if (law := user_objects.part("controllers", scenario.controller, objects.controller)) is not None:
             controller, commands_valves = custom.CustomController(law, formation), False
         else:
             controller, commands_valves = controlling(vehicle, estimates, fmus, notify, stack)
@@ -172,7 +172,7 @@ def assembled(
             layout=layout,
             plant=plant,
             rail=rail_of(vehicle),
-            sensors=_sensors(vehicle, players, radius[0]),
+            sensors=_sensors(vehicle, user_objects, radius[0]),
             estimator=filter_,
             controller=controller,
             limits=limits if is_limited else None,
@@ -190,11 +190,11 @@ def assembled(
             stop_speed=scenario.limits.stop_speed,
             recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )
-        yield Assembled(vehicle=vehicle, parts=parts, fmus=fmus, classes=players.classes, limits=limits)
+        yield StopAssembly(vehicle=vehicle, parts=parts, fmus=fmus, classes=user_objects.classes, limits=limits)
 
 
 @dataclass(frozen=True, slots=True)
-class _Players:
+class _UserObjects:
     """The user-defined objects among the parts of a stop.
 
     Attributes:
@@ -209,9 +209,9 @@ class _Players:
         """Return the user-defined object for a part; None if the part is built-in."""
         if not isinstance(table, Custom):
             return None
-        player = part_of(table, role, self.objects.folders) if instance is None else instance
-        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
-        return player
+        user_object = part_of(table, role, self.objects.folders) if instance is None else instance
+        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(user_object, table.parameters)
+        return user_object
 
 
 def _clock(scenario: Scenario) -> Clock:
@@ -225,25 +225,27 @@ def _clock(scenario: Scenario) -> Clock:
     )
 
 
-def _plant(vehicle: VehicleData, players: _Players, stack: ExitStack, notify: Callable[[str], None]) -> Plant:
-    source, plant = vehicle.scenario.vehicle.source, players.objects.plant
+def _plant(
+    vehicle: VehicleData, user_objects: _UserObjects, stack: ExitStack, notify: Callable[[str], None]
+) -> LoopPlant:
+    source, plant = vehicle.scenario.vehicle.source, user_objects.objects.plant
     if not isinstance(source, PythonClass):
         return fmu_plant(vehicle, notify, stack)
     arguments = {key: value.entry for key, value in vehicle.scenario.vehicle.parameters.items()}
     table = Custom(kind=source.name, parameters=arguments) if plant is None else table_of(plant)
-    return python_plant(vehicle, players.part("plants", table, plant))
+    return python_plant(vehicle, user_objects.part("plants", table, plant))
 
 
 def _estimator(
     vehicle: VehicleData,
-    players: _Players,
+    user_objects: _UserObjects,
     fmus: dict[str, Description],
     stack: ExitStack,
     notify: Callable[[str], None],
 ) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
     """Return the estimator of a stop, and the names of its estimates; a prediction FMU is added to `fmus`."""
     scenario = vehicle.scenario
-    if (estimator := players.part("estimators", scenario.estimator, players.objects.estimator)) is not None:
+    if (estimator := user_objects.part("estimators", scenario.estimator, user_objects.objects.estimator)) is not None:
         custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
         return custom_estimator, frozenset(custom_estimator.provides)
     if isinstance(scenario.estimator, KalmanFilter):
@@ -252,10 +254,10 @@ def _estimator(
     return None, frozenset()
 
 
-def _sensors(vehicle: VehicleData, players: _Players, radius: float) -> Instruments:
+def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) -> Instruments:
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
-    if (instruments := players.part("sensors", scenario.sensors, players.objects.sensors)) is None:
+    if (instruments := user_objects.part("sensors", scenario.sensors, user_objects.objects.sensors)) is None:
         return scenario.sensors.opened(scenario, vehicle.layout, radius)
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
@@ -288,7 +290,7 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
         )
 
 
-def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
+def _require_estimates(scenario: Scenario, controller: LoopController, estimates: Collection[str]) -> None:
     """Raise an error for a law that needs quantities that are not estimated."""
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:

@@ -13,10 +13,10 @@ from railgrip.base.units import GRAVITY
 from railgrip.fmi import Binding, Description, Signal, bind, open_plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.table import STEEPEST
-from railgrip.scenario.vehicle import CompiledHere, Nudge, OfOurParts, Recipe, TrainFile
+from railgrip.scenario.vehicle import LibraryPlant, ModelicaPlant, Nudge, RecipePlant, TrainFile
 from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
-from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.readback import V_SMALL, probed, require_curve, require_radius
 from railgrip.simulate.trial import findings, on_both_rails
 from railgrip.simulate.vehicle import VehicleData
@@ -87,12 +87,12 @@ def binding_of(vehicle: VehicleData) -> Binding:
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
     """Return the parameters of the plant's FMU that the scenario sets, in its names and units, before any nudge."""
     scenario, variables = vehicle.scenario, vehicle.file.variables
-    surface, is_recipe = scenario.adhesion.polach.plant_parameters(), isinstance(scenario.vehicle.source, Recipe)
+    surface, is_recipe = scenario.adhesion.polach.plant_parameters(), isinstance(scenario.vehicle.source, RecipePlant)
     shape = {name: value for name, value in surface.items() if is_recipe or name in variables}
     return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
 
 
-def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
+def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> LoopPlant:
     """Open the plant FMU of a scenario; a foreign one makes two short runs first.
 
     Raises:
@@ -115,14 +115,14 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         limits=scenario.limits.fmu,
     )
     # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
-    if not isinstance(source, OfOurParts) or (isinstance(source, TrainFile) and table.map):
+    if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.
         with suppress(PlantFailed):
             quiet = partial(opening, notify=lambda sentence: None)
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
     key = (description.digest, scenario.actuation.kind, *values.items(), *vehicle.curves[0])
     if (
-        isinstance(source, CompiledHere)
+        isinstance(source, ModelicaPlant)
         and not {"slip", "adhesion"} & set(binding.outputs.absent)
         and key not in _read_back
     ):
@@ -136,7 +136,7 @@ _read_back: set[tuple[object, ...]] = set()
 """FMUs with the parameters for which the read-back has been done in this process."""
 
 
-def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters: Mapping[str, float]) -> None:
+def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, parameters: Mapping[str, float]) -> None:
     """Compare wheel radius and creep curve of a plant's contacts with its parameters.
 
     The contact law of a user's class may differ, so its curve is not compared.
@@ -155,7 +155,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
     if len(known) < groups:
         return
     require_radius(file, layout, rows, known, parameters.get("v_small", V_SMALL))
-    if isinstance(scenario.vehicle.source, OfOurParts):
+    if isinstance(scenario.vehicle.source, LibraryPlant):
         # A wheel on a roller contacts it like a smaller wheel on a rail: their curvatures add.
         bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
         contacts = tuple(
@@ -164,7 +164,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
         require_curve(file, layout, rows, contacts, curve)
 
 
-def python_plant(vehicle: VehicleData, part: custom.Plant) -> Plant:
+def python_plant(vehicle: VehicleData, part: custom.Plant) -> LoopPlant:
     """Return a plant in Python, after two short runs of it.
 
     Raises:
@@ -215,7 +215,7 @@ def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) 
     return nudges
 
 
-def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[Plant]]) -> None:
+def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[LoopPlant]]) -> None:
     """Raise an error for a foreign plant that contradicts physics in short runs, on a good rail and on a poor one."""
     scenario, brakes = vehicle.scenario, vehicle.nominal.formation.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)

@@ -12,7 +12,7 @@ from railgrip.fmi import Binding
 from railgrip.fmus.native.ctext import number
 from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import CompiledHere
+from railgrip.scenario.vehicle import ModelicaPlant
 from railgrip.simulate.plant import binding_of, nudged, values_of
 from railgrip.simulate.rail import rail_of
 from railgrip.simulate.vehicle import VehicleData
@@ -29,7 +29,7 @@ def plant_fmu(scenario: Scenario) -> Source:
     """
     vehicle = VehicleData(scenario)
     file = vehicle.file.file
-    if not isinstance(scenario.vehicle.source, CompiledHere):
+    if not isinstance(scenario.vehicle.source, ModelicaPlant):
         raise ScenarioError(
             f"{scenario.name}: the plant {file.name} is not compiled from Modelica here and cannot be exported with "
             "other parameters; use it as it is and set them there"

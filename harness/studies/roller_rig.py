@@ -28,7 +28,7 @@ from railgrip.estimators.observability import along
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, extreme, mean
 from railgrip.report.page import Page
-from railgrip.report.table import Form, Table, yes_no
+from railgrip.report.table import Form, ReportTable, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
@@ -218,9 +218,9 @@ def encoded(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.f
     return speed
 
 
-def fit_table(rows: Sequence[Row]) -> Table:
+def fit_table(rows: Sequence[Row]) -> ReportTable:
     """Return the errors of adhesion outside protection events at each period with each encoder."""
-    return Table(
+    return ReportTable(
         [
             {"test": row["scenario"], "period": f"{1e3 * row['period']:g} ms"}
             | {name: f"{row[name]:.4f}, kept {row[f'{name}, kept']}" for name in ENCODERS}
@@ -288,7 +288,7 @@ class RollerRig(Study):
             template="studies/roller_rig.md.jinja",
             values=tables,
             figures={FIRST: figures[FIRST], **charts, **errors_of_tests},
-            tables={"scores.csv": Table(rows), "sensitivity.csv": Table(sensitivity)},
+            tables={"scores.csv": ReportTable(rows), "sensitivity.csv": ReportTable(sensitivity)},
             screen=(
                 tables["published"],
                 scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")),
@@ -331,9 +331,9 @@ def _rows(
     ]
 
 
-def table_of(rows: Sequence[Row], **first: str) -> Table:
+def table_of(rows: Sequence[Row], **first: str) -> ReportTable:
     """Return rows for readers, after the given columns: title → column of the files."""
-    return Table(
+    return ReportTable(
         [{title: row[name] for title, name in (first | _COLUMNS).items()} for row in rows],
         _FORMS,
         left=("scenario", "filter", "kept"),

@@ -15,7 +15,7 @@ from typing import Any
 import xarray
 from pydantic import ValidationError
 
-from railgrip.base.errors import RecordError, Unwritten
+from railgrip.base.errors import RecordError, WriteFailed
 from railgrip.base.files import finite, write_json
 from railgrip.base.outputs import claim, discard, require_free
 from railgrip.base.records import LARGEST_TRACE, read_bounded, read_json, words_of
@@ -243,7 +243,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
 
     Raises:
         RecordError: The folder is that of a campaign, or files of the user are in the way.
-        Unwritten: The disk is full, or may not be written.
+        WriteFailed: The disk is full, or may not be written.
     """
     require_place(directory)
     claim(directory, *FILES)
@@ -267,7 +267,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
         if keep_trace:
             write_trace(thinned(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
-    except Unwritten:
+    except WriteFailed:
         _write_content(content, directory)
         raise
     _write_content(content, directory)

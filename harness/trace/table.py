@@ -23,10 +23,10 @@ from pydantic import Field, StrictBool, model_validator
 from railgrip.base import units
 from railgrip.base.errors import UnitError
 from railgrip.base.units import conversion, quantity, turning_of, unit
-from railgrip.scenario.quantity import Magnitude, Number, Unit
+from railgrip.scenario.quantity import Magnitude, Number, UnitRange
 from railgrip.scenario.table import Period, Table, broken
 
-Time = Annotated[float, Unit("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
+Time = Annotated[float, UnitRange("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
 
 
 class TimeColumn(Table):
@@ -118,8 +118,8 @@ class DataTable(Table):
     spike: Annotated[float, Field(gt=2.0, allow_inf_nan=False)] = Field(
         description="deviations from its neighbours that make a sample an outlier"
     )
-    begin: Annotated[float, Unit("s")] | None = Field(default=None, description="cut, on the file's own axis")
-    end: Annotated[float, Unit("s")] | None = Field(default=None, description="likewise")
+    begin: Annotated[float, UnitRange("s")] | None = Field(default=None, description="cut, on the file's own axis")
+    end: Annotated[float, UnitRange("s")] | None = Field(default=None, description="likewise")
     separator: Annotated[str, Field(min_length=1, max_length=1)] | None = Field(
         default=None, description="of a csv file; found unless given"
     )

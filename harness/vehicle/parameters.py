@@ -49,7 +49,7 @@ _MASS = "m_wheelset"
 
 
 @dataclass(frozen=True, eq=False)
-class Vehicle:
+class VehicleParameters:
     """A vehicle by its parameters: nominal, as controller and estimator assume it, or true, as it runs.
 
     Attributes:

@@ -12,7 +12,7 @@ from railgrip.base.units import conversion, unit
 from railgrip.fmi import Description, Signal, bind, describe
 from railgrip.fmi.description import Variable
 from railgrip.fmi.draft import arrays_of, drafted
-from railgrip.simulate.mapped import Draft, Entry, _corrected, mapped
+from railgrip.simulate.mapped import MappingDraft, SignalMapping, _corrected, mapped
 from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, tried
 from railgrip.simulate.vehicle import catalogue_brakes
 from railgrip.vehicle.formation import Formation
@@ -146,9 +146,9 @@ class Train:
         return row
 
 
-def corrected(factors) -> Draft:
+def corrected(factors) -> MappingDraft:
     table = {
-        name: Entry(Signal(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
+        name: SignalMapping(Signal(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
         for name, own in UNITS.items()
     }
 
@@ -158,7 +158,7 @@ def corrected(factors) -> Draft:
             for friction in (GOOD_RAIL, POOR_RAIL)
         )
 
-    return _corrected(Draft(table=table, missing=(), formation=FORMATION), run, START)
+    return _corrected(MappingDraft(table=table, missing=(), formation=FORMATION), run, START)
 
 
 KMH, BAR, KPA, RPM = 3.6, 1e-5, 1e-3, 30 / np.pi
@@ -199,10 +199,13 @@ def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(fac
 
 def test_a_unit_is_stated_where_the_fmu_has_none_and_scaled_where_it_has():
     signal = Signal(name="speed", unit="m/s", size=0, needed=True)
-    assert Entry(signal, "v", 1.0, "m/s").scaled(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
-    assert Entry(signal, "v", 1.0, "").scaled(1 / 3.6).plain == {"variable": "v", "scale": pytest.approx(1 / 3.6)}
-    assert Entry(signal, "v", 1.0, "").scaled(-1.0).plain == "-v"
-    assert Entry(signal, ("a", "b"), -1.0, "").plain == ["-a", "-b"]
+    assert SignalMapping(signal, "v", 1.0, "m/s").scaled(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
+    assert SignalMapping(signal, "v", 1.0, "").scaled(1 / 3.6).plain == {
+        "variable": "v",
+        "scale": pytest.approx(1 / 3.6),
+    }
+    assert SignalMapping(signal, "v", 1.0, "").scaled(-1.0).plain == "-v"
+    assert SignalMapping(signal, ("a", "b"), -1.0, "").plain == ["-a", "-b"]
 
 
 def test_the_printed_tables_are_toml_that_binds(foundry: Path):

@@ -42,7 +42,7 @@ class _SensorFault(Fault):
             yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **samples)
 
 
-class Silent(_SensorFault):
+class SilentSensor(_SensorFault):
     """The sensor delivers no new reading, repeats its last one, or reads zero."""
 
     kind: Literal["dead", "stuck", "zero"]
@@ -52,7 +52,7 @@ class Silent(_SensorFault):
         return self._of_reading(site, "scaled" if self.kind == "zero" else self.kind)
 
 
-class Wrong(_SensorFault):
+class DistortedReading(_SensorFault):
     """The reading is scaled, offset, or noisy, with white noise at 1 ms."""
 
     kind: Literal["scaled", "biased", "noisy"]

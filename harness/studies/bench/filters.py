@@ -8,7 +8,7 @@ import numpy as np
 from railgrip.estimation.braking import braking_of
 from railgrip.estimation.run import by_name, prediction_of
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
-from railgrip.estimators.belief import Estimate, Vector
+from railgrip.estimators.belief import GaussianEstimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
@@ -50,7 +50,7 @@ def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
 
 
 def in_place(
-    filter_: CompiledFilter, first: Estimate, inputs: Vector, readings: Vector, *, count: int, rounds: int = 9
+    filter_: CompiledFilter, first: GaussianEstimate, inputs: Vector, readings: Vector, *, count: int, rounds: int = 9
 ) -> float:
     """Return the time of a compiled filter's step in place, as the loop uses it [µs]."""
     filter_.hold(first)

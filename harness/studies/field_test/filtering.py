@@ -20,7 +20,7 @@ from railgrip.estimation.spec import (
     prediction_for,
     settings_for,
 )
-from railgrip.estimators.belief import Array, Estimate
+from railgrip.estimators.belief import Array, GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
@@ -178,7 +178,7 @@ def follow(task: FilterTask, filter_: CompiledFilter, noise: Noise, start_scale:
         FilterDiverged: The filter did.
     """
     filter_.retune(noise.process, noise.readings)
-    start = Estimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
+    start = GaussianEstimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
     return filter_.follow(start, task.data.inputs, task.data.readings)
 
 

@@ -15,7 +15,7 @@ from railgrip.estimators.belief import Array
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
 from railgrip.vehicle.brake import BRAKE, pad_force
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.parameters import Vehicle
+from railgrip.vehicle.parameters import VehicleParameters
 from railgrip.vehicle.resistance import air_resistance, rolling_resistance
 
 PARTS = 4
@@ -64,7 +64,7 @@ class QuasiStaticBrake:
                 np.array([parameters[f"{name}[{g + 1}]"] for g in range(formation.groups)])
                 for name in ("mu_b_nominal", "mu_b_start", "T_disc_start")
             )
-            vehicle = Vehicle(formation, parameters)
+            vehicle = VehicleParameters(formation, parameters)
             brakes, self._wheelset_mass = vehicle.formation.brakes, vehicle.masses
             self._brake = {name: np.array([getattr(brake, name) for brake in brakes]) for name in BRAKE}
         except KeyError as problem:

@@ -11,7 +11,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
 from railgrip.scenario.load import load, read_toml, validated
 from railgrip.scenario.merge import merged, read_overrides
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Name, Seed, Speed, Table, broken
 
@@ -95,7 +95,7 @@ Dispersion = Annotated[Normal | Uniform, Field(discriminator="kind")]
 class CommonCause(Table):
     """Failures that several components have at once, by the beta-factor model of IEC 61508-6, annex D."""
 
-    beta: Annotated[float, Unit("1", at_least=0, at_most=0.5)] = Field(
+    beta: Annotated[float, UnitRange("1", at_least=0, at_most=0.5)] = Field(
         description="share of a component's failures that all components of its set have at once"
     )
     source: Annotated[str, Field(min_length=3)]
@@ -104,8 +104,8 @@ class CommonCause(Table):
 class ComponentFailure(Table):
     """How likely one component has failed when the train brakes, how uncertain that is, and what fails with it."""
 
-    probability: Annotated[float, Unit("1", at_least=0, at_most=0.1)]
-    error_factor: Annotated[float, Unit("1", at_least=1, at_most=100)] = Field(
+    probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)]
+    error_factor: Annotated[float, UnitRange("1", at_least=1, at_most=100)] = Field(
         description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
     )
     source: Annotated[str, Field(min_length=3)]
@@ -137,7 +137,9 @@ class Effort(Table):
 class LoopEffort(Effort):
     """Subset simulation with the controller in the loop."""
 
-    probability: Annotated[float, Unit("1", at_least=1e-9, at_most=0.1)] = Field(description="of a lower deceleration")
+    probability: Annotated[float, UnitRange("1", at_least=1e-9, at_most=0.1)] = Field(
+        description="of a lower deceleration"
+    )
 
 
 class KFactorSpecification(Table):

@@ -17,7 +17,7 @@ from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.run import braking_distance
@@ -104,7 +104,7 @@ class KFactors(Study):
 STUDY = KFactors
 
 
-def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
+def table(brake: QuasiStaticBrake, result: QuasiStatic) -> ReportTable:
     """Return one row for each EBCL: probability, and for each output K, its interval of sampling, and that of rates."""
     of_outputs = list(zip(result.k, result.k_of_rates, strict=True))
     rows = [
@@ -115,10 +115,10 @@ def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
         ]
         for level, probability in enumerate(PROBABILITIES)
     ]
-    return Table.of(("EBCL", "P", *brake.outputs), rows, left=0)
+    return ReportTable.of(("EBCL", "P", *brake.outputs), rows, left=0)
 
 
-def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
+def assumptions(specification: KFactorSpecification) -> dict[str, ReportTable]:
     """Return the dispersions and failures, each value with its source: tables `dispersion` and `failures`."""
     dispersion = [
         (one.quantity.replace("_", " "), one.per, f"{one.kind}, {_extent(one)}", one.source)
@@ -130,8 +130,8 @@ def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
         for name, one in specification.failures
     ]  # fmt: skip
     return {
-        "dispersion": Table.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
-        "failures": Table(
+        "dispersion": ReportTable.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
+        "failures": ReportTable(
             [
                 dict(zip(("component", "probability", "error factor", "source", "β", "source of β"), row, strict=True))
                 for row in failures

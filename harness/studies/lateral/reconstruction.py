@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgrip.estimation.run import prediction_of
 from railgrip.estimators.belief import Array
 from railgrip.estimators.observability import along
-from railgrip.report.table import Table, whole_percent
+from railgrip.report.table import ReportTable, whole_percent
 from railgrip.studies.lateral.judge import WINDOW
 from railgrip.studies.lateral.run import CLASSES, EVERY, PAPER_NOISE, LateralCase, Trace, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
@@ -92,7 +92,7 @@ def information_of(trace: Trace) -> Information:
     )
 
 
-def observed(runs: Sequence[Information]) -> Table:
+def observed(runs: Sequence[Information]) -> ReportTable:
     """Return, by condition, how far a short window of readings determines each hidden state, over its size."""
     rows: list[dict[str, Any]] = []
     for number, condition in enumerate(CONDITIONS):
@@ -109,14 +109,14 @@ def observed(runs: Sequence[Information]) -> Table:
                 for name, a, b in zip(("creep", "friction", "force"), middle, most, strict=True)
             }
         )
-    return Table(rows, {"all five determined": whole_percent}, ("condition",))
+    return ReportTable(rows, {"all five determined": whole_percent}, ("condition",))
 
 
-def refused(runs: Sequence[Information]) -> Table:
+def refused(runs: Sequence[Information]) -> ReportTable:
     """Return what a change of the surface moves beside what the process noise of the paper lets move."""
     jump = np.median([run.jump for run in runs], axis=0)
     allowed, long = runs[0].allowed, np.median(np.concatenate([run.long for run in runs]), axis=0)
-    return Table(
+    return ReportTable(
         [
             {
                 "state": name,

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import Kind, prediction_of
-from railgrip.estimators.belief import Array, Estimate, Vector, seal
+from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.studies.lateral.wheelset import (
@@ -94,7 +94,7 @@ def paper_density(condition: Condition) -> Vector:
 
 def observer(
     name: Name, first: Condition, sensors: tuple[float, float] = PAPER_SENSORS, kind: Kind = "fmu"
-) -> tuple[CompiledFilter, Estimate]:
+) -> tuple[CompiledFilter, GaussianEstimate]:
     """Return a filter, compiled, with the readings as outputs, and its belief at the start.
 
     Args:
@@ -195,7 +195,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     """
     variant = PLANTS[case.plant]
     realisation = course(case.test, case.seed, variant)
-    observers: dict[Name, tuple[CompiledFilter, Estimate]] = {
+    observers: dict[Name, tuple[CompiledFilter, GaussianEstimate]] = {
         name: observer(name, realisation.conditions[0], variant.sensors, case.prediction) for name in names
     }
     begin = time.perf_counter()
@@ -238,7 +238,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
 
 
 def _followed(
-    name: Name, filter_: CompiledFilter, first_belief: Estimate, table: Mapping[str, Array], readings: Array,
+    name: Name, filter_: CompiledFilter, first_belief: GaussianEstimate, table: Mapping[str, Array], readings: Array,
     realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip
     """Return the beliefs of a filter given the readings, segment by segment of one condition."""

@@ -34,10 +34,10 @@ from railgrip.studies.lateral.tables import (
     innovation_table,
     levels,
     longitudinal,
+    median_interval,
     observability_table,
     skill,
     spikes,
-    spread,
     typical,
     typical_table,
 )
@@ -147,7 +147,7 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
         template="studies/lateral/lateral.md.jinja",
         values={
             "seeds": plan.seeds,
-            "confidence": f"{100 * spread([0.0] * plan.seeds).confidence:.0f} %",
+            "confidence": f"{100 * median_interval([0.0] * plan.seeds).confidence:.0f} %",
             "friction_tolerance": FRICTION_TOLERANCE,
             "share_tolerance": f"{100 * SHARE_TOLERANCE:.0f} %",
             "window": WINDOW,

@@ -9,7 +9,7 @@ import numpy as np
 from railgrip.base.registry import shelf
 from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.merge import merged
 from railgrip.scenario.schema import Scenario
@@ -79,7 +79,7 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
     return Scenario.model_validate(merged(scenario.resolved(), changes))
 
 
-def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
+def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
     """Return the distances of `guards`, those of variants as differences from the law with all guards [m]."""
     whole = found[next(iter(GUARDS))]
     rows = [
@@ -88,7 +88,7 @@ def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
         for variant, distances in found.items()
     ]  # fmt: skip
     columns = [f"{equipment}: {name.replace('_', ' ')}" for equipment in _EQUIPMENT for name in SCENARIOS]
-    return Table.of(("law as printed", *columns), rows)
+    return ReportTable.of(("law as printed", *columns), rows)
 
 
 _LIMITED: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")
@@ -133,7 +133,7 @@ def excess(scenario: Scenario) -> dict[str, float]:
     }
 
 
-def limit_table(found: list[dict[str, Any]]) -> Table:
+def limit_table(found: list[dict[str, Any]]) -> ReportTable:
     """Return the stops of `excesses` whose adhesion exceeds the limit."""
     forms = {
         "greatest adhesion": "{:.3f}", "estimated then": "{:.3f}", "for brake and bearings": "{:.3f}",
@@ -149,4 +149,4 @@ def limit_table(found: list[dict[str, Any]]) -> Table:
         for each in found
         if each["peak"] > LIMIT
     ]  # fmt: skip
-    return Table(rows, forms, left=("law", "equipment", "rail"))
+    return ReportTable(rows, forms, left=("law", "equipment", "rail"))

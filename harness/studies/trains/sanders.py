@@ -14,7 +14,7 @@ from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import Friction, Speed, Table, broken
 from railgrip.simulate.run import braking_distance
@@ -24,8 +24,8 @@ _FRICTION = 0.02  # of the untreated rail in the trial
 _HORIZON = 200.0  # s
 _CLOSE = 0.005  # of the density, relative: some metres
 
-Metres = Annotated[float, Unit("m", above=0, at_most=1e5)]
-Density = Annotated[float, Unit("kg/m", above=0, at_most=1)]
+Metres = Annotated[float, UnitRange("m", above=0, at_most=1e5)]
+Density = Annotated[float, UnitRange("kg/m", above=0, at_most=1)]
 
 
 class SanderDistance(Table):
@@ -41,7 +41,7 @@ class SandLaw(Table):
     """What is assumed of sand, and between what the density is looked for."""
 
     mu0: Friction
-    left: Annotated[float, Unit("1", at_least=0, at_most=1)]
+    left: Annotated[float, UnitRange("1", at_least=0, at_most=1)]
     density: tuple[Density, Density]
 
 
@@ -49,7 +49,7 @@ class SanderTrial(Table):
     """A trial of sanders, `library/sanders.toml`."""
 
     speed: Speed
-    demanded: Annotated[float, Unit("m/s2", above=0, at_most=5)]
+    demanded: Annotated[float, UnitRange("m/s2", above=0, at_most=5)]
     train: str
     fitted: str
     source: str

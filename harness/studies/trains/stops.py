@@ -24,7 +24,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.loop.loop import Ending
-from railgrip.simulate.parts import Assembled, assembled
+from railgrip.simulate.parts import StopAssembly, assembled
 from railgrip.studies.bench.fmi import plant_step
 
 LIBRARY = Path(__file__).parent / "library"
@@ -153,7 +153,7 @@ def protected_stop(estimator_period: float) -> dict[str, float]:
     }
 
 
-def _timed(scenario: Scenario, subject: str) -> tuple[float, Ending, Assembled]:
+def _timed(scenario: Scenario, subject: str) -> tuple[float, Ending, StopAssembly]:
     """Return the time of the processor for a stop [s], its result, and the parts that were run.
 
     Raises:

@@ -15,7 +15,7 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.file import Elsewhere
+from railgrip.scenario.file import OtherFileString
 from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validated
 from railgrip.scenario.merge import merged
 from railgrip.scenario.table import Table
@@ -113,7 +113,7 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
 def _read(path: Path) -> dict[str, Any]:
     """Return the tables of a scenario; its files are found from any folder."""
     tables = read_scenario(path)
-    return Elsewhere.within(tables.table, tables.directory.resolve())
+    return OtherFileString.within(tables.table, tables.directory.resolve())
 
 
 def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
