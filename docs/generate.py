@@ -31,7 +31,7 @@ from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import ONE_OR_EACH
 from railgrip.simulate.contact import compiled_contact
-from railgrip.simulate.files import lowered
+from railgrip.simulate.files import compile_class
 from railgrip.trace.metrics import meanings
 from railgrip.vehicle import signals
 
@@ -379,7 +379,7 @@ def creep_curves() -> Iterator[tuple[str, str, Mapping[str, float], np.ndarray]]
     for name, path in registry.files(registry.CREEP_CURVES).items():
         curve = Polach.model_validate(name)
         shape = curve.plant_parameters()
-        contact = compiled_contact(lowered("RailBraking.FMUs.ContactPoint"), {}, shape)
+        contact = compiled_contact(compile_class("RailBraking.FMUs.ContactPoint"), {}, shape)
         adhesion = contact(SLIPS, np.full_like(SLIPS, SPEED), np.full_like(SLIPS, LOAD), np.full_like(SLIPS, MU0))
         yield name, tomllib.loads(path.read_text(encoding="utf-8"))["source"], shape, adhesion / MU0
 

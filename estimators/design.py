@@ -134,7 +134,7 @@ class FilterDesign:
             states=states,
             inputs=inputs,
             outputs=outputs,
-            spread=_spread(process_noise, states, period),
+            spread=_process_noise(process_noise, states, period),
             reading_noise=reading,
             period=period,
             gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
@@ -151,7 +151,7 @@ class FilterDesign:
             EstimatorError: They do not fit.
         """
         reading = self.reading_noise if reading_noise is None else _reading_covariance(reading_noise, self.outputs)
-        return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
+        return replace(self, spread=_process_noise(process_noise, self.states, self.period), reading_noise=reading)
 
     def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return the belief before the first step.
@@ -200,7 +200,7 @@ def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> M
     return reading
 
 
-def _spread(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
+def _process_noise(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
     """Return the process noise that one period adds."""
     matrix = noise_matrix("process_noise", density, states)
     if np.min(np.linalg.eigvalsh(matrix)) < -1e-12 * np.max(np.abs(matrix), initial=0.0):

@@ -286,7 +286,7 @@ def _wheels(
     """Return the signals of one group."""
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
-    slip = _corrected(draft, group, pads_off, period)
+    slip = _correct_slip(draft, group, pads_off, period)
 
     def filtered(name: str, sample: Expression) -> tuple[Expression, Expression]:
         """Return the filtered value before and now."""
@@ -412,7 +412,9 @@ def _targets(
     return targets
 
 
-def _corrected(draft: FormulaBuilder, group: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
+def _correct_slip(
+    draft: FormulaBuilder, group: GroupObservation, pads_off: Expression, period: Expression
+) -> Expression:
     """Return the slip less what the wheel showed when it surely rolled.
 
     That is so before it has been braked, and again when its pads have been off for long and it draws no adhesion: a

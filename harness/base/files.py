@@ -187,7 +187,7 @@ def scratch(purpose: Purpose) -> Generator[Path]:
         ) from problem
     try:
         # The marker is written under the lock: a marked folder without a lock belongs to a dead process.
-        with locked(folder):
+        with lock_folder(folder):
             (folder / _MARK).touch()
             yield folder
     finally:
@@ -196,7 +196,7 @@ def scratch(purpose: Purpose) -> Generator[Path]:
 
 
 @contextmanager
-def locked(folder: Path) -> Generator[bool]:
+def lock_folder(folder: Path) -> Generator[bool]:
     """Hold the lock of a folder, which the system releases when this process ends; yield whether it was free."""
     if os.name != "posix":
         yield False  # such locks exist on POSIX only; on other systems no folder is removed
@@ -225,6 +225,6 @@ def _remove_stale(temporary: Path) -> None:
             mark = (folder / _MARK).lstat()
             is_marked = stat.S_ISREG(mark.st_mode) and {mark.st_uid, folder.lstat().st_uid} == {os.geteuid()}
             if is_marked:
-                with locked(folder) as free:
+                with lock_folder(folder) as free:
                     if free:
                         shutil.rmtree(folder, ignore_errors=True)

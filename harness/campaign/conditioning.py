@@ -134,7 +134,7 @@ def with_divided_steps(
         else:
             seeds = range(1, 1 + (1 if repeated.is_smooth else count))
             cases += [
-                (stop.name, divisor, _divided(stop.scenario, divisor, Nudge(relative=before.relative, seed=seed)))
+                (stop.name, divisor, _divide_step(stop.scenario, divisor, Nudge(relative=before.relative, seed=seed)))
                 for divisor in DIVISORS
                 for seed in seeds
             ]
@@ -148,7 +148,7 @@ def with_divided_steps(
     }, without
 
 
-def _divided(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
+def _divide_step(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
     periods = scenario.periods.model_copy(update={"communication": scenario.periods.communication / divisor})
     vehicle = scenario.vehicle.model_copy(update={"nudge": nudge})
     return scenario.model_copy(update={"periods": periods, "vehicle": vehicle})

@@ -148,7 +148,7 @@ def conditioning(
     selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
-    others = {} if stops == "*" else _repeated_before(loaded.conditioning, relative)
+    others = {} if stops == "*" else _previous_repeats(loaded.conditioning, relative)
     repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
     directory = out / loaded.name
     problem = run_campaigns(
@@ -199,7 +199,7 @@ def discretisation(
     say(str(loaded.conditioning))
 
 
-def _repeated_before(path: Path, relative: float) -> dict[str, RepeatedDistances]:
+def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistances]:
     before = read_conditioning(path)
     if before.relative != relative:
         raise ScenarioError(

@@ -19,7 +19,7 @@ from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.plausible import strange_estimates, strange_signals
+from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
@@ -31,7 +31,7 @@ from railgrip.estimation.spec import (
     prediction_for,
 )
 from railgrip.report.console import complain, progress, remark, say, show_table
-from railgrip.report.estimation import estimated, information
+from railgrip.report.estimation import information, write_estimates_figure
 from railgrip.report.table import Form, ReportTable, share
 from railgrip.trace.samples import knows
 
@@ -123,12 +123,12 @@ def estimate(
         estimates = estimate_of(specification, recording)
     claim(folder, *files)
     write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
-    strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(estimates)
+    strange = check_signals(recording, (*prediction.inputs, *prediction.outputs)) + check_estimates(estimates)
     problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
     parameters = model_parameters(specification)
     judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
     with progress(f"{specification.name}: figure"):
-        picture = estimated(recording, estimates, prediction.inputs, folder / "estimates.png")
+        picture = write_estimates_figure(recording, estimates, prediction.inputs, folder / "estimates.png")
     if as_json:
         print_json(
             {

@@ -102,13 +102,13 @@ def survey_command(
     ReportTable.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(
         out
     )
-    table = _surveyed_table(rows)
+    table = _survey_table(rows)
     show_table(table)
     if write:
         write_tables(PAGE, {"fmus": table})
 
 
-def _surveyed_table(rows: Sequence[SurveyResult]) -> ReportTable:
+def _survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
     """Return a table of the FMUs that step, by tool and interface, with the reasons of the others."""
     kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []

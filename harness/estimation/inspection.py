@@ -145,8 +145,8 @@ def inspect_recording(
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
         raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
-    wanted = _wanted(specification)
-    recognised = _recognised(findings, wanted)
+    wanted = _required_signals(specification)
+    recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
     lines, unrecognised = _columns(wanted, recognised)
     parameters = tuple(model_parameters(specification))
@@ -301,7 +301,7 @@ def _with_unit(
 # ---- signals of the model -----------------------------------------------------------------------------------------
 
 
-def _wanted(specification: Specification) -> dict[str, _RequiredSignal]:
+def _required_signals(specification: Specification) -> dict[str, _RequiredSignal]:
     """Return the signals that an estimation may read, by name, with several accelerometers along the track."""
     units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
     wanted: dict[str, _RequiredSignal] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
@@ -313,7 +313,7 @@ def _wanted(specification: Specification) -> dict[str, _RequiredSignal]:
     return wanted
 
 
-def _recognised(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSignal]) -> dict[str, ColumnMatch]:
+def _recognise(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSignal]) -> dict[str, ColumnMatch]:
     """Return signal → column, matched by names, numbers in names and dimensions; each column is used once."""
     signals, stems = list(wanted), [_stem(finding.name) for finding in findings]
     from_zero = {stem for stem, number in stems if number == 0}

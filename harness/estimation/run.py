@@ -87,7 +87,7 @@ def prediction_of(
         states=equations.states,
         inputs=equations.inputs,
         outputs=equations.outputs,
-    ).opened()
+    ).open()
 
 
 def equations_of(

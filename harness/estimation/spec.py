@@ -48,11 +48,11 @@ from railgrip.base.names import did_you_mean
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.scenario.file import located
-from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validated
-from railgrip.scenario.merge import nested, read_overrides
+from railgrip.scenario.file import locate
+from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validate_table
+from railgrip.scenario.merge import nest, read_overrides
 from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
-from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, broken
+from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
 from railgrip.scenario.track.table import CurveLaw
 from railgrip.trace.samples import period_of
 from railgrip.trace.table import DataTable
@@ -197,10 +197,10 @@ class Specification(Table):
     @model_validator(mode="after")
     def _has_one_track_force(self) -> Self:
         if self.course is not None and self.data is not None and "track_force" in self.data.columns:
-            raise broken("has track_force in [data.columns] and [course], which computes it; remove one of them")
+            raise table_error("has track_force in [data.columns] and [course], which computes it; remove one of them")
         return self
 
-    def simulated(self) -> SourceTable:
+    def source_scenario(self) -> SourceTable:
         """Return the scenario from which the recording is simulated.
 
         Raises:
@@ -227,11 +227,11 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; one sentence per problem.
     """
-    path = located(path, "estimations")
+    path = locate(path, "estimations")
     tables = _tables_in(path, ())
     files = [(f"given in {name}", table) for name, table in tables.layers]
-    tables = tables.laid(path.name, nested(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
-    specification = validated(
+    tables = tables.overlay(path.name, nest(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
+    specification = validate_table(
         Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers
     )
     # The uppermost layer takes precedence, so it is written last.
@@ -252,14 +252,14 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
     tables = Tables.of({key: value for key, value in table.items() if key != "extends"}, path.parent, path.name)
     if "extends" not in table:
         return tables
-    base = located(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
+    base = locate(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
     require_straight(base, (*chain, path), path.name)
     below = _tables_in(base, (*chain, path))
     # A map of columns applies to one recording only.
     inherited = {
         key: value for key, value in below.table.items() if key not in ("data" if "data" in table else "", "name")
     }
-    return replace(below, table={"name": path.stem} | inherited).laid(path.name, tables.table)
+    return replace(below, table={"name": path.stem} | inherited).overlay(path.name, tables.table)
 
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:

@@ -135,7 +135,7 @@ class IntegratedModel(_FmpyPlant):
         while time < end and not isclose(time, end):
             until = end if self._next_event is None else min(end, self._next_event)
             with instance.calling(time) as fmu:
-                is_event, time = self._integrated(instance, time, until)
+                is_event, time = self._integrate(instance, time, until)
                 fmu.setTime(time)
                 if interface is not None and interface.completed_steps:
                     is_step_event, ended = fmu.completedIntegratorStep()
@@ -146,7 +146,7 @@ class IntegratedModel(_FmpyPlant):
             if is_event or is_due:
                 self._event(instance, time)
 
-    def _integrated(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
+    def _integrate(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
         """Return whether a state event ended the integration, and its time."""
         self._solver.failure = None
         try:

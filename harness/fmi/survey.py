@@ -55,10 +55,10 @@ class SurveyResult:
 def survey(folder: Path) -> Iterator[SurveyResult]:
     """Open each FMU of a folder without setting parameters, step it by each of its interfaces and yield the results."""
     for file in sorted(folder.rglob("*.fmu")):
-        yield from _surveyed(file, file.relative_to(folder))
+        yield from _survey_file(file, file.relative_to(folder))
 
 
-def _surveyed(file: Path, name: Path) -> Iterator[SurveyResult]:
+def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
     tool, version, step = "unknown", "", ""
     try:
         first = outline(file, _LIMITS)

@@ -48,9 +48,9 @@ from railgrip.report.distances import rows_of
 from railgrip.report.results import Results, from_elsewhere
 from railgrip.scenario.campaign import Campaign
 from railgrip.scenario.conditioning import CERTAINTY, LOOSEST, SMOOTH, RepeatedDistances
-from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import Number, UnitRange
-from railgrip.scenario.table import Table, broken
+from railgrip.scenario.table import Table, table_error
 
 FINDINGS_FILE = "figures.json"
 
@@ -100,9 +100,9 @@ class AcceptedValue(Table):
     @model_validator(mode="after")
     def _whole_range(self) -> Self:
         if (self.lowest is None) != (self.highest is None):
-            raise broken("has one end of a range; give both lowest and highest, or neither")
+            raise table_error("has one end of a range; give both lowest and highest, or neither")
         if not self.ends[0] <= self.value <= self.ends[1]:
-            raise broken(f"value {self.value:g} is not within lowest and highest")
+            raise table_error(f"value {self.value:g} is not within lowest and highest")
         return self
 
     @property
@@ -130,7 +130,7 @@ class Baseline(Table):
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
         if (self.campaign is None) == (self.study is None):
-            raise broken("must have either campaign, the file of one, or study, the name of one")
+            raise table_error("must have either campaign, the file of one, or study, the name of one")
         return self
 
     def selection(self, campaign: Campaign) -> Campaign:
@@ -246,7 +246,7 @@ def load_baseline(path: Path) -> Baseline:
     Raises:
         ScenarioError: The file is missing, or is not a baseline.
     """
-    return validated(Baseline, read_toml(path), directory=path.parent, origin=path.name)
+    return validate_table(Baseline, read_toml(path), directory=path.parent, origin=path.name)
 
 
 def findings_of(results: Results) -> Findings:
@@ -269,7 +269,7 @@ def findings_of(results: Results) -> Findings:
     )
 
 
-def beyond_accepted(results: Results, path: Path) -> list[str]:
+def baseline_deviations(results: Results, path: Path) -> list[str]:
     """Return a sentence for each distance with FMUs of other compilers that differs by more than `ACROSS_COMPILERS`.
 
     The list is empty if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares,
@@ -349,7 +349,7 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         # A number that has become a range, or the reverse, is accepted anew.
         is_same_kind = before is not None and (finding.repeated is None or before.is_range == finding.repeated.spreads)
         if before is None or comparison.state != "kept" or not is_same_kind:
-            before = _accepted_anew(finding, finding.value, before, reason.strip())
+            before = _accept_finding(finding, finding.value, before, reason.strip())
         shown = {"adhesion_peak": finding.adhesion_peak, "longest_lock": finding.longest_lock}
         update: dict[str, object] = {key: None if value is None else round(value, 3) for key, value in shown.items()}
         update["valve_strokes"] = finding.valve_strokes
@@ -379,7 +379,7 @@ def _figures_beside(finding: Finding, repeated: RepeatedDistances) -> dict[str, 
     }
 
 
-def _accepted_anew(finding: Finding, value: float, before: AcceptedValue | None, reason: str) -> AcceptedValue:
+def _accept_finding(finding: Finding, value: float, before: AcceptedValue | None, reason: str) -> AcceptedValue:
     lowest = highest = None
     if finding.repeated is not None and finding.repeated.spreads:
         value, tolerance = finding.repeated.median, finding.repeated.margin

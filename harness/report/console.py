@@ -182,7 +182,7 @@ class _Bar:
         self._bar, self._task, self._name = bar, task, name
 
     def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
-        description = None if doing is None else _described(self._name, doing)
+        description = None if doing is None else _describe(self._name, doing)
         self._bar.update(self._task, description=description, completed=amount, total=total)
 
     def advance(self, doing: str | None = None) -> None:
@@ -220,7 +220,7 @@ class _Lines:
         self.update(doing=doing, amount=self._amount + 1)
 
     def __str__(self) -> str:
-        text = _described(self._name, self._doing)
+        text = _describe(self._name, self._doing)
         if self._total is None:
             return text
         return f"{text}, " + (
@@ -230,5 +230,5 @@ class _Lines:
         )
 
 
-def _described(name: str, doing: str) -> str:
+def _describe(name: str, doing: str) -> str:
     return f"{name}: {doing}" if doing else name

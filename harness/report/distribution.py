@@ -210,12 +210,12 @@ def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: S
         worst_m=distances[worst],
         worst_draw=worst,
         longest_lock_s=float(np.median(locks)) if locks else None,
-        vs_sbc=None if published is None or published is rows else paired(distances, published),
-        vs_tuned=None if tuned is None or tuned is rows else paired(distances, tuned),
+        vs_sbc=None if published is None or published is rows else compare_pairs(distances, published),
+        vs_tuned=None if tuned is None or tuned is rows else compare_pairs(distances, tuned),
     )
 
 
-def paired(distances: Mapping[int, float], other: Sequence[Row]) -> PairedComparison | None:
+def compare_pairs(distances: Mapping[int, float], other: Sequence[Row]) -> PairedComparison | None:
     """Return the comparison of distances [m] by draw with those of another controller; None without a common draw."""
     others = by_draw(other)
     pairs = [(distances[draw], others[draw]) for draw in distances if draw in others]

@@ -29,7 +29,7 @@ class _Contender:
     stops: Sequence[Row]
 
     @property
-    def broken(self) -> dict[str, int]:
+    def violations(self) -> dict[str, int]:
         """Clause → number of stops that break it."""
         clauses = [clause for row in self.stops for clause in row.breaks]
         return {clause: clauses.count(clause) for clause in dict.fromkeys(clauses)}
@@ -52,7 +52,7 @@ def headline(rows: Sequence[Row], reference: ReferenceVariant | None = None, cha
     against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
     kinds = "controllers" if reference is None else "variants"
     shortest = min(candidates, key=lambda candidate: candidate.change)
-    allowed = [candidate for candidate in candidates if not candidate.broken]
+    allowed = [candidate for candidate in candidates if not candidate.violations]
     if not allowed:
         none = f"none of the {len(candidates)} {kinds} keeps all clauses" if len(candidates) > 1 else ""
         breaks = f"{shortest.name} breaks {_breaks(shortest)}"
@@ -114,5 +114,6 @@ def _breaks(candidate: _Contender) -> str:
     """Return the clauses that a candidate breaks, with the number of its stops."""
     count = len(candidate.stops)
     return ", ".join(
-        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops" for clause, broken in candidate.broken.items()
+        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops"
+        for clause, broken in candidate.violations.items()
     )

@@ -10,13 +10,13 @@ from matplotlib.figure import Figure
 from railgrip.base.errors import InputError, RecordError
 from railgrip.base.outputs import claim
 from railgrip.report import style
-from railgrip.report.baseline import beyond_accepted
-from railgrip.report.distances import rows_of, shown, write_table
+from railgrip.report.baseline import baseline_deviations
+from railgrip.report.distances import reader_tables, rows_of, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.headline import headline
-from railgrip.report.limits import judged_by, limits_of
+from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
 from railgrip.report.results import Result, Results, from_elsewhere, provenance, read_results
@@ -62,7 +62,7 @@ def write_report(
         notify: Called with the name of the next figure.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
         formats: Formats of the figure files.
-        against: Variant with which the others of its axis are compared in pairs; see `ReferenceVariant.named`.
+        against: Variant with which the others of its axis are compared in pairs; see `ReferenceVariant.find`.
 
     Raises:
         RecordError: The folder has neither file, or a result is unreadable.
@@ -70,7 +70,7 @@ def write_report(
     """
     if (directory / CAMPAIGN_FILE).exists():
         results = read_results(directory)
-        notes = [] if baseline is None else beyond_accepted(results, baseline)
+        notes = [] if baseline is None else baseline_deviations(results, baseline)
         reference = reference_of(results, against)
         page = _with_stops(results, directory, panels=panels, notify=notify, notes=notes, reference=reference)
         return page.write(directory, formats)
@@ -92,9 +92,9 @@ def reference_of(results: Results, against: str | None) -> ReferenceVariant | No
     """Find the variant of a campaign that a user has named; None without a name.
 
     Raises:
-        InputError: See `ReferenceVariant.named`.
+        InputError: See `ReferenceVariant.find`.
     """
-    return None if against is None else ReferenceVariant.named(against, [stop.variants for stop in results.stops])
+    return None if against is None else ReferenceVariant.find(against, [stop.variants for stop in results.stops])
 
 
 def _with_stops(
@@ -177,7 +177,7 @@ def campaign_page(
             "changes": [] if reference is None else change_table(reference, changes).parts(),
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
             "worst": worst_table(rows, pages).parts(),
-            "tables": shown(rows, pages),
+            "tables": reader_tables(rows, pages),
             "notes": [*from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},
@@ -193,7 +193,7 @@ def _legend(rows: Sequence[Row]) -> list[str]:
     if any(row.breaks for row in rows):
         sentences.append(
             "Column “breaks” lists the limits of the type test that a stop does not keep. A controller or variant that "
-            f"breaks one in any stop is not recommended. Judged are: {judged_by(limits_of())}."
+            f"breaks one in any stop is not recommended. Judged are: {describe_clauses(limits_of())}."
         )
     return sentences
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 
 from railgrip.report.statistics import finite
-from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Table
 from railgrip.trace.stop import StopRecord
@@ -79,7 +79,7 @@ class AssessmentLimits(Table):
                 verdicts[name] = value >= clause.limit if name in _MINIMA else value <= clause.limit
         return verdicts
 
-    def broken_by(self, record: StopRecord) -> tuple[str, ...]:
+    def find_violations(self, record: StopRecord) -> tuple[str, ...]:
         """Return the clauses that a stop breaks by itself, without another stop to compare with."""
         figures = record.figures
         air = finite(figures.air_used)
@@ -115,10 +115,10 @@ def limits_of(path: Path | None = None) -> AssessmentLimits:
         ScenarioError: The file is missing or does not hold limits.
     """
     file = path or _FILE
-    return validated(AssessmentLimits, read_toml(file), directory=file.parent, origin=file.name)
+    return validate_table(AssessmentLimits, read_toml(file), directory=file.parent, origin=file.name)
 
 
-def judged_by(limits: AssessmentLimits) -> str:
+def describe_clauses(limits: AssessmentLimits) -> str:
     """Return the clauses that a stop can break by itself with their limits, in SI units."""
     judged = {"lock": "s", "locked_distance": "m", "reservoir": "Pa", "utilisation": ""}
     texts = [

@@ -7,7 +7,7 @@ from railgrip.report.results import Result
 from railgrip.report.table import ReportTable
 from railgrip.trace import stop
 from railgrip.trace.metrics import Metrics, meanings
-from railgrip.trace.recorder import thinned
+from railgrip.trace.recorder import thin
 
 if TYPE_CHECKING:
     import pandas
@@ -27,7 +27,7 @@ class Stop(stop.Stop):
         from railgrip.report.figures import signals_figure  # matplotlib takes half a second to load
 
         result = Result(name=self.scenario.name, variants={}, record=self.record(), paper_distance=None)
-        return signals_figure(result, thinned(self.trace, int(self.scenario.periods.every("trace"))))
+        return signals_figure(result, thin(self.trace, int(self.scenario.periods.every("trace"))))
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return the samples over time [s]; `slip[2]` is the slip of the second group.

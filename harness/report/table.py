@@ -86,7 +86,7 @@ class ReportTable:
         """Return the table without some columns."""
         return replace(self, rows=[{name: row[name] for name in row if name not in columns} for row in self.rows])
 
-    def filled(self) -> Self:
+    def drop_empty_columns(self) -> Self:
         """Return the table without empty columns."""
         return self.without({column for column in self.columns if not any(row[column] for row in self.texts)})
 

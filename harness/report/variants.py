@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from railgrip.base.errors import InputError
-from railgrip.report.distribution import PairedComparison, by_draw, paired, paired_texts
+from railgrip.report.distribution import PairedComparison, by_draw, compare_pairs, paired_texts
 from railgrip.report.limits import SUBJECTS
 from railgrip.report.results import Result
 from railgrip.report.row import Row
@@ -24,7 +24,7 @@ class ReferenceVariant:
     variant: str
 
     @classmethod
-    def named(cls, text: str, stops: Sequence[Mapping[str, str]]) -> Self:
+    def find(cls, text: str, stops: Sequence[Mapping[str, str]]) -> Self:
         """Find a variant by its name, or by `AXIS=VARIANT` if several axes have one of that name.
 
         Args:
@@ -98,7 +98,7 @@ def changes_against(reference: ReferenceVariant, stops: Sequence[Result], rows: 
     for conditions, variants in groups.items():
         base = variants.pop(reference.variant, [])
         for variant, own in variants.items():
-            if (pairs := paired(by_draw(own), base)) is not None:
+            if (pairs := compare_pairs(by_draw(own), base)) is not None:
                 changes.append(
                     Change(
                         conditions=dict(conditions),
@@ -125,4 +125,4 @@ def change_table(reference: ReferenceVariant, changes: Sequence[Change]) -> Repo
     axes = {axis for change in changes for axis in change.conditions}
     return ReportTable(
         rows, left=(*axes, reference.axis), title=f"Pairs of stops that differ in {reference.axis} only"
-    ).filled()
+    ).drop_empty_columns()

@@ -15,7 +15,7 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 from railgrip.base.names import did_you_mean
 from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.sanders import Sander
-from railgrip.scenario.table import FASTEST, Length, Name, Table, broken
+from railgrip.scenario.table import FASTEST, Length, Name, Table, table_error
 
 # Limits are an order of magnitude beyond any vehicle that the reasons name: outside of them a unit is wrong.
 Positive = Annotated[float, UnitRange("1", above=0, at_most=1e3)]
@@ -105,18 +105,18 @@ class SourcedTable(Table):
     )
 
     @model_validator(mode="after")
-    def _marked(self) -> Self:
+    def _check_sources(self) -> Self:
         if not self.source and self.estimated is False:
-            raise broken("does not say whose its numbers are: give source = '…', or estimated = true for your own")
+            raise table_error("does not say whose its numbers are: give source = '…', or estimated = true for your own")
         if isinstance(self.estimated, tuple):
             if not self.source:
-                raise broken("names its estimated keys, but nobody for the others: give source = '…', too")
+                raise table_error("names its estimated keys, but nobody for the others: give source = '…', too")
             for key in self.estimated:
                 if key not in type(self).model_fields:
                     choice = ", ".join(
                         name for name in type(self).model_fields if name not in SourcedTable.model_fields
                     )
-                    raise broken(f"calls '{key}' estimated, which it does not have; it has {choice}")
+                    raise table_error(f"calls '{key}' estimated, which it does not have; it has {choice}")
         return self
 
 
@@ -207,7 +207,7 @@ class Distributor(SourcedTable):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.speed_down >= self.speed_up:
-            raise broken(
+            raise table_error(
                 f"has speed_down {3.6 * self.speed_down:g} km/h and speed_up {3.6 * self.speed_up:g} km/h; "
                 "speed_down lies below, or the stage changes at every look"
             )
@@ -263,14 +263,14 @@ class Bogie(SourcedTable):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.axles[0] != 0 or list(self.axles) != sorted(set(self.axles)):
-            raise broken("has axles that are no rising positions from 0 on")
+            raise table_error("has axles that are no rising positions from 0 on")
         gap = self.wheelbase / (len(self.axles) - 1)
         if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
-            raise broken("has axles that are not evenly apart; a bogie of RailBraking is")
+            raise table_error("has axles that are not evenly apart; a bogie of RailBraking is")
         for key in ("units", "inertia"):
             count = len(getattr(self, key))
             if count not in (1, len(self.axles)):
-                raise broken(f"has {len(self.axles)} axles and {count} {key}; give one for all, or one for each")
+                raise table_error(f"has {len(self.axles)} axles and {count} {key}; give one for all, or one for each")
         return self
 
     @property
@@ -400,7 +400,7 @@ class Train(Table):
     reference: tuple[PublishedStop, ...] = Field(default=(), description="published stops of it")
 
     @model_validator(mode="after")
-    def _joined(self) -> Self:
+    def _check_references(self) -> Self:
         for kind, brake in self.brakes.items():
             _require_names("pads", [brake.pads], self.pads, f"[brakes.{kind}] pads")
         for kind, bogie in self.bogies.items():
@@ -415,26 +415,30 @@ class Train(Table):
                 name = getattr(car, key)
                 _require_names(f"{key}s", [name] if name else [], table, f"{where} {key}")
                 if name and not isinstance(self.command, BrakePipe):
-                    raise broken(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
+                    raise table_error(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
             count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
             if car.axle_masses and len(car.axle_masses) != count:
-                raise broken(f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles")
+                raise table_error(
+                    f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles"
+                )
             if not car.axle_masses and any(mount.shared for mount in car.bogies):
-                raise broken(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
+                raise table_error(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
             last = number == len(self.cars)
             if last and (car.coupler or any(mount.shared for mount in car.bogies)):
-                raise broken(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
+                raise table_error(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
         if not self.axles:
-            raise broken("[[cars]] have no bogies: a train runs on one axle at least")
+            raise table_error("[[cars]] have no bogies: a train runs on one axle at least")
         beyond = next((i for i, sander in enumerate(self.sanders, start=1) if sander.wheelset > len(self.axles)), None)
         if beyond is not None:
-            raise broken(
+            raise table_error(
                 f"[sanders[{beyond}]] is at wheelset {self.sanders[beyond - 1].wheelset}, "
                 f"the train has {len(self.axles)}"
             )
         positions = [axle.position for axle in self.axles]
         if positions != sorted(set(positions)):
-            raise broken("[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles")
+            raise table_error(
+                "[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles"
+            )
         return self
 
     @property
@@ -548,7 +552,7 @@ class Train(Table):
 def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
     for name in names:
         if name not in choice:
-            raise broken(
+            raise table_error(
                 f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}"
                 + did_you_mean(name, choice, before="; ")
             )

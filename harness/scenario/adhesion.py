@@ -80,7 +80,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _require_resolved(scenario)
     step, places = _grid(scenario, formation)
-    friction = _unconditioned(scenario, places, step, wheelsets)
+    friction = _profile_friction(scenario, places, step, wheelsets)
     patches = _patches(scenario, places)
     if patches:
         friction = np.array(np.broadcast_to(friction, (len(places), wheelsets)))
@@ -88,7 +88,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
         _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
         rows = _rows(patch, places)
         friction[rows] += _inside(patch, places[rows]) * (np.array(patch.mu0) - friction[rows])
-    mu0 = _conditioned(adhesion.factor * friction, adhesion.conditioning, formation)
+    mu0 = _condition_rail(adhesion.factor * friction, adhesion.conditioning, formation)
     if mu0.max() > 1:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
@@ -125,7 +125,7 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
     return step, step * np.arange(int(reach / step) + 2, dtype=np.float64)[:, None] - position
 
 
-def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
+def _profile_friction(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
     """Return the friction at places by the kind of profile, before patches, level and conditioning."""
     adhesion = scenario.adhesion
     match adhesion:
@@ -295,8 +295,8 @@ def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
     leaves = scenario.adhesion
     if not isinstance(leaves, Leaves):
         return leaves.patch
-    ahead = _drawn(leaves, generator(scenario.seed, "adhesion"), float(places.max()))
-    behind = _drawn(leaves, generator(scenario.seed, "adhesion.behind"), leaves.longest - float(places.min()))
+    ahead = _draw_patches(leaves, generator(scenario.seed, "adhesion"), float(places.max()))
+    behind = _draw_patches(leaves, generator(scenario.seed, "adhesion.behind"), leaves.longest - float(places.min()))
     drawn = [*((-begin, length, mu0) for begin, length, mu0 in reversed(behind)), *ahead]
     return (
         *(
@@ -310,7 +310,7 @@ def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
     )
 
 
-def _drawn(leaves: Leaves, rng: np.random.Generator, reach: float) -> list[tuple[float, float, float]]:
+def _draw_patches(leaves: Leaves, rng: np.random.Generator, reach: float) -> list[tuple[float, float, float]]:
     """Return distance from the start [m], length [m] and friction of the patches up to a distance [m]."""
     patches: list[tuple[float, float, float]] = []
     place = rng.exponential(1 / leaves.count)
@@ -343,7 +343,7 @@ def _from_curve(curve: FrictionCurve, places: Array) -> Array:
     return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)
 
 
-def _conditioned(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:
+def _condition_rail(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:
     """Raise low friction for the wheelsets behind: each one ahead closes a fraction of the gap to `recovered`.
 
     mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n) with n wheelsets or groups ahead of j. Minima thus rise

@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_bytes
 from railgrip.base.records import LARGEST_JSON, parse_json
-from railgrip.scenario.load import validated
+from railgrip.scenario.load import validate_table
 from railgrip.scenario.quantity import NotNegative, Number
 from railgrip.scenario.table import Table
 
@@ -174,7 +174,7 @@ def read_conditioning(path: Path) -> ConditioningFile:
         is_missing = isinstance(problem.__cause__, FileNotFoundError)
         hint = "; `railgrip maintain conditioning FILE.toml` writes it" if is_missing else ""
         raise ScenarioError(f"{problem}{hint}") from problem
-    return validated(ConditioningFile, table, directory=path.parent, origin=path.name)
+    return validate_table(ConditioningFile, table, directory=path.parent, origin=path.name)
 
 
 def text_of(conditioning: ConditioningFile) -> str:

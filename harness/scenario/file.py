@@ -34,7 +34,7 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "") -> Path:
+def locate(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "") -> Path:
     """Return the file for an entry: a path relative to a folder, or a bare name in the library, such as `trapezoid`.
 
     Args:

@@ -13,7 +13,7 @@ from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind, Custom
 from railgrip.scenario.quantity import Number, UnitRange
-from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
+from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, optional, table_error
 
 
 class Actuation(Table):
@@ -70,15 +70,15 @@ class KalmanFilter(Table):
     @model_validator(mode="after")
     def _one_prediction(self) -> Self:
         if self.model is None and self.library is not None:
-            raise broken("has no model; name the class of the prediction")
+            raise table_error("has no model; name the class of the prediction")
         if self.model is not None and self.kind == "decentralised":
-            raise broken(
+            raise table_error(
                 "makes its prediction from the vehicle's nominal data when it is decentralised; leave out model"
             )
         if self.file is not None and (self.kind != "fmu" or self.model is not None):
-            raise broken("has a file, which only kind 'fmu' without a model takes")
+            raise table_error("has a file, which only kind 'fmu' without a model takes")
         if self.file is not None and not self.trust:
-            raise broken(
+            raise table_error(
                 f"file: the code of {self.file.entry} would run in this process; if you know where it comes from, "
                 "set trust = true"
             )
@@ -128,7 +128,7 @@ class BuiltInLaw(_TrainLevelTable):
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
         names = [name for name, file in sets.items() if file in files]
         if tuning is not None and tuning not in names:
-            raise broken(
+            raise table_error(
                 f"is {short(tuning)}; {kind} has {', '.join(names) or 'no set of parameters'}"
                 + did_you_mean(tuning, names, before="; ")
             )
@@ -205,7 +205,7 @@ class Limits(Table):
         if entry in _ADHESION_LIMITS:
             return _ADHESION_LIMITS[entry]
         if question := did_you_mean(entry, _ADHESION_LIMITS):
-            raise broken(f"is '{entry}'; {question}")
+            raise table_error(f"is '{entry}'; {question}")
         return entry
 
 

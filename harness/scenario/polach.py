@@ -18,7 +18,7 @@ from railgrip.base import registry
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.table import broken
+from railgrip.scenario.table import table_error
 
 
 def named_set(name: str) -> Mapping[str, float]:
@@ -29,7 +29,7 @@ def named_set(name: str) -> Mapping[str, float]:
     """
     files = registry.files(registry.CREEP_CURVES)
     if name not in files:
-        raise broken(
+        raise table_error(
             f"is {short(name)}, which is not a Polach set; there are {', '.join(files)}, or give k_A, k_S, A and B"
             + did_you_mean(name, files, before="; ")
         )

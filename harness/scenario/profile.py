@@ -10,7 +10,7 @@ from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.sanders import Sand
-from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken, not_in, optional
+from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, not_in, optional, table_error
 
 
 class Conditioning(Table):
@@ -87,16 +87,16 @@ class _Profile(Table):
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
 
     @model_validator(mode="after")
-    def _calibrated_for_known_curves(self) -> Self:
+    def _check_calibration(self) -> Self:
         known = {*registry.files(registry.CREEP_CURVES), *(curve.name for curve in self.curves)}
         if unknown := sorted(self.calibrated.keys() - known):
-            raise broken(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
+            raise table_error(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
         return self
 
     @model_validator(mode="after")
     def _one_cleaning(self) -> Self:
         if self.recovery is not None and self.conditioning is not None and self.conditioning.fraction > 0:
-            raise broken(
+            raise table_error(
                 "has conditioning, which cleans the rail for wheels behind whatever those ahead do, and recovery, "
                 "which cleans it by their slip; keep one (conditioning.fraction = 0 does nothing)"
             )
@@ -142,7 +142,7 @@ class Constant(_Profile):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 
@@ -181,11 +181,11 @@ class Leaves(_Profile):
     def _fits(self) -> Self:
         for low, high in (("shortest", "longest"), ("minimum", "maximum")):
             if getattr(self, low) > getattr(self, high):
-                raise broken(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
+                raise table_error(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
         if self.longest <= 0:
-            raise broken("longest must be above 0 m, got 0")
+            raise table_error("longest must be above 0 m, got 0")
         if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 
@@ -208,11 +208,15 @@ class _Varying(_Profile):
             try:
                 value = self.extent(name)
             except ValueError as problem:
-                raise broken(f"{name} {problem} (the profile runs over {self.over})") from problem
+                raise table_error(f"{name} {problem} (the profile runs over {self.over})") from problem
             if value < 0 or (value == 0 and name not in zero):
-                raise broken(f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}")
+                raise table_error(
+                    f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}"
+                )
             if value > _FARTHEST:
-                raise broken(f"{name} must be at most {_FARTHEST:g} {self.unit}, got {value:g}; no braking is longer")
+                raise table_error(
+                    f"{name} must be at most {_FARTHEST:g} {self.unit}, got {value:g}; no braking is longer"
+                )
 
 
 class Trapezoid(_Varying):
@@ -234,10 +238,12 @@ class Trapezoid(_Varying):
     def _fits(self) -> Self:
         self._check_extents("first_fall", "period", "low", "ramp", zero=("first_fall", "low"))
         if self.minimum > self.maximum:
-            raise broken(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
+            raise table_error(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
         width = self.extent("low") + 2 * self.extent("ramp")
         if width > self.extent("period"):
-            raise broken(f"low and two ramps take {width:g} {self.unit}, longer than period {self.extent('period'):g}")
+            raise table_error(
+                f"low and two ramps take {width:g} {self.unit}, longer than period {self.extent('period'):g}"
+            )
         return self
 
 
@@ -270,11 +276,11 @@ class SineSweep(_Varying):
         try:
             frequencies = self.frequencies
         except ValueError as problem:
-            raise broken(f"frequency {problem} (the profile runs over {self.over})") from problem
+            raise table_error(f"frequency {problem} (the profile runs over {self.over})") from problem
         if min(frequencies) <= 0:
-            raise broken(f"frequencies must be above 0, got {frequencies}")
+            raise table_error(f"frequencies must be above 0, got {frequencies}")
         if self.amplitude >= self.mean:
-            raise broken(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
+            raise table_error(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
         return self
 
 
@@ -296,7 +302,9 @@ class Random(_Varying):
     def _fits(self) -> Self:
         self._check_extents("correlation")
         if not self.minimum <= self.mean <= self.maximum:
-            raise broken(f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}")
+            raise table_error(
+                f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}"
+            )
         return self
 
 
@@ -326,13 +334,13 @@ class Points(_Varying):
         try:
             places = self.places
         except ValueError as problem:
-            raise broken(f"points {problem} (the profile runs over {self.over})") from problem
+            raise table_error(f"points {problem} (the profile runs over {self.over})") from problem
         if list(places) != sorted(set(places)) or places[0] < 0:
-            raise broken(f"points must begin with rising values from 0 on, got {list(places)}")
+            raise table_error(f"points must begin with rising values from 0 on, got {list(places)}")
         if self.correlation is not None:
             self._check_extents("correlation")
         elif self.scatter:
-            raise broken("has scatter and no correlation, over which that changes")
+            raise table_error("has scatter and no correlation, over which that changes")
         return self
 
 
@@ -348,7 +356,9 @@ class FromTable(_Profile):
     def _readable(self) -> Self:
         curve = self.curve
         if curve.mu0.shape[1] > 1 and self.conditioning is not None:
-            raise broken(f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's")
+            raise table_error(
+                f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's"
+            )
         return self
 
     @property
@@ -361,7 +371,7 @@ class FromTable(_Profile):
         try:
             return read_curve(self.file.path)
         except ValueError as problem:
-            raise broken(f"file {self.file.entry}: {problem}") from problem
+            raise table_error(f"file {self.file.entry}: {problem}") from problem
 
     @property
     def over(self) -> Over:

@@ -32,7 +32,7 @@ from railgrip.scenario.parts import (
 from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
-from railgrip.scenario.table import Name, Seed, Table, broken, optional
+from railgrip.scenario.table import Name, Seed, Table, optional, table_error
 from railgrip.scenario.track.table import Track, steepest_fall
 from railgrip.scenario.vehicle import LibraryPlant, Start, Vehicle
 
@@ -103,28 +103,28 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
         if self.sanders and self.adhesion.sand is None:
-            raise broken(
+            raise table_error(
                 "[[sanders]] wants [adhesion.sand], which says what sand makes of friction: mu0, density, left"
             )
         if self.demand is not None and self.controller.kind == "ideal_bound":
-            raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
+            raise table_error("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
         if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
-            raise broken("[sensors.gnss] reads positions on a [track.plan], and there is none")
+            raise table_error("[sensors.gnss] reads positions on a [track.plan], and there is none")
         sampling = getattr(self.sensors, "period", None)
         if sampling is not None and steps_between(sampling, self.periods.communication).denominator != 1:
-            raise broken(
+            raise table_error(
                 f"[sensors] period must be a whole multiple of [periods] communication, got {sampling:g} s over "
                 f"{self.periods.communication:g} s"
             )
         rows = self.horizon / self.periods.communication
         if rows > _MOST_ROWS:
-            raise broken(
+            raise table_error(
                 f"[limits] horizon {self.horizon:g} s over [periods] communication "
                 f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
             )
         has_traction = self.demand is not None and self.demand.has_traction
         if self.limits.stop_speed >= self.start.speed and not has_traction:
-            raise broken(
+            raise table_error(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
                 f"{self.start.speed:g} m/s; a train that starts so slowly wants traction in [[demand.phases]]"
             )
@@ -133,7 +133,7 @@ class Scenario(Table):
         )
         period = getattr(self.periods, slowest)
         if self.horizon < _FEWEST_PERIODS * period:
-            raise broken(
+            raise table_error(
                 f"[limits] horizon {self.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
                 f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )

@@ -62,12 +62,12 @@ def _elements(entry: Any) -> Any:
         elements = cast("Sequence[Any]", value)
         twice = next((key for key in table if key.startswith(f"{name}[")), None)
         if twice is not None:
-            raise broken(
+            raise table_error(
                 f"{name} is a list of {len(elements)}, and '{twice}' is given too; change the element in the list, "
                 "which must have a value for each, and remove the other key"
             )
         if not elements:
-            raise broken(f"{name} is an empty list; give a value for each element, or leave it out")
+            raise table_error(f"{name} is an empty list; give a value for each element, or leave it out")
         for index, element in enumerate(elements, start=1):
             flat[f"{name}[{index}]"] = InList(element, len(elements))
     return flat
@@ -93,7 +93,7 @@ ONE_OR_EACH = _OneOrEach()
 """Annotation of a tuple that may be written as one value for all elements."""
 
 
-def broken(words: str) -> PydanticCustomError:
+def table_error(words: str) -> PydanticCustomError:
     """Return the error for a key or table; the words follow its name in the message."""
     return PydanticCustomError("scenario", "{words}", {"words": words})
 
@@ -115,7 +115,7 @@ def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
 
     def known(name: str) -> str:
         if name not in names:
-            raise broken(f"is {not_in(names, name, between)}")
+            raise table_error(f"is {not_in(names, name, between)}")
         return name
 
     return AfterValidator(known)
@@ -127,7 +127,7 @@ def ends_after_it_begins(table: Any) -> Any:
     Raise an error if they are in reverse order.
     """
     if table.end is not None and table.end <= table.begin:
-        raise broken(f"end {table.end:g} s is not after begin {table.begin:g} s")
+        raise table_error(f"end {table.end:g} s is not after begin {table.begin:g} s")
     return table
 
 
@@ -143,7 +143,7 @@ def _map_entry(entry: Any) -> Any:
         isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
     ):
         return entry
-    raise broken(
+    raise table_error(
         f"is {entry!r}, but the name of an FMU variable is wanted, a list of them, "
         'or { variable = "…", unit = "…", scale = … }'
     )

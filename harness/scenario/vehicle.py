@@ -18,8 +18,8 @@ from railgrip.scenario.table import (
     Seed,
     StartSpeed,
     Table,
-    broken,
     optional,
+    table_error,
 )
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
@@ -151,12 +151,12 @@ class Vehicle(Table):
         if isinstance(entry, NamedFile) or (isinstance(entry, str) and entry.endswith(".fmu")):
             return NamedFile.find(entry, info)
         if isinstance(entry, str) and entry.endswith(".ssp"):
-            raise broken(
+            raise table_error(
                 f"is {short(entry)}, a system by SSP, which railgrip exports and does not import; extract the .fmu "
                 "of the train from the folder resources of that archive and name that"
             )
         if not isinstance(entry, str) or not (entry.isidentifier() or _is_class(entry)):
-            raise broken(
+            raise table_error(
                 f"is {entry!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"
             )
         return str(entry)
@@ -170,7 +170,7 @@ class Vehicle(Table):
             return None if entry is None else NamedFile.find(entry, info)
         except PydanticCustomError:
             if isinstance(entry, str) and entry.isidentifier():  # a name, not a path
-                raise broken(f"is '{entry}': {not_one_of('trains', entry)}") from None
+                raise table_error(f"is '{entry}': {not_one_of('trains', entry)}") from None
             raise
 
     @field_serializer("plant", "train")
@@ -180,11 +180,13 @@ class Vehicle(Table):
     @model_validator(mode="after")
     def _one_plant(self) -> Self:
         if (self.model is None) != (self.library is None):
-            raise broken("a class of one's own wants both, 'model' and the 'library' it is in")
+            raise table_error("a class of one's own wants both, 'model' and the 'library' it is in")
         plants = sum(source is not None for source in (self.plant, self.model, self.train))
         if plants != 1:
             wrong = "has two plants" if plants else "has no plant"
-            raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'")
+            raise table_error(
+                f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'"
+            )
         return self
 
     @property

@@ -15,7 +15,7 @@ from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.custom import problem_with
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.parts import CustomParts, StopAssembly, assembled
+from railgrip.simulate.parts import CustomParts, StopAssembly, assemble
 from railgrip.vehicle.formation import Formation
 
 
@@ -92,7 +92,7 @@ class Bench:
         """
         self.close()
         self._loop = self._observation = self._end = self._stop = None
-        self._parts = self._stack.enter_context(assembled(self._scenario, objects=self._objects))
+        self._parts = self._stack.enter_context(assemble(self._scenario, objects=self._objects))
         self._advance()
         if self._observation is None:
             reason = "" if self._end is None else self._end.reason

@@ -24,7 +24,7 @@ from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import of_law
 
 
-def controlling(
+def open_controller(
     vehicle: VehicleData,
     estimates: Collection[str],
     fmus: dict[str, Description],
@@ -63,7 +63,7 @@ def controller_of(vehicle: VehicleData) -> LoopController:
     Raises:
         ScenarioError: A parameter is wrong, or the controller is not a built-in law.
     """
-    return _decided_over_the_train(vehicle, _group_law(vehicle))
+    return _add_train_level(vehicle, _group_law(vehicle))
 
 
 def over_the_train(vehicle: VehicleData) -> Law | None:
@@ -73,11 +73,11 @@ def over_the_train(vehicle: VehicleData) -> Law | None:
         ScenarioError: Redistribution has no groups to shift pressure between.
     """
     alone = pass_through(vehicle.nominal.formation.brakes)
-    over = _decided_over_the_train(vehicle, alone)
+    over = _add_train_level(vehicle, alone)
     return None if over is alone else over
 
 
-def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
+def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
     """Return a law with redistribution and shared valves as [controller] and the formation specify."""
     scenario, groups, table = vehicle.scenario, vehicle.nominal.formation.brakes, vehicle.scenario.controller
     valves = vehicle.formation.groups_per_valve
@@ -119,7 +119,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
     try:
-        tuning = kind.tuned_for(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
+        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
     except ValueError as problem:
         raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
     return kind(vehicle.nominal.formation.brakes, tuning)

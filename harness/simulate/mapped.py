@@ -13,7 +13,7 @@ from railgrip.base.units import GRAVITY, mistake, mistaken_factor
 from railgrip.controllers.law import FULL_PRESSURE
 from railgrip.fmi import Description, Signal, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
-from railgrip.fmi.draft import drafted, sizes_of
+from railgrip.fmi.draft import draft_mapping, sizes_of
 from railgrip.simulate.files import parameters_of
 from railgrip.simulate.foreign_controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
@@ -64,10 +64,10 @@ class SignalMapping:
     scale: float
     unit: str
 
-    def scaled(self, factor: float) -> "SignalMapping":
+    def rescale(self, factor: float) -> "SignalMapping":
         """Return the entry with harness values `factor` times as large, by another unit where that expresses it."""
-        unit = _UNITS.get((self.signal.unit, _rounded(1.0 / factor))) if self.unit == self.signal.unit else None
-        return replace(self, unit=unit) if unit else replace(self, scale=_rounded(self.scale * factor))
+        unit = _UNITS.get((self.signal.unit, _round(1.0 / factor))) if self.unit == self.signal.unit else None
+        return replace(self, unit=unit) if unit else replace(self, scale=_round(self.scale * factor))
 
     @property
     def plain(self) -> Any:
@@ -157,7 +157,7 @@ def controller_lines(description: Description) -> Iterator[str]:
         inputs, outputs = controller_signals(groups)
         signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
         signals |= {s.name: (s, "output") for s in outputs}
-        found = drafted(description, signals)
+        found = draft_mapping(description, signals)
         drafts.append({name: _entry(description, signals[name][0], variables) for name, variables in found.items()})
     draft = max(drafts, key=len)
     if "demand" in draft:
@@ -177,7 +177,7 @@ def controller_lines(description: Description) -> Iterator[str]:
         yield f"# not used: {_some(unused)}"
 
 
-def mapped(
+def find_mapping(
     description: Description,
     *,
     wheelsets_per_group: tuple[int, ...],
@@ -199,9 +199,9 @@ def mapped(
         PlantFailed: The run ended early.
     """
     declared = frozenset(name.partition("[")[0] for name in description.names("parameter")) & DESCRIPTIVE.keys()
-    draft = replace(_drafted(description, wheelsets_per_group), declared=declared)
+    draft = replace(_draft_mapping(description, wheelsets_per_group), declared=declared)
     if draft.missing:
-        draft = replace(draft, unused=_unused(description, draft))
+        draft = replace(draft, unused=_unused_variables(description, draft))
     else:
         first_draft, numbers = draft, itertools.count(1)
 
@@ -210,7 +210,7 @@ def mapped(
             return _run(description, first_draft.formation, table, speed=speed, period=period)
 
         with shared_budget():
-            draft = _corrected(draft, run, speed)
+            draft = _correct(draft, run, speed)
     return replace(draft, nominal={**draft.nominal, **_nominal_parameters(description, draft.formation)})
 
 
@@ -236,7 +236,7 @@ def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
     return signals
 
 
-def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> MappingDraft:
+def _draft_mapping(description: Description, wheelsets_per_group: tuple[int, ...]) -> MappingDraft:
     """Return the draft by names, for the formation with the fewest missing signals."""
     declared = wheelsets_per_group or counts_of(parameters_of(description))
     sizes = [(1,) * size for size in sizes_of(description, "input")]
@@ -244,14 +244,14 @@ def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> 
     drafts: list[MappingDraft] = []
     for counts in choices:
         signals = _signals(Formation(counts))
-        found = drafted(description, signals)
+        found = draft_mapping(description, signals)
         table = {name: _entry(description, signals[name][0], variables) for name, variables in found.items()}
         missing = [signal for name, (signal, _) in signals.items() if signal.needed and name not in table]
         drafts.append(MappingDraft(table=table, missing=missing, formation=Formation(counts)))
     return min(drafts, key=lambda draft: len(draft.missing))
 
 
-def _unused(description: Description, draft: MappingDraft) -> tuple[str, ...]:
+def _unused_variables(description: Description, draft: MappingDraft) -> tuple[str, ...]:
     used = {name for entry in draft.table.values() for name in _variables(entry, draft.formation.wheelsets)}
     return tuple(
         name for kind in ("input", "output", "parameter") for name in description.names(kind) if name not in used
@@ -303,7 +303,7 @@ def _run(
     return on_both_rails(opening, layout, period=period, release=(0.0,) * formation.groups, brake=full)
 
 
-def _rescaled(trials: Trials, factors: Mapping[str, float]) -> Trials:
+def _rescale(trials: Trials, factors: Mapping[str, float]) -> Trials:
     def one(trial: Trial) -> Trial:
         rows = trial.rows.copy()
         for name, factor in factors.items():
@@ -321,7 +321,7 @@ def _radius(trial: Trial) -> list[float]:
         return (float(trial.rows[last, outputs["speed"].start]) / wheels).tolist()
 
 
-def _judged(trials: Trials, formation: Formation, speed: float) -> list[SignalCheck]:
+def _judge_trials(trials: Trials, formation: Formation, speed: float) -> list[SignalCheck]:
     """Return the findings of two trials; any usual wheel radius is accepted."""
     groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
     radius = [
@@ -347,17 +347,17 @@ Factors = Mapping[str, float]
 """Signal → factor on its values in the harness."""
 
 
-def _corrected(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
+def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
     """Return the draft with the corrections that leave the fewest contradictions in the run."""
     table, corrections = dict(draft.table), list[str]()
     trials = run(table)
-    found = _judged(trials, draft.formation, speed)
+    found = _judge_trials(trials, draft.formation, speed)
     for _ in range(_ROUNDS):
         wrong = [finding for finding in found if not finding.good]
         best: tuple[int, Factors, Trials, list[SignalCheck]] | None = None
         for factors in _proposals(wrong, trials[0]):
-            changed = _applied(trials, table, factors, run)
-            after = _judged(changed, draft.formation, speed)
+            changed = _apply_correction(trials, table, factors, run)
+            after = _judge_trials(changed, draft.formation, speed)
             count = _doubt(after)
             if count < (_doubt(found) if best is None else best[0]):
                 best = count, factors, changed, after
@@ -369,7 +369,7 @@ def _corrected(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
             break
         _, factors, trials, found = best
         corrections += [_sentence(name, factor, found=wrong) for name, factor in factors.items()]
-        table |= {name: table[name].scaled(factor) for name, factor in factors.items()}
+        table |= {name: table[name].rescale(factor) for name, factor in factors.items()}
     for name in {finding.signal.partition("[")[0] for finding in found if not finding.good} & table.keys():
         if not table[name].signal.needed:
             del table[name]
@@ -394,12 +394,12 @@ def _doubt(found: Sequence[SignalCheck]) -> int:
     return sum(3 if finding.signal == "pressure_command" else 1 for finding in found if not finding.good)
 
 
-def _applied(trials: Trials, table: Mapping[str, SignalMapping], factors: Factors, run: Run) -> Trials:
+def _apply_correction(trials: Trials, table: Mapping[str, SignalMapping], factors: Factors, run: Run) -> Trials:
     """Return the trials with a correction; the run is repeated only if an input is corrected."""
     layout: Layout = trials[0].layout
     if all(name in layout.output for name in factors):
-        return _rescaled(trials, factors)
-    return run(dict(table) | {name: table[name].scaled(factor) for name, factor in factors.items()})
+        return _rescale(trials, factors)
+    return run(dict(table) | {name: table[name].rescale(factor) for name, factor in factors.items()})
 
 
 def _proposals(wrong: Sequence[SignalCheck], trial: Trial) -> Iterator[Factors]:
@@ -449,7 +449,7 @@ def _sentence(name: str, factor: float, *, found: Sequence[SignalCheck]) -> str:
     return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.12g}")
 
 

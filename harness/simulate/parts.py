@@ -22,7 +22,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import OwnSensors
 from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.simulate import custom
-from railgrip.simulate.controller import controlling, law_states, over_the_train, valve_logic_of
+from railgrip.simulate.controller import law_states, open_controller, over_the_train, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import origin_of, part_of, table_of
@@ -35,9 +35,9 @@ from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
-from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, sent
+from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, plant_inputs
 
-_MOST_OF_THE_RAIL = 1.005
+_MAXIMUM_UTILISATION = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
 
 
@@ -56,7 +56,7 @@ class CustomParts:
     plant: custom.Plant | None = None
     folders: tuple[Path, ...] = ()
 
-    def standing_for(self, scenario: Scenario) -> Scenario:
+    def declare_in(self, scenario: Scenario) -> Scenario:
         """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
         tables: dict[str, Any] = {}
         if self.controller is not None:
@@ -118,7 +118,7 @@ class StopAssembly:
         """Return the stop of a run of the loop."""
         # A plant that fails to start leaves one row, which must not show the old contents of the memory.
         self.recorder.rows[self.recorder.written : 1] = np.nan
-        stop = judged(self.vehicle, self.recorder, ending, self.fmus)
+        stop = evaluate_stop(self.vehicle, self.recorder, ending, self.fmus)
         return replace(
             stop,
             classes=self.classes,
@@ -128,7 +128,7 @@ class StopAssembly:
 
 
 @contextmanager
-def assembled(
+def assemble(
     scenario: Scenario,
     notify: Callable[[str], None] = lambda sentence: None,
     objects: CustomParts = NO_CUSTOM_PARTS,
@@ -145,7 +145,7 @@ def assembled(
         ScenarioError: The scenario requires something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
-    scenario = objects.standing_for(scenario)
+    scenario = objects.declare_in(scenario)
     vehicle = VehicleData(scenario)
     fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
@@ -159,7 +159,7 @@ def assembled(
         if (law := user_objects.part("controllers", scenario.controller, objects.controller)) is not None:
             controller, commands_valves = custom.CustomController(law, formation), False
         else:
-            controller, commands_valves = controlling(vehicle, estimates, fmus, notify, stack)
+            controller, commands_valves = open_controller(vehicle, estimates, fmus, notify, stack)
         place = controller.place if isinstance(controller, custom.CustomController) else "The controller"
         limits = custom.DemandLimits(formation, place)
         is_limited = not commands_valves and not isinstance(controller, Sampled)
@@ -258,7 +258,7 @@ def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) ->
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
     if (instruments := user_objects.part("sensors", scenario.sensors, user_objects.objects.sensors)) is None:
-        return scenario.sensors.opened(scenario, vehicle.layout, radius)
+        return scenario.sensors.open(scenario, vehicle.layout, radius)
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
     return custom.CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
@@ -271,7 +271,7 @@ def _signals(
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
         *layout.plant_signals,
-        *sent(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
+        *plant_inputs(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
         *layout.reading_signals,
         *of_controller,
         *(DRIVEN if demand is not None else ()),
@@ -301,7 +301,7 @@ def _require_estimates(scenario: Scenario, controller: LoopController, estimates
         )
 
 
-def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
+def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
     """Return the stop of a run of the loop, with ideal bound and metrics."""
     scenario = vehicle.scenario
     trace = recorder.trace(max(ending.samples, 1), scenario.periods.communication)
@@ -312,7 +312,7 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
             trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max, vehicle.resistance_lever
         )
     share = over_the_rail(trace)
-    if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+    if ending.outcome is Outcome.STANDSTILL and share > _MAXIMUM_UTILISATION:
         ending = Ending(
             outcome=Outcome.IMPLAUSIBLE,
             reason=f"The plant used {100 * share:.1f} % of the adhesion at the peak of the creep curve; more than "

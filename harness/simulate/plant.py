@@ -17,11 +17,11 @@ from railgrip.scenario.vehicle import LibraryPlant, ModelicaPlant, Nudge, Recipe
 from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
 from railgrip.simulate.loop.parts import LoopPlant
-from railgrip.simulate.readback import V_SMALL, probed, require_curve, require_radius
+from railgrip.simulate.readback import V_SMALL, probe_outputs, require_curve, require_radius
 from railgrip.simulate.trial import findings, on_both_rails
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
-from railgrip.vehicle.signals import Layout, sent
+from railgrip.vehicle.signals import Layout, plant_inputs
 
 Vector = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def plant_signals(
             size=0 if s.extent == "train" else formation.width(s.extent),
             needed=s.name != "track_force" or track_force,
         )
-        for s in sent(layout, pneumatic=pneumatic)
+        for s in plant_inputs(layout, pneumatic=pneumatic)
     )
     outputs = tuple(
         Signal(
@@ -110,7 +110,7 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         binding,
         period=scenario.periods.communication,
         begin=scenario.plant_begin,
-        parameters=values if table.nudge is None else values | nudged(values, description, table.nudge),
+        parameters=values if table.nudge is None else values | perturb_parameters(values, description, table.nudge),
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu,
     )
@@ -149,7 +149,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, paramet
     ideal = scenario.actuation.kind == "ideal"
     brake = tuple(group.pressure_max if ideal else 1.0 for group in vehicle.nominal.formation.brakes)
     curve = dict(zip(scenario.adhesion.polach.plant_parameters(), vehicle.curves[0].tolist(), strict=True))
-    rows = probed(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
+    rows = probe_outputs(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
     radii = [parameters.get(f"r_wheel[{g + 1}]", parameters.get("r_wheel")) for g in range(groups)]
     known = tuple(radius for radius in radii if radius is not None)
     if len(known) < groups:
@@ -191,7 +191,7 @@ def _refuse_steep_track(vehicle: VehicleData) -> None:
         )
 
 
-def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
+def perturb_parameters(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
     """Return all real parameters of a plant, each multiplied by a random factor, uniform within 1 ± `nudge.relative`.
 
     A parameter at its bound stays there if it would be moved beyond. Parameters that only describe the vehicle get no

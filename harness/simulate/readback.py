@@ -35,7 +35,7 @@ _ADVICE = "the compiler lost a modifier: report it with the compiler's version, 
 V_SMALL = 0.1  # m/s, of a plant that does not declare it: RailBraking.Components.Wheelsets
 
 
-def probed(
+def probe_outputs(
     plant: LoopPlant, layout: Layout, *, period: float, brake: tuple[float, ...], curve: Mapping[str, float]
 ) -> Matrix:
     """Return the outputs of a plant that brakes on a poor rail until its wheels slide, one row per sample.

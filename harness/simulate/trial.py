@@ -77,7 +77,7 @@ class Trial:
         return float((speed[self.coasting - 1] - speed[-1]) / ((len(speed) - self.coasting) * self.period))
 
 
-def tried(
+def run_trial(
     layout: Layout,
     plant: LoopPlant,
     *,
@@ -122,11 +122,11 @@ Trials = tuple[Trial, Trial]
 
 
 def on_both_rails(opening: Callable[[], AbstractContextManager[LoopPlant]], layout: Layout, **how: Any) -> Trials:
-    """Return the trials of a plant on a good rail and on a poor one, opened for each; `how` as for `tried`."""
+    """Return the trials of a plant on a good rail and on a poor one, opened for each; `how` as for `run_trial`."""
 
     def on(friction: float) -> Trial:
         with opening() as plant:
-            return tried(layout, plant, friction=friction, **how)
+            return run_trial(layout, plant, friction=friction, **how)
 
     return on(GOOD_RAIL), on(POOR_RAIL)
 

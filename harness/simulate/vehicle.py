@@ -28,7 +28,14 @@ from railgrip.scenario.track.table import TrackForce, force_along, track_force_o
 from railgrip.scenario.vehicle import FormationTable, LibraryPlant, ModelicaPlant, PythonClass, TrainFile
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
-from railgrip.simulate.files import description_of, lowered, parameters_of, plant_description, recipe_file, units_of
+from railgrip.simulate.files import (
+    compile_class,
+    description_of,
+    parameters_of,
+    plant_description,
+    recipe_file,
+    units_of,
+)
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
@@ -390,7 +397,7 @@ class VehicleData:
 
     def contact_with(self, parameters: Mapping[str, float]) -> Contact:
         """Return the contact with those of the plant's parameters that it has."""
-        model = lowered("RailBraking.FMUs.ContactPoint")
+        model = compile_class("RailBraking.FMUs.ContactPoint")
         shape = self.scenario.adhesion.polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
         return compiled_contact(

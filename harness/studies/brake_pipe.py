@@ -22,7 +22,7 @@ from railgrip.report.table import ReportTable, percent
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.file import located
+from railgrip.scenario.file import locate
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import dry_scenario, filling_of
@@ -116,7 +116,7 @@ def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> ReportTable:
 
 def stop_row(equipment: str) -> dict[str, object]:
     """Return the dry stop of `loco_coaches` with some equipment in each car."""
-    text = located("loco_coaches", "trains").read_text(encoding="utf-8")
+    text = locate("loco_coaches", "trains").read_text(encoding="utf-8")
     table = EQUIPMENT[equipment]
     if table:
         kind, name = table.split("]")[0].strip().lstrip("[").split(".")

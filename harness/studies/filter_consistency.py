@@ -17,7 +17,7 @@ from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, whole_percent
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import FAULTS
@@ -63,9 +63,9 @@ def errors_of(case: Case) -> Errors:
     """Run a case."""
     scenario, load, fault, seed, name = case
     rail = read_toml(_ROOT / "library" / f"{scenario}.toml")
-    table = merged(rail, read_toml(_ROOT / "equipment" / "service.toml"))
+    table = merge(rail, read_toml(_ROOT / "equipment" / "service.toml"))
     changes = {"estimator": FILTERS[name], "truth": {"load": load}, "seed": seed}
-    table = merged(merged(table, changes), FAULTS[fault]) | {"controller": {"kind": "slip_three_state"}}
+    table = merge(merge(table, changes), FAULTS[fault]) | {"controller": {"kind": "slip_three_state"}}
     trace = run_stop(scenario_of(table, directory=_ROOT / "library", origin=scenario)).trace
     moving = trace["speed"].values > SLOWEST
     error = (trace["estimate_adhesion"].values - trace["group_adhesion"].values)[moving]

@@ -24,7 +24,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import require_stop, thinned
+from railgrip.trace.recorder import require_stop, thin
 from railgrip.trace.stored import StoredScenario, StoredStop
 
 STOP_FILE = "stop.json"
@@ -265,7 +265,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thinned(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
+            write_trace(thin(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
     except WriteFailed:
         _write_content(content, directory)

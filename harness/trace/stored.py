@@ -6,7 +6,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat
 
 from railgrip.base.errors import UnitError
 from railgrip.base.units import to_si
-from railgrip.scenario.table import Name, Seed, broken
+from railgrip.scenario.table import Name, Seed, table_error
 
 Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
@@ -62,7 +62,7 @@ def _ratios(parameters: dict[str, Any]) -> dict[str, Any]:
         except UnitError:
             is_ratio = False
         if not is_ratio:
-            raise broken(f"{name} is not a ratio")
+            raise table_error(f"{name} is not a ratio")
     return parameters
 
 

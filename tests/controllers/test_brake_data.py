@@ -19,7 +19,7 @@ KNOWN = {"m_wheelset[1]": 2e4, "m_wheelset[2]": 2e4, "p_max": 3.4e5, "r_wheel": 
 
 
 def demands(law: type[GroupLaw], brakes: tuple[Brake, ...], formation: Formation) -> np.ndarray:
-    own = law(brakes, law.tuned_for("ideal", "estimated", period=0.01, adhesion_max=0.15, pressure_lag=0.0))
+    own = law(brakes, law.load_tuning("ideal", "estimated", period=0.01, adhesion_max=0.15, pressure_lag=0.0))
     seen = [one for one in observations(formation, estimated=True) if math.isfinite(one.speed)]
     return np.array([own.decide(one) for one in seen])
 

@@ -174,8 +174,8 @@ def law_that_ends(calls):
 STEPS = TrackForce(begins=(-np.inf, 0.5, 3.0, 3.0001), forces=(0.0, 1e3, -2e3, 5e2), rates=(0.0, 0.0, 7e3, -3e2))
 
 
-SLIP = lambda: SlipTwoState(GROUPS, SlipTwoState.tuned_for("ideal", "read", "paper"))
-HOLD = lambda: SlipThreeState(GROUPS, SlipThreeState.tuned_for("ideal", "read", "paper"))
+SLIP = lambda: SlipTwoState(GROUPS, SlipTwoState.load_tuning("ideal", "read", "paper"))
+HOLD = lambda: SlipThreeState(GROUPS, SlipThreeState.load_tuning("ideal", "read", "paper"))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
@@ -631,6 +631,6 @@ def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
     with pytest.raises(LoopError, match="takes 8 inputs, and 26 belong to 4 groups"):
         same(
-            controller=lambda: SlipTwoState(GROUPS[:1], SlipTwoState.tuned_for("ideal", "read", "paper")),
+            controller=lambda: SlipTwoState(GROUPS[:1], SlipTwoState.load_tuning("ideal", "read", "paper")),
             sensors="ideal",
         )

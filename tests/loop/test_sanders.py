@@ -9,7 +9,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.rail import LoopSander, SandedRail
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 
 KG_PER_MIN = 1 / 60
@@ -103,7 +103,7 @@ def test_a_train_that_stands_or_leaves_the_table_keeps_finite_friction():
 
 def test_sand_reaches_the_rail_a_second_later_and_less_of_it_each_wheelset():
     scenario = load(LIBRARY / "plain.toml", [*LOW, *WRITTEN, "limits.horizon=4 s"])
-    with assembled(scenario) as parts:
+    with assemble(scenario) as parts:
         ended = parts.run()
         trace = parts.recorder.trace(ended.samples, 1e-3)
     last = trace.mu0.values[-1]

@@ -13,7 +13,7 @@ from railgrip.report.baseline import (
     Finding,
     Findings,
     accept,
-    beyond_accepted,
+    baseline_deviations,
     compare,
     comparison_table,
     findings_of,
@@ -219,11 +219,11 @@ def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, t
         made = tuple(replace(stop, record=replace(stop.record, versions=versions)) for stop in results.stops)
         return replace(results, stops=made)
 
-    (sentence,) = beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), file)
+    (sentence,) = baseline_deviations(made_by("OpenModelica Compiler v1.27.0"), file)
     assert sentence.startswith(f"{SBC}: {distance(results, SBC):.2f} m by FMUs of another compiler")
     assert sentence.endswith("-1.0 %.")
-    assert beyond_accepted(made_by("railgrip (rumoca 0.10)"), file) == []
-    assert beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
+    assert baseline_deviations(made_by("railgrip (rumoca 0.10)"), file) == []
+    assert baseline_deviations(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
     assert by_compiler(made_by("OpenModelica v1.27.0").stops) == ["FMUs by OpenModelica v1.27.0: TwoPartTrain.fmu."]
 
 

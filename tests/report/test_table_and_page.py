@@ -18,7 +18,7 @@ TABLE = ReportTable(
 
 
 def test_a_table_is_markdown():
-    assert str(TABLE.filled()) == (
+    assert str(TABLE.drop_empty_columns()) == (
         "| stop | distance | change | kept |\n"
         "|---|--:|--:|--:|\n"
         "| <dry> | 12.3 m | −10.0 % | yes |\n"
@@ -99,7 +99,7 @@ def test_a_page_of_markdown_escapes_what_markdown_would_interpret(tmp_path):
 VALUES = {
     "references": "",
     "changes": [],
-    "tables": [TABLE.filled()],
+    "tables": [TABLE.drop_empty_columns()],
     "quantiles": None,
     "worst": None,
     "notes": [],

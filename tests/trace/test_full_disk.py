@@ -19,7 +19,7 @@ from synthetic_runner import run_stop
 from railgrip.base.errors import WriteFailed, for_user
 from railgrip.base.files import replacing, write_text
 from railgrip.base.outputs import RECORD
-from railgrip.campaign.run import kept_result
+from railgrip.campaign.run import find_result
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
@@ -73,7 +73,7 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
         write_stop(stop, tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
     assert read_stop(tmp_path).metrics.distance == stop.metrics.distance
-    assert kept_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
+    assert find_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
     disk(size - 100)
     with pytest.raises(WriteFailed, match=r"stop\.json: cannot be written"):
         write_stop(stop, tmp_path)

@@ -12,7 +12,7 @@ from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.quantity import Number, UnitRange
-from railgrip.scenario.table import Length, Table, broken, optional
+from railgrip.scenario.table import Length, Table, optional, table_error
 
 if TYPE_CHECKING:
     from railgrip.scenario.track.alignment import TrackAlignment
@@ -49,7 +49,7 @@ class Curve(Table):
     @classmethod
     def _straight_or_a_curve(cls, radius: float) -> float:
         if 0 < radius < TIGHTEST_RADIUS:
-            raise broken(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
+            raise table_error(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
         return radius
 
 
@@ -84,18 +84,20 @@ class Plan(Table):
     direction: Literal["forward", "backward"] = Field(description="of travel along the distance of the plan")
 
     @model_validator(mode="after")
-    def _can_be_laid(self) -> Self:
+    def _check_alignment(self) -> Self:
         if any(0 < abs(radius) < TIGHTEST_RADIUS for _, radius in self.course):
-            raise broken(f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way")
+            raise table_error(
+                f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way"
+            )
         try:
-            course = self.laid()
+            course = self.alignment()
         except ValueError as problem:
-            raise broken(f"grades: {problem}") from problem
+            raise table_error(f"grades: {problem}") from problem
         if self.start > course.length:
-            raise broken(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
+            raise table_error(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
         return self
 
-    def laid(self) -> "TrackAlignment":
+    def alignment(self) -> "TrackAlignment":
         """Return the alignment of the track."""
         from railgrip.scenario.track.alignment import TrackAlignment, course_of, grades_of
         from railgrip.scenario.track.geodesy import (
@@ -145,14 +147,16 @@ class Track(Table):
     @model_validator(mode="after")
     def _one_course_in_order(self) -> Self:
         if self.plan is not None and (self.gradient or self.curve):
-            raise broken("has a plan, which says all gradients and curves, and gradient or curve beside it; keep one")
+            raise table_error(
+                "has a plan, which says all gradients and curves, and gradient or curve beside it; keep one"
+            )
         for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
             begins = [section.begin for section in sections]
             if begins != sorted(set(begins)):
-                raise broken(f"{name} must begin at rising distances, got {begins}")
+                raise table_error(f"{name} must begin at rising distances, got {begins}")
         tightest = min((section.radius for section in self.curve if section.radius), default=math.inf)
         if self.curve_law == "roeckl" and tightest < 300:
-            raise broken(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
+            raise table_error(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
         return self
 
     @property
@@ -164,7 +168,7 @@ class Track(Table):
 def slope_of(track: Track) -> Callable[[float], float]:
     """Return the gradient tan β in the direction of travel as a function of the distance travelled [m]."""
     if (plan := track.plan) is not None:
-        course = plan.laid()
+        course = plan.alignment()
         return lambda distance: plan.way * float(course.slope(plan.place(distance)))
     begins = [section.begin for section in track.gradient]
     slopes = [0.0, *(section.slope for section in track.gradient)]
@@ -217,7 +221,7 @@ def track_force_of(track: Track, mass: float) -> TrackForce:
 
 
 def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
-    course = plan.laid()
+    course = plan.alignment()
     ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
     kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
     begins = np.unique(np.concatenate([np.arange(*ends), kinks, ends]))

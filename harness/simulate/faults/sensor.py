@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from railgrip.scenario.faults import READ_BY, Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.seed import generator
-from railgrip.scenario.table import broken, optional
+from railgrip.scenario.table import optional, table_error
 from railgrip.simulate.faults.site import Site, places
 from railgrip.simulate.loop.faults import ReadingFault, ReadingKind
 
@@ -27,7 +27,7 @@ class _SensorFault(Fault):
         for name in ("group", "wheelset"):
             if getattr(self, name) is not None and name != key:
                 choice = "no place: there is one" if key is None else f"'{key}'"
-                raise broken(f"has '{name}', but {self.part} takes {choice}")
+                raise table_error(f"has '{name}', but {self.part} takes {choice}")
         return self
 
     def _of_reading(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:

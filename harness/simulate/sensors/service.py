@@ -13,7 +13,7 @@ from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.sensors import SampledSensors
-from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken, optional
+from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, optional, table_error
 from railgrip.scenario.track.table import gravity_along, slope_of
 from railgrip.simulate.faults.pole_wheel import missing_teeth
 from railgrip.simulate.loop.sensors import RoughRail, ServiceInstruments, ServiceSensors, TrackQuantity
@@ -58,7 +58,7 @@ class SpeedSensor(Table):
     def _times(self) -> Self:
         for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
             if bool(getattr(self, name)) != (time is not None):
-                raise broken(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
+                raise table_error(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
         return self
 
 
@@ -130,7 +130,7 @@ class Service(SampledSensors):
         """
         return max(round(communication / (self.period or _PERIOD)), 1)
 
-    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
+    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
         """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
         communication = scenario.periods.communication
         period, samples = communication * self.sampled_every(communication), self.samples_in(communication)
@@ -204,7 +204,7 @@ def _gravity(scenario: Scenario) -> TrackQuantity:
     track, step = scenario.track, 0.1
     begin, end = 0.0, max((section.begin for section in track.gradient), default=0.0)
     if (plan := track.plan) is not None:
-        begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.laid().length))
+        begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.alignment().length))
         step = 1.0
     places = np.arange(begin, end + 2.0 * step, step)
     slope = slope_of(track)

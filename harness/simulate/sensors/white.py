@@ -78,7 +78,7 @@ class White(SampledSensors):
             raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {choice}")
         return tuple(signal for name, signal in _ALL.items() if name in self.named and signal in EXTRA_READINGS)
 
-    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | TrackSensors":
+    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | TrackSensors":
         """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
 
         def each(values: Mapping[str, float]) -> NDArray[np.float64]:
@@ -140,7 +140,7 @@ class _Receiver:
     def __init__(self, table: Gnss, scenario: Scenario, every: int, random: np.random.Generator) -> None:
         assert scenario.track.plan is not None  # the scenario has been checked
         self._track, self._random = scenario.track.plan, random
-        self._plan = self._track.laid().plan()
+        self._plan = self._track.alignment().plan()
         step = scenario.periods.communication
         self._every = steps_between(table.period, step * every)
         self._keeps = math.exp(-table.period / table.wander_time)

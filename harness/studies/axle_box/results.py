@@ -14,7 +14,7 @@ from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
 from railgrip.report.table import ReportTable
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchanged, parts_of
+from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchange_labels, parts_of
 from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
 from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, AxleBoxResults, Rows
 from railgrip.studies.papers.pages import PaperRow, comparison
@@ -47,7 +47,7 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
     }
 
 
-def compared(results: AxleBoxResults) -> ReportTable:
+def compare_with_paper(results: AxleBoxResults) -> ReportTable:
     """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
     levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
               for s, runs in results.runs.items()}  # fmt: skip
@@ -175,7 +175,7 @@ def draw(results: AxleBoxResults) -> dict[str, Figure]:
     """Draw every figure, by the name of its file."""
     return {
         "errors.png": errors(results),
-        "processed.png": processed(results.runs),
+        "processed.png": acceleration_figure(results.runs),
         "network.svg": structure(next(iter(results.networks.values())).network),
         "campaign.png": campaign(results),
         "within_runs.png": over_time(results),
@@ -234,7 +234,7 @@ def campaign(results: AxleBoxResults) -> Figure:
     return sheet
 
 
-def processed(runs_at: Mapping[int, Sequence[LabelledRun]]) -> Figure:
+def acceleration_figure(runs_at: Mapping[int, Sequence[LabelledRun]]) -> Figure:
     """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8.
 
     Args:
@@ -273,7 +273,7 @@ def over_time(results: AxleBoxResults) -> Figure:
     for pair, (speed, runs) in zip(grid, results.runs.items(), strict=True):
         for axes, fitted, labelled, title in (
             (pair[0], results.networks[speed], runs, f"Fig. {_ESTIMATES[speed]}: {speed} mph"),
-            (pair[1], results.exchanged[speed], exchanged(runs), f"{speed} mph, labels of other runs"),
+            (pair[1], results.exchanged[speed], exchange_labels(runs), f"{speed} mph, labels of other runs"),
         ):
             _, late = parts_of(labelled, results.recipe)
             x, y = np.vstack([x for x, _ in late]), np.concatenate([y for _, y in late])

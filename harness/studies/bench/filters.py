@@ -14,7 +14,7 @@ from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
-from railgrip.simulate.files import lowered
+from railgrip.simulate.files import compile_class
 from railgrip.simulate.prediction import central_of, consist_of, start_of
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.field_test.filtering import PHYSICAL, filter_of, follow, prediction, specification, task_of
@@ -25,7 +25,7 @@ from railgrip.vehicle.formation import Formation
 
 def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
     """Yield the steps of the filters over a braked train with readings that fit it."""
-    translation = lowered(f"RailBraking.Predictions.{model}")
+    translation = compile_class(f"RailBraking.Predictions.{model}")
     prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
     noise_set = NOISE_SETS[noise]
     noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)

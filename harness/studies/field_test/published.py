@@ -6,7 +6,7 @@ import numpy as np
 import pymap3d
 from scipy.ndimage import uniform_filter1d
 
-from railgrip.estimation.braking import braked, driven
+from railgrip.estimation.braking import brake_mask, traction_mask
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import FilterRecord
 from railgrip.report import style
@@ -46,7 +46,7 @@ SLIDING = 0.02
 """Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
 
 
-def compared(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> ReportTable:
+def compare_with_paper(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> ReportTable:
     """Return the table of published quantities beside ours.
 
     Args:
@@ -79,8 +79,8 @@ def _of_track(train: Train, run: FieldRun) -> Sequence[PaperRow]:
 def _of_drive(run: FieldRun) -> Sequence[PaperRow]:
     recording = run.recording
     time, speed = recording["time"].values, reading_of(recording, "speed")
-    drives = np.flatnonzero(np.diff(driven(recording).astype(int)))[1:4] + 1
-    brake = int(np.argmax(braked(recording)))
+    drives = np.flatnonzero(np.diff(traction_mask(recording).astype(int)))[1:4] + 1
+    brake = int(np.argmax(brake_mask(recording)))
     # The recording ends at 0.3 m/s; the rest with the mean deceleration of the last second.
     second = round(1.0 / (time[1] - time[0]))
     decelerating = np.polyfit(time[-second:], speed[-second:], 1)

@@ -33,14 +33,14 @@ from railgrip.studies.field_test.filtering import (
     UNITS,
     FilterTask,
     Noise,
+    divergence_time,
     filter_of,
     follow,
     load_noise,
-    lost,
     prediction,
     task_of,
 )
-from railgrip.studies.field_test.published import compared
+from railgrip.studies.field_test.published import compare_with_paper
 from railgrip.studies.field_test.runs import TEST, TUNING, FieldRun, cases, runs
 from railgrip.studies.field_test.score import (
     Figures,
@@ -94,7 +94,7 @@ class FieldTest(Study):
         scores = {title: score(test, estimate) for title, estimate in estimates.items()}
         train = load_train(TRAIN)
         tables = {
-            "compared": compared(train, of_case[TEST], test, estimates[PUBLISHED]),
+            "compared": compare_with_paper(train, of_case[TEST], test, estimates[PUBLISHED]),
             "tracks": _tracks(of_case),
             "case": _case(scores, _worst(others, filter_, noises)),
             "pads": _pads(tasks, filter_, noises),
@@ -125,7 +125,9 @@ class FieldTest(Study):
                 **_conditions(test),
                 **tables,
                 "groups": _groups(scores),
-                "lost": {title: at for title, run in estimates.items() if (at := lost(test, run)) is not None},
+                "lost": {
+                    title: at for title, run in estimates.items() if (at := divergence_time(test, run)) is not None
+                },
                 "sets": len(track_spread),
                 "common": common,
                 "trusted": trusted,

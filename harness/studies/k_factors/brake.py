@@ -205,7 +205,7 @@ class QuasiStaticBrake:
                 warmth = np.maximum(energy - surface, 0.0) * disc_share / (of["m_disc"] * of["c_disc"])
                 heat = (self._temperature + warmth - of["temperature_nominal"]) / of["temperature_range"]
                 pad_speed = speed * brake["friction_radius"] / radius / of["pad_speed_nominal"]
-                steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturated(heat))
+                steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturate(heat))
                 deceleration = ((force * steady).sum(axis=1) + rolling + drag * square) / inertial
                 inverse += 1 / deceleration
             steps.append(PARTS / inverse)
@@ -219,6 +219,6 @@ class QuasiStaticBrake:
         return np.stack(steps[::-1], axis=1), distance + start * time, time
 
 
-def _saturated(x: Array) -> Array:
+def _saturate(x: Array) -> Array:
     """Return `RailBraking.Friction.saturate`."""
     return (np.sqrt((x + 1) ** 2 + 0.01) - np.sqrt((x - 1) ** 2 + 0.01)) / 2

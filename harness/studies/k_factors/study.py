@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.sources import input_versions
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
@@ -31,7 +31,7 @@ from railgrip.studies.k_factors.k_dry import (
     quasi_static,
     scenario_of_draw,
 )
-from railgrip.studies.k_factors.rare import estimates, pooled
+from railgrip.studies.k_factors.rare import estimates, pool_samples
 from railgrip.studies.k_factors.specification import KFactorSpecification, Normal, Uniform, load_specification
 from railgrip.studies.study import Study
 
@@ -216,7 +216,7 @@ def content(
         ],
         "specification": specification.model_dump(mode="json"),
         "scenario_digest": scenario.digest(),
-        "versions": made_by() | {plant.file.name: plant.generator},
+        "versions": input_versions() | {plant.file.name: plant.generator},
         "fmus": {plant.file.name: plant.digest},
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }
@@ -234,7 +234,7 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
     colours = lead_to_trail(len(brake.outputs))
     levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
     for output, runs, colour in zip(brake.outputs, result.runs, colours, strict=True):
-        pooled_run = pooled(runs, [1 / len(runs)] * len(runs))
+        pooled_run = pool_samples(runs, [1 / len(runs)] * len(runs))
         left.semilogy([pooled_run.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
     stop = result.k[-1]
     spread = np.array([[value.value - value.low, value.high - value.value] for value in stop]).T

@@ -92,7 +92,7 @@ def information_of(trace: Trace) -> Information:
     )
 
 
-def observed(runs: Sequence[Information]) -> ReportTable:
+def observability_by_condition(runs: Sequence[Information]) -> ReportTable:
     """Return, by condition, how far a short window of readings determines each hidden state, over its size."""
     rows: list[dict[str, Any]] = []
     for number, condition in enumerate(CONDITIONS):
@@ -112,7 +112,7 @@ def observed(runs: Sequence[Information]) -> ReportTable:
     return ReportTable(rows, {"all five determined": whole_percent}, ("condition",))
 
 
-def refused(runs: Sequence[Information]) -> ReportTable:
+def surface_change_table(runs: Sequence[Information]) -> ReportTable:
     """Return what a change of the surface moves beside what the process noise of the paper lets move."""
     jump = np.median([run.jump for run in runs], axis=0)
     allowed, long = runs[0].allowed, np.median(np.concatenate([run.long for run in runs]), axis=0)

@@ -208,7 +208,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     table |= {"track_rate": realisation.track_rate, "speed": speed}
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {
-        name: _followed(name, *filter_and_first, table, readings, realisation)
+        name: _follow(name, *filter_and_first, table, readings, realisation)
         for name, filter_and_first in observers.items()
     }
     wall = time.perf_counter() - begin
@@ -237,7 +237,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     )
 
 
-def _followed(
+def _follow(
     name: Name, filter_: CompiledFilter, first_belief: GaussianEstimate, table: Mapping[str, Array], readings: Array,
     realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip

@@ -194,7 +194,7 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, ReportTable]:
     return {title: ReportTable.of(columns, table, str, left=3) for title, table in tables.items()}
 
 
-def compared(trace: Trace) -> ReportTable:
+def compare_with_paper(trace: Trace) -> ReportTable:
     """Return the statements of the paper about its figures next to a run of the transition; see `comparison`.
 
     Args:

@@ -395,7 +395,7 @@ def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
     ]
 
 
-def compared(found: Mapping[str, Any]) -> list[PaperRow]:
+def compare_with_paper(found: Mapping[str, Any]) -> list[PaperRow]:
     """Return the published quantities beside ours; `found` are `measures`."""
     words = {"1": "greatest adhesion", "2": "brake released", "3": "rolling"}
     points = [
@@ -411,11 +411,11 @@ def compared(found: Mapping[str, Any]) -> list[PaperRow]:
     ]  # fmt: skip
     answer = PaperRow("Fig. 6", "response of the protection, slide / sand", f"about {RESPONSE:g} s",
                       f"{slide['response']:.2f} / {sand['response']:.2f} s")  # fmt: skip
-    errors_of_sand = _compared_errors("Fig. 6", sand)
-    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *errors_of_sand, *peaks, answer]
+    errors_of_sand = _compare_errors("Fig. 6", sand)
+    return [*points, *_compare_slide(slide), *_compare_sand(sand, slide), *errors_of_sand, *peaks, answer]
 
 
-def _compared_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
+def _compare_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
     """Return what the text says of figure 4, beside the sliding test."""
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
     return [
@@ -435,13 +435,13 @@ def _compared_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
             )
             for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True)
         ),
-        *_compared_start("Fig. 4", slide),
-        *_compared_friction("Fig. 4", slide),
-        *_compared_errors("Fig. 4", slide),
+        *_compare_start("Fig. 4", slide),
+        *_compare_friction("Fig. 4", slide),
+        *_compare_errors("Fig. 4", slide),
     ]
 
 
-def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[PaperRow]:
+def _compare_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[PaperRow]:
     """Return what the text says of figure 5, beside the sanding test."""
     names = ("first peak", "after the fall", "after the release", "at last")
     return [
@@ -452,8 +452,8 @@ def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Pa
         ),
         PaperRow("Fig. 5", f"slides with more than {100 * SLIDING:g} % slip, 4 to 11 s", 1, sand["slides"], "{:d}",
                  is_chosen=True),
-        *_compared_start("Fig. 5", sand),
-        *_compared_friction("Fig. 5", sand),
+        *_compare_start("Fig. 5", sand),
+        *_compare_friction("Fig. 5", sand),
         PaperRow("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
                  f"{slide['applications']:.2f} / {sand['applications']:.2f}"),
         PaperRow("Fig. 5", "the same with one protection in both tests", "fewer in the sanding test",
@@ -463,7 +463,7 @@ def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Pa
     ]  # fmt: skip
 
 
-def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
+def _compare_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     """Return the errors of adhesion of each filter in a test."""
     rows: list[PaperRow] = []
     for name, judged in test["filters"].items():
@@ -476,7 +476,7 @@ def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     return rows
 
 
-def _compared_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
+def _compare_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     """Return how long each filter takes to correct an adhesion that is wrong at its start."""
     return [
         PaperRow(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
@@ -485,7 +485,7 @@ def _compared_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     ]  # fmt: skip
 
 
-def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
+def _compare_friction(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     """Return how pad friction rises to the end of a test, true and estimated."""
     published = f"rises from {test['rises']:g} s on"
     return [
@@ -497,4 +497,4 @@ def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
 
 def table(found: Mapping[str, Any]) -> ReportTable:
     """Return the table of the page; `found` are `measures`."""
-    return comparison(compared(found))
+    return comparison(compare_with_paper(found))

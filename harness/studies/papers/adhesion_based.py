@@ -149,14 +149,14 @@ def cross_validation(fits: Sequence[CandidateFit]) -> ReportTable:
         errors = [100 * fit.errors[3 + number] for fit in plausible if error_of_two(fit) <= EQUAL]
         rows.append((
             name.replace("_", " "), f"{ABC[name]:.1f} m", f"{100 * error_of_two(best):.1f} %",
-            f"{best.abc[name]:.1f} m", _signed(100 * best.errors[3 + number]),
-            f"{_signed(min(errors))} to {_signed(max(errors))} ({len(errors)})" if errors else "none",
+            f"{best.abc[name]:.1f} m", _format_signed(100 * best.errors[3 + number]),
+            f"{_format_signed(min(errors))} to {_format_signed(max(errors))} ({len(errors)})" if errors else "none",
         ))  # fmt: skip
     columns = ("predicted", "paper", "largest error of the other two", "prediction", "error", "errors of all such fits")
     return ReportTable.of(columns, rows)
 
 
-def _signed(share: float) -> str:
+def _format_signed(share: float) -> str:
     return f"{share:+.1f} %".replace("-", "−")
 
 
@@ -387,7 +387,7 @@ def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str
     return found
 
 
-def compared(identified: CandidateFit, found: Mapping[str, Any]) -> list[PaperRow]:
+def compare_with_paper(identified: CandidateFit, found: Mapping[str, Any]) -> list[PaperRow]:
     """Return the published quantities next to ours; `found` are `measures`. The levels are solved for SBC."""
     rows = [
         PaperRow("Fig. 1", f"slip of maxima, {name}", "two distinct maxima, no numbers",
@@ -405,7 +405,7 @@ def compared(identified: CandidateFit, found: Mapping[str, Any]) -> list[PaperRo
     ]
     rows += [
         PaperRow("Table 1", f"ABC as printed, {_rail(name)}", ABC[name], identified.abc[name], "{:.1f} m",
-                 f"{_signed(100 * (identified.abc[name] / ABC[name] - 1))}, fitted")
+                 f"{_format_signed(100 * (identified.abc[name] / ABC[name] - 1))}, fitted")
         for name in SCENARIOS
     ]  # fmt: skip
     rows.append(

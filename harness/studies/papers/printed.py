@@ -11,7 +11,7 @@ from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
 from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
@@ -70,13 +70,13 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
     """Return a stop with the law as printed in a variant of `GUARDS`, perturbed by a seed."""
     parameters = GUARDS[variant]
     if variant == _BORROWING:
-        tuning = AdhesionBased.tuned_for(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
+        tuning = AdhesionBased.load_tuning(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
         parameters = {name: getattr(tuning, name) for name in _BORROWED}
     changes = {
         "controller": {"parameters": dict(parameters)},
         "vehicle": {"nudge": {"relative": PERTURBATION, "seed": seed}},
     }
-    return Scenario.model_validate(merged(scenario.resolved(), changes))
+    return Scenario.model_validate(merge(scenario.resolved(), changes))
 
 
 def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
@@ -121,7 +121,7 @@ def excess(scenario: Scenario) -> dict[str, float]:
     adhesion, time = trace["group_adhesion"].values, trace["time"].values
     instant, group = np.unravel_index(np.argmax(adhesion), adhesion.shape)
     formation = VehicleData(scenario).nominal.formation
-    load = formation.summed(trace["wheelset_load"].values)[instant, group]
+    load = formation.sum_by_group(trace["wheelset_load"].values)[instant, group]
     brake = formation.brakes[group]
     rates = np.gradient(trace["wheelset_speed"].values[:, group], time)
     return {

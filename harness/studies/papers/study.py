@@ -17,7 +17,7 @@ from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
 from railgrip.studies.papers.deflection import deflection_table, deflections
 from railgrip.studies.papers.lyapunov import violations_table
 from railgrip.studies.papers.pages import comparison, write_results
-from railgrip.studies.papers.table1 import CandidateFit, read_fits, refined, search, write_fits
+from railgrip.studies.papers.table1 import CandidateFit, read_fits, refine, search, write_fits
 from railgrip.studies.papers.wheelsets import used_by_wheelset, used_table, wheelset_figure
 from railgrip.studies.study import Study
 
@@ -31,7 +31,7 @@ def tables_of(
 ) -> dict[str, ReportTable]:
     """Return the tables of the page on adhesion-based control by name; `found` are `measures` of the figures."""
     return {
-        "published": comparison(adhesion_based.compared(identified, found)),
+        "published": comparison(adhesion_based.compare_with_paper(identified, found)),
         "sentences": adhesion_based.sentences(identified, found),
         "distances": adhesion_based.distances(identified),
         "parameters": adhesion_based.parameters(identified),
@@ -66,7 +66,7 @@ class Papers(Study):
         """Return figures and tables of the paper."""
         known = read_fits(FITS)
         fits = search(work, known[:KNOWN]) if self.fit else known
-        identified = refined(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
+        identified = refine(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
         work.notify("guards of the law")
         guards, excesses = printed.guards(work), printed.excesses(work)
         work.notify("figures")

@@ -170,10 +170,10 @@ def candidate_at(point: Sequence[float]) -> Candidate:
         values[name] = low * (high / low) ** share if name in _LOGARITHMIC else low + (high - low) * share
     ratio = values.pop("k_S/k_A")
     # Four digits are what is written: the file holds all that a distance needs to be found again.
-    return Candidate(k_S=_rounded(ratio * values["k_A"]), **{name: _rounded(value) for name, value in values.items()})
+    return Candidate(k_S=_round(ratio * values["k_A"]), **{name: _round(value) for name, value in values.items()})
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.4g}")
 
 
@@ -376,7 +376,7 @@ def value_of(candidate: Candidate, name: str) -> float:
     return candidate.k_S / candidate.k_A if name == "k_S/k_A" else float(getattr(candidate, name))
 
 
-def refined(work: Work, fits: Sequence[CandidateFit], count: int = 4) -> CandidateFit:
+def refine(work: Work, fits: Sequence[CandidateFit], count: int = 4) -> CandidateFit:
     """Return the best of the first few fits by the medians of `FINAL` repeats."""
     again = work.map(call, [partial(at_levels, fit.candidate, fit.levels, FINAL) for fit in fits[:count]])
     return min(again, key=lambda fit: (not fit.is_admissible, fit.cost))

@@ -18,7 +18,7 @@ from railgrip.report.page import Page
 from railgrip.report.table import ReportTable, percent
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
-from railgrip.scenario.file import located
+from railgrip.scenario.file import locate
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study
 from railgrip.studies.trains.sanders import Comparison, SanderTrial, compare, scenario_of_row, scenario_tables, trial_of
@@ -28,8 +28,8 @@ from railgrip.studies.trains.stops import (
     DryStop,
     dry_scenario,
     dry_stop,
-    multiplied,
     protected_stop,
+    repeat_cars,
 )
 
 PAGE = Path("docs/train_models.md")
@@ -53,13 +53,13 @@ class Trains(Study):
         names = [name for name in NAMED if not self.quick or name != "loco_coaches"]
         counts = (1, 2, 4) if self.quick else (1, 2, 4, 8, 16)
         trial, model = trial_of(), Path("emu387")
-        text = located(model, "trains").read_text(encoding="utf-8")
+        text = locate(model, "trains").read_text(encoding="utf-8")
         with scratch("study") as folder:
             files = [folder / f"{model}_{count}.toml" for count in counts]
             for file, count in zip(files, counts, strict=True):
-                file.write_text(multiplied(text, count), encoding="utf-8")
-            stops = work.timed(dry_stop, [*names, *files])
-        protected = work.timed(protected_stop, [1e-3, 10e-3])
+                file.write_text(repeat_cars(text, count), encoding="utf-8")
+            stops = work.measure_times(dry_stop, [*names, *files])
+        protected = work.measure_times(protected_stop, [1e-3, 10e-3])
         density, comparisons = compare(trial)
         page = page_of(stops[: len(names)], stops[len(names) :], protected, trial, density, comparisons)
         if self.write:
@@ -151,7 +151,7 @@ def page_of(
         template="studies/trains/trains.md.jinja",
         values={
             "distances": distances,
-            "published": _published(stops),
+            "published": _published_table(stops),
             "filling": _filling(stops),
             "forces": _forces(stops),
             "costs": _costs([*stops, *series]),
@@ -241,7 +241,7 @@ def _difference(row: Comparison) -> float | None:
     return None if "at_least" in row or row["distance_m"] is None else row["distance_m"] / row["measured_m"] - 1
 
 
-def _published(stops: Sequence[DryStop]) -> ReportTable:
+def _published_table(stops: Sequence[DryStop]) -> ReportTable:
     rows = [
         {
             "train": stop.train.name,

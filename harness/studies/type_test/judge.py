@@ -58,7 +58,7 @@ class CaseMeasurement:
     adhesion_at_slide: float | None = None
 
 
-def measured(stop: Result) -> CaseMeasurement:
+def measure_stop(stop: Result) -> CaseMeasurement:
     """Return what a stop of a type test shows."""
     metrics = stop.record.figures
     air = finite(metrics.air_used)
@@ -293,13 +293,13 @@ def summaries(stops: Sequence[CaseJudgement], taking_part: Mapping[str, Entrant]
                 nees_low=_quantile(sure, 0.1),
                 nees=finite(float(np.mean(sure))) if sure else None,
                 nees_high=_quantile(sure, 0.9),
-                kept={clause: _kept(stops_of, clause) for clause in JUDGED},
+                kept={clause: _share_kept(stops_of, clause) for clause in JUDGED},
             )
         )
     return sorted(board, key=lambda summary: math.inf if summary.median is None else summary.median)
 
 
-def _kept(stops: Sequence[CaseJudgement], clause: str) -> float | None:
+def _share_kept(stops: Sequence[CaseJudgement], clause: str) -> float | None:
     verdicts = [verdict for stop in stops if (verdict := stop.verdicts[clause]) is not None]
     return float(np.mean(verdicts)) if verdicts else None
 

@@ -48,7 +48,7 @@ def write_shipped(
     return path
 
 
-def shipped(
+def read_shipped(
     design: Iterable[Case], train: Mapping[str, Any], folder: Path = LIBRARY
 ) -> tuple[list[CaseMeasurement], list[str]]:
     """Return the stops that come with the package for some cases, and a sentence for each set of cases about them.

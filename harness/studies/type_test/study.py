@@ -50,10 +50,10 @@ from railgrip.studies.type_test.judge import (
     Summary,
     judgements,
     keeps_lock,
-    measured,
+    measure_stop,
     summaries,
 )
-from railgrip.studies.type_test.shipped import shipped, write_shipped
+from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 
 PAGE: Final = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""
@@ -131,8 +131,8 @@ class TypeTest(Study):
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
-        found = [measured(stop) for stop in results.stops]
-        beside, notes = ([], []) if self.controller is None or task else shipped(design, train)
+        found = [measure_stop(stop) for stop in results.stops]
+        beside, notes = ([], []) if self.controller is None or task else read_shipped(design, train)
         page = page_of(
             found,
             taking_part,
@@ -266,7 +266,11 @@ def page_of(
                 "limits": limits.model_dump(mode="json"),
             }
         },
-        screen=(leaderboard(board).without(_ON_PAGE_ONLY), *notes, *([compared(plain, against)] if against else ())),
+        screen=(
+            leaderboard(board).without(_ON_PAGE_ONLY),
+            *notes,
+            *([compare_controllers(plain, against)] if against else ()),
+        ),
     )
 
 
@@ -311,7 +315,7 @@ def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:
     return ReportTable(rows)
 
 
-def compared(cases: Sequence[Mapping[str, Any]], against: str) -> ReportTable:
+def compare_controllers(cases: Sequence[Mapping[str, Any]], against: str) -> ReportTable:
     """Return how much longer than one controller the others stop in the same cases, which are as in type_test.json.
 
     Figures are of the cases in which both stop; differences are positive if a stop is longer.
