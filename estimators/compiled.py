@@ -153,8 +153,8 @@ class CompiledFilter(StepInC):
         self.parameters = part("PARAMETERS")
         self._nis = part("SQUARED")
         self.parameters[:] = prediction.parameters
-        self._spread, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
-        self._spread[:] = design.spread
+        self._process_noise, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
+        self._process_noise[:] = design.process_noise
         self._reading_noise[:] = design.reading_noise
         part("PERIOD")[:] = design.period
         part("THRESHOLD")[:] = design.gate_threshold
@@ -199,7 +199,7 @@ class CompiledFilter(StepInC):
             EstimatorError: They do not fit the model.
         """
         self.design = design = self.design.with_noises(process_noise, reading_noise)
-        self._spread[:] = design.spread
+        self._process_noise[:] = design.process_noise
         self._reading_noise[:] = design.reading_noise
 
     def follow(

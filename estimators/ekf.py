@@ -102,7 +102,7 @@ class ExtendedKalmanFilter:
             )
         jacobian = self.prediction.derivative_jacobian(prior.mean, inputs) * free[:, np.newaxis]
         phi = transition(jacobian, self.design.period, self.design.order)
-        covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
+        covariance = phi @ prior.covariance @ phi.T + self.design.process_noise * np.outer(free, free)
         return seal(mean, 0.5 * (covariance + covariance.T))
 
     def innovation(self, forecast: GaussianEstimate, inputs: Vector, readings: Vector) -> Innovation:

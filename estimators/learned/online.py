@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
+from railgrip.estimators.learned.ensemble import MIN_DEVIATION, SLOPE_CENTRE, SLOPE_HALF, Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BOXES, AntiAlias, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
@@ -220,7 +220,7 @@ def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
     first_stage = [_network(network, x) for network in ensemble.networks]
     each = [_friction(ensemble, state) for state in first_stage]
     mean, centre = _friction(ensemble, _mean(first_stage)), _mean(each)
-    half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)
+    half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + MIN_DEVIATION**2)
     return {_FRICTION: mean, _LOWER: ca.fmax(mean - half, 0), _UPPER: ca.fmin(mean + half, 1)}
 
 

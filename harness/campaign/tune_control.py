@@ -183,7 +183,7 @@ def _evolve(
     """
     population, generations = effort
     bounds = np.log(np.array(list(ranges.values())).T)
-    spread = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
+    unit_points = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
 
     def mapped(function: Callable[[Vector], float], points: Iterable[Vector]) -> list[float]:
@@ -198,7 +198,7 @@ def _evolve(
         objective,
         Bounds(*bounds),
         x0=point_of(ranges, start),
-        init=bounds[0] + spread * (bounds[1] - bounds[0]) if evenly else "sobol",
+        init=bounds[0] + unit_points * (bounds[1] - bounds[0]) if evenly else "sobol",
         popsize=population // len(ranges),
         maxiter=generations,
         tol=0.0,
@@ -216,7 +216,7 @@ def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:
     # Sobol points come in powers of two; a population of twice the number of parameters is small, but sufficient.
     population = 1 << max(3, math.ceil(math.log2(2 * parameters)))
     if budget is not None and budget < 2 * population:
-        population = budget  # too few to evolve: the best of points spread evenly over the ranges
+        population = budget  # too few to evolve: the best of points spaced evenly over the ranges
     return population, max(0, math.ceil((sets * parameters if budget is None else budget) / population) - 1)
 
 

@@ -61,7 +61,7 @@ _MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
 _LEAST = 0.6
 """Similarity of names below which a column is not recognised."""
 _DEGREES = ("latitude", "longitude")
-_MOST_ACCELEROMETERS = 16
+_MAX_ACCELEROMETERS = 16
 _BRIDGED = 1.0
 """Longest gap of an input that a proposal interpolates over [s]."""
 _GAP = 2.5
@@ -307,7 +307,7 @@ def _required_signals(specification: Specification) -> dict[str, _RequiredSignal
     wanted: dict[str, _RequiredSignal] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
         wanted |= {name: (text, name != "braking") for name, text in UNITS_OF_RUN.items()}
-        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
+        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MAX_ACCELEROMETERS + 1)}
         wanted["speed"] = "m/s", True
         wanted.pop("acceleration", None)  # the filter uses the mean of those along the track
     return wanted

@@ -206,7 +206,7 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
         readings=np.column_stack([speed, acceleration, along]),
         start=np.array([0.0, float(speed[np.isfinite(speed)][0]), 0.0, 0.0, 0.0]),
         # The distance at the first sample is zero by definition, here within a millimetre.
-        spread=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
+        start_covariance=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
     )
 
 
@@ -218,7 +218,7 @@ def smooth(
     reading_noise: Array,
     readings: Array,
     start: Array,
-    spread: Array,
+    start_covariance: Array,
 ) -> Array:
     """Return the means of the states of x[j+1] = F x[j] + q, y[j] = H[j] x[j] + r given all readings, shape (k, n).
 
@@ -231,26 +231,26 @@ def smooth(
         reading_noise: Variances of independent r, shape (m,).
         readings: y, shape (k, m); NaN where missing.
         start: Mean at the first instant before its readings, shape (n,).
-        spread: Its covariance, shape (n, n), positive definite.
+        start_covariance: Its covariance, shape (n, n), positive definite.
 
     Source: Särkkä, Bayesian Filtering and Smoothing (2013), theorems 4.2 and 8.2.
     """
     count, n = len(readings), start.size
     mean, covariance = np.empty((count, n)), np.empty((count, n, n))
     expected_mean, expected = np.empty((count, n)), np.empty((count, n, n))
-    m, spread_now = start, spread
+    m, covariance_now = start, start_covariance
     for j in range(count):
         if j > 0:
-            m, spread_now = transition @ m, transition @ spread_now @ transition.T + noise
-        expected_mean[j], expected[j] = m, spread_now
+            m, covariance_now = transition @ m, transition @ covariance_now @ transition.T + noise
+        expected_mean[j], expected[j] = m, covariance_now
         there = np.isfinite(readings[j])
         if there.any():
             H, R = observation[j][there], np.diag(reading_noise[there])
-            gain = np.linalg.solve(H @ spread_now @ H.T + R, H @ spread_now).T
+            gain = np.linalg.solve(H @ covariance_now @ H.T + R, H @ covariance_now).T
             remainder = np.eye(n) - gain @ H
             m = m + gain @ (readings[j][there] - H @ m)
-            spread_now = remainder @ spread_now @ remainder.T + gain @ R @ gain.T
-        mean[j], covariance[j] = m, spread_now
+            covariance_now = remainder @ covariance_now @ remainder.T + gain @ R @ gain.T
+        mean[j], covariance[j] = m, covariance_now
     for j in range(count - 2, -1, -1):
         G = np.linalg.solve(expected[j + 1], transition @ covariance[j]).T
         mean[j] = mean[j] + G @ (mean[j + 1] - expected_mean[j + 1])

@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-6
 """Relative error of a step of CVODE, as in the built-in plants; the absolute error is that times nominal values."""
-_MOST_STEPS: Final = 5000  # of CVODE between two communication points
+_MAX_STEPS: Final = 5000  # of CVODE between two communication points
 _DISCARD: Final = 2  # status of FMI
 
 
@@ -252,7 +252,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             # State events are searched for at least once in each period.
             maxStep=period,
             relativeTolerance=TOLERANCE,
-            maxNumSteps=_MOST_STEPS,
+            maxNumSteps=_MAX_STEPS,
         )
 
 

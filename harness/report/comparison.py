@@ -36,7 +36,7 @@ KMH = 3.6
 _ALIKE = "several"
 _MISSING = "–"
 _LONGEST_TEXT = 40
-_MOST_DIGESTS = 20
+_MAX_DIGESTS = 20
 """Maximum number of stops of campaigns whose digests the page lists."""
 _FIGURE = "figures/comparison.png"
 
@@ -469,7 +469,7 @@ def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Compariso
         provenance={
             f"{letter}, result of {name}": provenance(stop[name])["scenario digest"]
             for letter, stop in zip(letters, stops, strict=True)
-            for name in common[:_MOST_DIGESTS]
+            for name in common[:_MAX_DIGESTS]
         },
     )
 

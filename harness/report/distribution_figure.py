@@ -11,7 +11,7 @@ from matplotlib.ticker import NullLocator
 from railgrip.report import palette, style
 from railgrip.report.distribution import Distribution, PairedComparison
 
-_MOST_BINS = 60
+_MAX_BINS = 60
 
 _JITTER = 0.26  # of the height of a row, to either side
 
@@ -89,7 +89,7 @@ def exceedance_figure(distributions: Sequence[Distribution], permitted: float | 
         ends = np.array([d for distribution in here for d in distribution.distances_m.values() if math.isfinite(d)])
         # The same bins for all, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
         edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
-        edges = np.linspace(edges[0], edges[-1], min(edges.size, _MOST_BINS))
+        edges = np.linspace(edges[0], edges[-1], min(edges.size, _MAX_BINS))
         for number, distribution in enumerate(here):
             values = np.sort(list(distribution.distances_m.values()))
             colour = palette.LINES[number % len(palette.LINES)]

@@ -61,7 +61,7 @@ def begin_off_the_samples(step: float) -> float:
     return float(common / 2) if (first / common).denominator == 1 else 0.0
 
 
-_MOST_ROWS = 1_000_000
+_MAX_ROWS = 1_000_000
 """Maximum number of samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB."""
 
 _SHORTEST, _LONGEST = 120.0, 600.0
@@ -117,10 +117,10 @@ class Scenario(Table):
                 f"{self.periods.communication:g} s"
             )
         rows = self.horizon / self.periods.communication
-        if rows > _MOST_ROWS:
+        if rows > _MAX_ROWS:
             raise table_error(
                 f"[limits] horizon {self.horizon:g} s over [periods] communication "
-                f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
+                f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MAX_ROWS:g} at most"
             )
         has_traction = self.demand is not None and self.demand.has_traction
         if self.limits.stop_speed >= self.start.speed and not has_traction:
@@ -154,7 +154,7 @@ class Scenario(Table):
         lowest = self.adhesion.lowest * min(curve.A for curve in self.adhesion.curves)
         slowing = GRAVITY * (0.5 * lowest + steepest_fall(self.track) + min(self.truth.gradient, 0.0))
         needed = self.start.speed / slowing if slowing > 0.0 else _LONGEST
-        most = min(_LONGEST, _MOST_ROWS * self.periods.communication)
+        most = min(_LONGEST, _MAX_ROWS * self.periods.communication)
         if self.runs_over_distance:
             has_traction = self.demand is not None and self.demand.has_traction
             most = min(most, _SHORTEST if has_traction else max(_SHORTEST, LONGEST_RAIL // max(self.start.speed, 1.0)))

@@ -179,7 +179,7 @@ def _guard_formation(formation: Formation) -> Formation:
 
 
 _PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
-_LEAST_SHARE = 0.01
+_MIN_SHARE = 0.01
 """Share of full pressure.
 
 Pads do not touch below about 5 %, so a law whose demands never exceed 1 % does not brake; bar, kPa, mbar and shares of
@@ -190,7 +190,7 @@ _ROUNDING = 1e-9
 _LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pressure": 2e4}
 """Magnitudes in SI units above which the unit of a signal can be recognised, given offsets of some percent of full
 scale."""
-_MOST_RATIO = 1.5
+_MAX_RATIO = 1.5
 """Above any adhesion, pad friction or slip: a larger estimate is in percent."""
 
 
@@ -294,8 +294,8 @@ class DemandLimits:
         """Raise an error if, for a second after the first demand, no demand brakes although the driver requires it."""
         full = float(self.most.max())
         self._share = max(self._share, float((demands / self.most).max()))
-        self.is_pascal = self._share > _LEAST_SHARE
-        if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * full:
+        self.is_pascal = self._share > _MIN_SHARE
+        if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _MIN_SHARE * full:
             return
         self._since = min(self._since, observation.time)
         if observation.time >= self._since + _PATIENCE:
@@ -333,7 +333,7 @@ class _UnitCheck:
     def mistake_of_ratio(self, time: float, value: Any) -> str:
         """Return a clause if a ratio is in percent, once a second of the stop has passed; else ''."""
         values = np.atleast_1d(value)
-        return self.mistake(time, np.where(np.abs(values) > _MOST_RATIO, 100.0, 1.0), np.ones(values.shape))
+        return self.mistake(time, np.where(np.abs(values) > _MAX_RATIO, 100.0, 1.0), np.ones(values.shape))
 
 
 class CustomEstimator:

@@ -30,7 +30,7 @@ _CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
 """Polach (2005), dry."""
 _WEAR = 0.08
 """Difference of radius between a new wheel and a worn one; a larger one looks like a wheel in slide."""
-_LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
+_MIN_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,8 +157,8 @@ def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iter
     last, braking = trial.coasting - 1, trial.deceleration
     yield _ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")
     yield _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
-    sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_LEAST_DECELERATION:g} and more is expected"
-    yield SignalCheck(signal="pressure_command", good=braking >= _LEAST_DECELERATION, sentence=sentence)
+    sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_MIN_DECELERATION:g} and more is expected"
+    yield SignalCheck(signal="pressure_command", good=braking >= _MIN_DECELERATION, sentence=sentence)
     most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "

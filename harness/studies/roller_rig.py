@@ -367,9 +367,9 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
         for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
             at = axes[row, column]
             error = estimated["mean"].sel(state=state).values - truth_of(recording, state)
-            spread = 2.0 * estimated["sd"].sel(state=state).values
+            half_width = 2.0 * estimated["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
-            style.band(at, time, -spread, spread, palette.SKY, 0.35, label="±2σ claimed")
+            style.band(at, time, -half_width, half_width, palette.SKY, 0.35, label="±2σ claimed")
             at.plot(time, error, color=palette.VERMILION, lw=0.6, label="error")
             at.set_ylim(-reach, reach)
             style.dress(

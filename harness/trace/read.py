@@ -23,7 +23,7 @@ from railgrip.trace.table import Column, DataTable, factor_for
 
 Vector = NDArray[np.float64]
 
-_MOST_SAMPLES = 5_000_000
+_MAX_SAMPLES = 5_000_000
 """Of a recording on its grid: a day at 50 Hz."""
 _LARGEST = 1e30
 """Limit of readings in any SI unit; sums of larger numbers overflow."""
@@ -267,13 +267,13 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     ends = [float(time[-1]) for time in times.values()] + ([] if table.end is None else [table.end])
     begin, end = max(begins), min(ends)
     count = math.floor(max((end - begin) / table.period, -1.0) + 1e-6) + 1
-    if count > _MOST_SAMPLES:
+    if count > _MAX_SAMPLES:
         slowest = max(times, key=lambda name: float(np.max(np.diff(times[name]))))
         steps = np.diff(times[slowest])
         at = int(np.argmax(steps))
         raise EstimationError(
             f"{path.name}: from {begin:.6g} s to {end:.6g} s are {count:.3g} samples of {table.period:g} s, and "
-            f"{_MOST_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
+            f"{_MAX_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
             f"{times[slowest][at]:.6g} s: see the unit of [data.time], a jump in it, and period in [data]."
         )
     if count < 2:

@@ -13,7 +13,7 @@ from railgrip.scenario.load import load, read_toml, scenario_of
 from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
-from railgrip.studies.pad_monitor.evidence import pressure_spread
+from railgrip.studies.pad_monitor.evidence import pressure_deviation
 from railgrip.trace.estimation import SLOWEST
 
 SCENARIOS = ("trapezoid", "sine_sweep", "random")
@@ -150,7 +150,7 @@ def test_with_an_offset_in_the_pressure_it_is_the_brake_torque_that_is_known():
         error = (believed - mu)[at, g]
         explained = -mu[at, g] * offset[g] * A / (p[at, g] * A - spring)
         assert np.mean(error) == pytest.approx(np.mean(explained), abs=0.012)
-        added = pressure_spread(
+        added = pressure_deviation(
             pad_friction=believed[at, g],
             pressure=read[at, g],
             offset=table.error * table.full_scale,

@@ -59,7 +59,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
     noise = np.array([0.5, 2.0])
     readings = random.normal(size=(12, 2))
     readings[3, 0] = readings[7] = np.nan
-    start, spread = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
+    start, start_covariance = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
     rows, right = [], []
 
     def add(block: np.ndarray, at: int, value: np.ndarray, covariance: np.ndarray, before: np.ndarray | None = None):
@@ -71,7 +71,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         rows.append(weight @ row)
         right.append(weight @ value)
 
-    add(np.eye(2), 0, start, spread)
+    add(np.eye(2), 0, start, start_covariance)
     for j in range(12):
         if j:
             add(np.eye(2), j, np.zeros(2), Q, -F)
@@ -86,7 +86,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         reading_noise=noise,
         readings=readings,
         start=start,
-        spread=spread,
+        start_covariance=start_covariance,
     )
     # Both solve the same well-conditioned system in doubles.
     np.testing.assert_allclose(states, expected, rtol=0, atol=1e-9)

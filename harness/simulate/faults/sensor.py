@@ -12,7 +12,7 @@ from railgrip.scenario.table import optional, table_error
 from railgrip.simulate.faults.site import Site, places
 from railgrip.simulate.loop.faults import ReadingFault, ReadingKind
 
-_MOST_DRAWS = 2**17
+_MAX_DRAWS = 2**17
 """Length of the noise sequence; it repeats after 131 s."""
 
 
@@ -37,7 +37,7 @@ class _SensorFault(Fault):
         for index in places(number, at.stop - at.start, site.where, what):
             noise = None
             if kind == "noisy":
-                noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MOST_DRAWS)
+                noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MAX_DRAWS)
             place, samples = at.start + index, self.samples(site.scenario)
             yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **samples)
 

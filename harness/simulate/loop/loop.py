@@ -244,10 +244,10 @@ class Loop:
         if not isinstance(estimator, StateEstimator):
             return
         rows, columns = recorder.rows[: recorder.written], recorder.columns
-        spread = rows[:, recorder.block(SPREAD)]
+        variance = rows[:, recorder.block(SPREAD)]
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
         rows[:, columns["estimate_adhesion_sd"]] += load_error**2
-        np.sqrt(spread, out=spread)
+        np.sqrt(variance, out=variance)
         speed = rows[:, columns["estimate_speed"]]
         rolling = np.asarray(estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
         rows[:, columns["estimate_slip"]] = slip_of(speed, rolling)

@@ -237,9 +237,9 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
         pooled_run = pool_samples(runs, [1 / len(runs)] * len(runs))
         left.semilogy([pooled_run.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
     stop = result.k[-1]
-    spread = np.array([[value.value - value.low, value.high - value.value] for value in stop]).T
+    error_bars = np.array([[value.value - value.low, value.high - value.value] for value in stop]).T
     left.errorbar(
-        [value.value for value in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3
+        [value.value for value in stop], PROBABILITIES, xerr=error_bars, fmt="o", ms=3, color=colours[-1], capsize=3
     )
     dress(left, x="K, deceleration over nominal", y="probability P of a smaller K", title="EBCL 0 to 9, dry")
     legend(left)

@@ -77,7 +77,7 @@ def information_of(trace: Trace) -> Information:
     _, _, long = along(model, x, u, trace.period, noise, size, windows[WINDOW], windows[WINDOW])
     change = 1 + np.flatnonzero(np.diff(trace.condition))
     jump = np.abs(x[change] - x[change - 1])[:, 3:].max(axis=0, initial=0.0)
-    spread = np.sqrt(np.max([PAPER_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
+    deviation = np.sqrt(np.max([PAPER_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
     mirror = np.array([1.0, 1.0, -1.0, 1.0, -1.0])
     seen, other = (np.array([model.output(a, b) for a, b in zip(x * sign, u, strict=True)]) for sign in (1.0, mirror))
     return Information(
@@ -87,7 +87,7 @@ def information_of(trace: Trace) -> Information:
         rank=np.sum(short < size, axis=1),
         long=long[:, _HIDDEN],
         jump=jump,
-        allowed=spread[3:],
+        allowed=deviation[3:],
         mirrored=float(np.max(np.abs(seen - other) / PAPER_SENSORS)),
     )
 
