@@ -102,7 +102,7 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
         client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError) as problem:
         raise InputError(f"--scheduler {address}: no Dask scheduler answers there: {problem}") from problem
-    # It would print the traceback of each try to reach a scheduler that has ended; `ended` reports that once per task.
+    # It would print a traceback for each try to reach a scheduler that has ended; `collect` reports it once per task.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with client:
         last_answer, warned = time.monotonic(), False
