@@ -71,7 +71,7 @@ class Papers(Study):
         guards, excesses = printed.guards(work), printed.excesses(work)
         work.notify("figures")
         stops, of_causes, of_rails = adhesion_based.stops_of(identified), causes(), rails()
-        found = adhesion_based.measures(stops, [*of_causes, *of_rails]) | {"guards": guards, "excesses": excesses}
+        found = adhesion_based.measures(stops, of_rails) | {"guards": guards, "excesses": excesses}
         law_as_printed, limit = adhesion_based.LAWS[0], adhesion_based.LIMIT
         drawn = {"SBC": stops["trapezoid"], **{law: stops[law] for law in adhesion_based.LAWS}}
         found["used_by_wheelset"] = {law: used_by_wheelset(stop, limit) for law, stop in drawn.items()}

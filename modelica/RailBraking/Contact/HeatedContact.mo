@@ -63,8 +63,8 @@ heat_flow = heat_wheel + heat_rail + removal_power.
 </p>
 <p>
 The default of temperature_loss, friction of zero at a rise of 1200 K, follows the dry curve of Polach (2005), A = 0.4
-and B = 0.6 s/m, within 6 % up to a slip speed of 5 m/s, for a load of 68.5 kN at 40 km/h. A curve that has its fall by
-temperature has A = 1 or B = 0 for steel on steel; A and B then belong to the film between them.
+and B = 0.6 s/m, within 6 % (root mean square) up to a slip speed of 5 m/s at 68.5 kN and 40 km/h. Where friction of
+steel on steel falls with temperature, A = 1 or B = 0; other values of A and B belong to the film between them.
 </p>
 <h4>Limitations</h4>
 <p>
