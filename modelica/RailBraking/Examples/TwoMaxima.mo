@@ -3,11 +3,12 @@ model TwoMaxima "Adhesion over slip at 80 km/h on rails with a film that slip re
   extends Icons.Example;
   parameter Types.Velocity v = 80/3.6 "Speed of the wheelset";
   parameter Types.Force load = 137e3 "Load of the wheelset";
+  parameter Types.Length r = 0.38 "Rolling radius of the wheels";
   parameter Types.Time T = 20 "Time in which slip goes from zero to one";
-  Contact.CleaningContact wet(r=0.38, curve=Data.CreepCurve(k_A=0.3, k_S=0.1, A=0.4, B=0.8)) "Wet rail"
+  Contact.CleaningContact wet(r=r, curve=Data.CreepCurve(k_A=0.3, k_S=0.1, A=0.4, B=0.8)) "Wet rail"
     annotation(Placement(transformation(extent={{-80, 20}, {-40, 60}})));
   Contact.CleaningContact leaves(
-    r=0.38, curve=Data.CreepCurve(k_A=0.3, k_S=0.1, A=0.4, B=1), mu_clean=0.25) "Rail with leaves"
+    r=r, curve=Data.CreepCurve(k_A=0.3, k_S=0.1, A=0.4, B=1), mu_clean=0.25) "Rail with leaves"
     annotation(Placement(transformation(extent={{-20, 20}, {20, 60}})));
   FMUs.HeatedContactPoint film(B_falling=0.8) "The film of the wet rail, which slip heats and leaves alone"
     annotation(Placement(transformation(extent={{40, 20}, {80, 60}})));
@@ -15,11 +16,11 @@ model TwoMaxima "Adhesion over slip at 80 km/h on rails with a film that slip re
 equation
   slip = time/T;
   wet.v = v;
-  wet.w = (1 - slip)*v/0.38;
+  wet.w = (1 - slip)*v/r;
   wet.load = load;
   wet.mu0 = 0.15;
   leaves.v = v;
-  leaves.w = (1 - slip)*v/0.38;
+  leaves.w = (1 - slip)*v/r;
   leaves.load = load;
   leaves.mu0 = 0.06;
   film.slip = slip;

@@ -5,9 +5,15 @@ model HeatOfASlide "Slip power becomes heat of the wheel, heat of the rail and r
 
   parameter Types.Velocity v = 20 "Speed";
   parameter Types.Ratio s = 0.3 "Slip";
+  parameter Types.Length r = 0.38 "Rolling radius of the wheels";
+  parameter Types.Mass m = 40 "Mass of each rim";
+  parameter Types.SpecificHeat c_p = 450 "Specific heat capacity of steel";
+  parameter Types.Temperature T_start = 293.15 "Temperature of rail, air and rims at the start";
+  parameter Types.Energy E = 1e6 "Size of the energies";
   Contact.CleaningContact contact(
-    r=0.38, curve=Data.CreepCurve(k_A=0.3, k_S=0.1, A=0.4, B=0.6), removal_share=0.05, pad_power=20e3,
-    tread(G_rest=50)) "Sliding contacts under tread brakes";
+    r=r, curve=Data.CreepCurve(k_A=0.3, k_S=0.1, A=0.4, B=0.6), removal_share=0.05, pad_power=20e3,
+    c_steel=c_p, T_rail=T_start,
+    tread(m=m, G_rest=50)) "Sliding contacts under tread brakes";
   Types.Energy slid(start=0, fixed=true) "Work of the slip";
   Types.Energy given(start=0, fixed=true) "Heat of the pads";
   Types.Energy railed(start=0, fixed=true) "Heat in the rails";
@@ -16,7 +22,7 @@ model HeatOfASlide "Slip power becomes heat of the wheel, heat of the rail and r
   Types.Energy stored "Heat stored in both rims";
 equation
   contact.v = v;
-  contact.w = (1 - s)*v/0.38;
+  contact.w = (1 - s)*v/r;
   contact.load = 137e3;
   contact.mu0 = 0.1;
   der(slid) = contact.F*s*v;
@@ -24,8 +30,8 @@ equation
   der(railed) = contact.heat_rail;
   der(removed) = contact.removal_power;
   der(cooled) = 2*contact.tread.cooling;
-  stored = 2*40*450*(contact.tread.temperature - 293.15);
-  error = (slid + given - railed - removed - cooled - stored)/1e6;
+  stored = 2*m*c_p*(contact.tread.temperature - T_start);
+  error = (slid + given - railed - removed - cooled - stored)/E;
   annotation (
     experiment(StopTime=20, Tolerance=1e-8, Interval=0.01),
     Documentation(info="<html>
