@@ -131,9 +131,9 @@ def figure_1(of_causes: Sequence[CreepCurve], of_rails: Sequence[CreepCurve]) ->
             panel.plot(100 * SLIPS, line.adhesion, color=line.color, linestyle=line.linestyle, label=line.label)
             for slip, adhesion in line.maxima:
                 panel.plot(100 * slip, adhesion, "o", markersize=4, color=line.color, clip_on=False)
-        style.legend(panel, loc="upper right")
+        style.legend(panel, loc="upper left")
         panel.set_xlim(0, 100)
     style.dress(panels[0], x="slip [%]", y="adhesion", title=f"causes, {SPEED * style.KMH:.0f} km/h, wheelset 1")
     style.dress(panels[1], x="slip [%]", title="wet rail and leaves, wheelset 1")
-    panels[0].set_ylim(0, 0.2)
+    panels[0].set_ylim(0, 0.26)
     return drawing
