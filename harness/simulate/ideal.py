@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 
 _GRIPPY = 0.6
 _BUILD_UP = 0.2  # s that the pressure takes
-_ROUNDS = 12
+_ROUNDS = 60
 _CLOSE = 1e-3  # m; a thousandth of what a change of controller moves
 
 
@@ -125,7 +125,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
 
 def _require_unchanged_rail(scenario: Scenario) -> None:
     """Raise an error for a rail that slip changes: the best run of a wheelset then depends on those ahead of it."""
-    changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
+    changes = {"[adhesion.recovery]": scenario.adhesion.cleaning is not None, "[[sanders]]": bool(scenario.sanders)}
     for table in (table for table, present in changes.items() if present):
         raise ScenarioError(
             f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "

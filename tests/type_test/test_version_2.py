@@ -43,7 +43,7 @@ def test_a_full_set_has_more_than_400_cases_and_every_value_at_its_share():
     assert sum(case.over == "time" for case in CASES) < 0.2 * len(CASES)
     assert {len(case.faults) for case in CASES} == {0, 1, 2}
     assert {case.cleaning for case in CASES} >= CLEANING.keys()
-    assert 0.4 < sum(bool(case.other) for case in CASES) / len(CASES) < 0.6
+    assert 0.3 < sum(bool(case.other) for case in CASES) / len(CASES) < 0.6
 
 
 def test_values_are_inside_their_ranges():
@@ -95,9 +95,9 @@ def test_every_case_is_a_scenario_of_its_train_and_cleaned_rails_have_no_pointwi
     for case in design:
         assert f"{case.name}-fuzzy_slip" in names
         assert (f"{case.name}-ideal_bound" in names) == (case.cleaning == "none")
-    case = next(case for case in design if case.train == "tram")
+    case = next(case for case in design if case.train == "vt642")
     stop = next(stop for stop in stops if stop.name == f"{case.name}-fuzzy_slip")
-    assert stop.scenario.resolved()["vehicle"]["train"] == "tram"
+    assert stop.scenario.resolved()["vehicle"]["train"] == "vt642"
 
 
 def test_a_case_is_found_by_its_name_but_not_in_a_sealed_set():
@@ -189,7 +189,9 @@ def test_a_law_loses_in_the_family_with_its_largest_median(stops):
     assert cleaned.lost == 1.0
     table = losses(rows, summaries(judged, taking_part))
     where = {row["controller"]: row["loses where"] for row in table.rows}
-    assert where["fuzzy_slip"] in ("cleaning: strong", "cleaning: weak")
+    always = {f"{row.axis}: {row.value}" for row in rows if row.controller == "fuzzy_slip" and row.lost == 1.0}
+    assert {"cleaning: strong", "cleaning: weak"} <= always
+    assert where["fuzzy_slip"] in always
 
 
 def test_the_page_shows_families_the_bound_and_the_looks(stops):
