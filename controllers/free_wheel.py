@@ -104,5 +104,4 @@ def free_wheel(groups: int) -> Formula:
 
 
 def _known(reading: Expression) -> Expression:
-    """Return whether a reading [m/s] is a number."""
     return reading > -_ANY_SPEED

@@ -34,10 +34,10 @@ class Tuning:
     FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: A value is negative or not a finite number, or zero where it must not be.
+            ValueError: A value is negative or not finite, or zero where it must be positive.
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)

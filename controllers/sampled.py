@@ -165,7 +165,7 @@ class Sampled:
     """
 
     def __init__(self, formula: Formula, parameters: Mapping[str, float]) -> None:
-        """Begin at the start values of the states; `parameters` by name, all of them."""
+        """Start at the start values of the states; `parameters` maps the name of every parameter to its value."""
         self.formula = formula
         self.parameters = np.array([parameters[quantity.name] for quantity in formula.parameters])
         self.state = np.array([quantity.start for quantity in formula.states])

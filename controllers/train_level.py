@@ -92,7 +92,6 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
 
 
 def _opened(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
-    """Return demands, states after the call, and the symbols that both are of: states, inputs, parameters."""
     sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
     symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
     following, demands = formula.step(*symbols)

@@ -45,7 +45,12 @@ class ValveLogic(Sampled):
     """
 
     def __init__(self, supplies: Sequence[float], model: ValveModel) -> None:
-        """Serve groups whose highest pressures, those behind their fill valves, are `supplies` [Pa]."""
+        """Create the valves of all groups.
+
+        Args:
+            supplies: Pressure behind the fill valve of each group, the highest that its cylinders reach [Pa].
+            model: Dead times and time constants of the valves.
+        """
         delay = max(round(model.dead_time / model.period), 0)
         values = {f"supply[{g}]": supply for g, supply in enumerate(supplies, 1)}
         super().__init__(valve_logic(len(supplies), delay), values | asdict(model))

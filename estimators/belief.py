@@ -29,12 +29,8 @@ class Estimate:
     covariance: Matrix
 
     def __post_init__(self) -> None:
-        """Refuse shapes that do not belong together.
-
-        Definiteness costs a factorisation, so it is checked where a belief enters from outside (`start`), not
-        here.
-        """
         n = len(self.mean)
+        # Definiteness costs a factorisation, so it is checked only where an estimate enters from outside (`start`).
         if self.covariance.shape != (n, n):
             raise EstimatorError(
                 f"Estimate: a mean of {n} states wants a covariance of shape ({n}, {n}), "

@@ -16,7 +16,7 @@ from railgrip.base.errors import EstimatorError
 
 
 def _chi_square(probability: float, degrees: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return quantiles of the chi-square, shape (k,), as scipy.stats does, which takes a second to load."""
+    # scipy.stats has these quantiles, but takes a second to import.
     different, place = np.unique(degrees, return_inverse=True)  # many steps use the same few numbers of readings
     return (2.0 * gammaincinv(different / 2.0, probability))[place]
 

@@ -130,7 +130,6 @@ def _width(consist: Consist) -> int:
 
 
 def _tables(consist: Consist, design: FilterDesign) -> dict[str, list[int]]:
-    """Return the places of the states of each part; part 0 is the body with its one state."""
     models = list(dict.fromkeys(part.model for part in consist.parts))
     starts = np.cumsum([0, 1, *(len(part.states) for part in consist.parts)]).tolist()
     state_of = [-1 if state is None else design.states.index(state) for _, state in consist.readings]
@@ -158,7 +157,6 @@ def _sources(
     numbers: tuple[tuple[str, int], ...],
     tables: tuple[tuple[str, tuple[int, ...]], ...],
 ) -> tuple[tuple[str, str], ...]:
-    """Return the C sources: the fixed files of `kernel`, and shape.h with sizes, tables and the equations."""
     kinds = [part_equations(model, kind) for kind, model in enumerate(models)]
     v, u, p = ca.SX.sym("v"), ca.SX.sym("u", 2), ca.SX.sym("p", len(body.parameters))
     acceleration = body.output(0.0, v, u, p)

@@ -190,7 +190,6 @@ class FilterDesign:
 
 
 def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> Matrix:
-    """Return the covariance of the readings, shape (m, m)."""
     reading = noise_matrix("reading_noise", reading_noise, outputs)
     if not positive_definite(reading):
         raise EstimatorError(
@@ -201,7 +200,6 @@ def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> M
 
 
 def _spread(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
-    """Return the process noise that one period adds."""
     matrix = noise_matrix("process_noise", density, states)
     if np.min(np.linalg.eigvalsh(matrix)) < -1e-12 * np.max(np.abs(matrix), initial=0.0):
         raise EstimatorError("Filter: process_noise has a negative eigenvalue; no noise has that covariance.")

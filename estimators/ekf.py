@@ -143,7 +143,6 @@ class ExtendedKalmanFilter:
         return seal(mean, 0.5 * (covariance + covariance.T))
 
     def _free(self, inputs: Vector) -> Vector:
-        """Return 1 for every state that may move and 0 for one that its gate freezes, shape (n,)."""
         free = np.ones(len(self.design.states))
         for state, deciding in zip(self.design.gated_states, self.design.gating_inputs, strict=True):
             if inputs[deciding] < self.design.gate_threshold:

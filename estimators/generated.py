@@ -94,7 +94,6 @@ def table(name: str, values: Iterable[int]) -> str:
 
 
 def _transition_pattern(slopes: Pattern, order: int) -> Pattern:
-    """Return where Φ may differ from zero, from the pattern of A."""
     n = len(slopes)
     pattern: NDArray[np.bool_] = np.zeros((n, n), dtype=bool)
     for row, columns in enumerate(slopes):

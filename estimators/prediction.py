@@ -137,7 +137,6 @@ class _BufferedFunction:
     """
 
     def __init__(self, of: Equations, expression: ca.SX, parameters: Vector) -> None:
-        """Fix the buffers; later changes of `parameters` are seen."""
         self._function = ca.Function("evaluate", [of.x, of.u, of.p], [ca.densify(expression)])
         self._x, self._u, self._parameters = np.zeros(of.x.numel()), np.zeros(of.u.numel()), parameters
         self._result = np.zeros(expression.shape, order="F")  # CasADi counts down columns
@@ -148,7 +147,6 @@ class _BufferedFunction:
         self._buffer.set_res(0, self._result.T.data)  # pyright: ignore[reportCallIssue]
 
     def __call__(self, x: Vector, u: Vector) -> Matrix:
-        """Return the value in a new array with the shape of the expression."""
         self._x[:] = x
         self._u[:] = u
         self._run()

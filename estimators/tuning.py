@@ -41,7 +41,6 @@ class NoiseSet:
         return self._squares("start", self.start, states)
 
     def _squares(self, what: str, deviations: Mapping[str, float], names: Sequence[str]) -> Vector:
-        """Return the variance of each name; elements of an array have that of the array."""
         missing = sorted({name.partition("[")[0] for name in names} - deviations.keys())
         if missing:
             raise EstimatorError(

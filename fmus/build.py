@@ -194,7 +194,6 @@ _Translation = tuple["Source", dict[str, Any]]
 
 
 def _current(order: _BuildOrder, inputs: str) -> Artifact | None:
-    """Return the FMU when it was made from these very inputs before."""
     file = cache.find(KIND, inputs, f"{order.name}.json")
     if file is None:
         return None
@@ -222,10 +221,8 @@ def translate_here(class_name: str, library: Path, recipe: dict[str, Any]) -> tu
 
 
 def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) -> Artifact:
-    """Compile the translation unless that was done before, and store a stamp under the digest of all inputs.
-
-    The stamp says under which digest of C code and XML the FMU is kept: the C compiler runs only when that moves.
-    """
+    # The stamp of all inputs names the digest of C code and XML under which the FMU is kept, so that the C compiler
+    # runs only when that digest changes.
     action, file = "built", f"{order.name}.fmu"
     if translation is None:
         kept_under, interface = inputs, dict[str, Any]()
@@ -250,7 +247,6 @@ def _compile(order: _BuildOrder, inputs: str, translation: _Translation | None) 
 
 
 def _copy(entry: Path, directory: Path) -> Path:
-    """Return a copy of a kept FMU in a folder, written only where it is not there already."""
     path, content = directory / entry.name, entry.read_bytes()
     if not path.is_file() or path.read_bytes() != content:
         directory.mkdir(parents=True, exist_ok=True)
@@ -280,7 +276,6 @@ def choose(compiler: Compiler) -> Literal["openmodelica", "native"]:
 
 
 def _inputs_digest(recipe: Recipe, compiler: str, library: str) -> str:
-    """Return a digest over everything that is read: `library` is that of the Modelica files."""
     native = compiler == "native"
     tool = compiler_digest() + toolchain_digest() if native else openmodelica.version_line()
     return digest([recipe.model_dump_json(), compiler, tool, library])

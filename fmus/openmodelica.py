@@ -110,10 +110,7 @@ def export(recipe: Recipe, library: Path, path: Path, log: Path | None = None) -
 
 
 def _excerpt(text: str, log: Path) -> str:
-    """Return the lines of a build log that speak of errors, or else its last ones; a long one is kept whole in `log`.
-
-    When the C compiler fails, omc hands over all that make and the compiler printed as one message.
-    """
+    # When the C compiler fails, omc passes on all that make and the compiler printed as one message.
     lines = text.splitlines()
     if len(lines) <= _LINES:
         return text
@@ -124,7 +121,6 @@ def _excerpt(text: str, log: Path) -> str:
 
 
 def _run(text: str, recipe: Recipe, folder: Path) -> tuple[Path | None, str]:
-    """Return the FMU that omc made from a script, if any, and its complaints."""
     (folder / "export.mos").write_text(text, encoding="utf-8")
     process = subprocess.run(
         [_omc(), "export.mos"],

@@ -314,7 +314,6 @@ def inspect(
 
 
 def _with_parts(scenario: ScenarioLike, *, plant: Any, **parts: Any) -> tuple[Scenario, dict[str, Any]]:
-    """Return a scenario with those parts that are names or keys, and a dict of those that are objects or classes."""
     given_scenario = scenario if isinstance(scenario, schema.Scenario) else Scenario.load(scenario)
     resolved = given_scenario if isinstance(given_scenario, Scenario) else Scenario.load(given_scenario.resolved())
     if isinstance(plant, _WRITTEN):
@@ -335,16 +334,6 @@ _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valv
 
 
 def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "CustomParts":
-    """Return the objects of a caller as custom parts, with new objects of classes.
-
-    Args:
-        folders: Folders of modules that a scenario names.
-        parameters: Parameters of the classes, by table.
-        parts: Objects or classes by argument, which replace those of the scenario.
-
-    Raises:
-        ScenarioError: A class does not accept its parameters, an object has some, or a folder does not exist.
-    """
     from railgrip.simulate.importing import instance_of
     from railgrip.simulate.parts import CustomParts
 
@@ -364,7 +353,7 @@ def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = No
 
 
 def _folders(folders: Any) -> tuple[Path, ...]:
-    """Return folders to import from as absolute paths, for processes with another current folder."""
+    # Other processes may have another current folder.
     several = [folders] if isinstance(folders, str | Path) else folders
     if not isinstance(several, Iterable):
         raise ScenarioError(f"import_from is {short(folders)}; wanted are paths of folders")
@@ -377,11 +366,6 @@ def _folders(folders: Any) -> tuple[Path, ...]:
 
 
 def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
-    """Split values into those of the scenario, by key, and parameters of the caller's classes, by table.
-
-    Raises:
-        ScenarioError: A key has no effect, because the caller's object replaces its table.
-    """
     rest: dict[str, Any] = {}
     parameters: dict[str, dict[str, Any]] = {}
     tables = {_TABLES[name]: name for name in handed_over}
@@ -400,7 +384,6 @@ def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dic
 
 
 def _copied(name: str, part: Any) -> Any:
-    """Return a copy of an object; a class is returned unchanged."""
     return foreign(
         lambda: copy.deepcopy(part),
         lambda problem: ScenarioError(
@@ -446,11 +429,6 @@ def _unreadable(name: str) -> Callable[[str], ScenarioError]:
 
 
 def _plain(value: Any, name: str) -> Any:
-    """Convert a value to the form of files, from NumPy, paths, tuples and mappings.
-
-    Raises:
-        ScenarioError: The value is nested endlessly, or raises an exception; the message begins with `name`.
-    """
     return foreign(lambda: _as_in_files(value), _unreadable(name))
 
 

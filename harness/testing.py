@@ -204,7 +204,6 @@ def observations(formation: Formation, *, estimated: bool) -> Iterator[Observati
 
 
 def _rolling(formation: Formation, *, estimated: bool) -> Observation:
-    """Return an observation of a train whose groups all roll, with half of full brake."""
     groups, speed = formation.groups, 25.0
     slip, half = np.full(groups, 0.01), 0.5 * formation.pressure_max
     estimates = (np.full(groups, 0.08), np.full(groups, 0.35)) if estimated else (None, None)
@@ -213,14 +212,7 @@ def _rolling(formation: Formation, *, estimated: bool) -> Observation:
 
 
 def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequence[Observation]) -> str:
-    """Return a sentence on the inputs for which a law fails: it passes if they are replaced by those of a rolling
-    train.
-
-    Args:
-        factory: Class or function that returns a new law.
-        formation: Formation of the vehicle.
-        shown: Its inputs, up to those on which it failed.
-    """
+    # The law passes if the inputs at fault are replaced by those of a rolling train.
     *before, failed = shown
     rolling = _rolling(formation, estimated=True)
 
@@ -252,7 +244,6 @@ def _shown(value: float | NDArray[np.float64] | None) -> str:
 
 
 def _braking(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
-    """Yield a braking train whose groups roll, slide and lock one after the other."""
     groups = formation.groups
     for k in range(1, 302):
         time = k * _PERIOD
@@ -267,7 +258,6 @@ def _braking(formation: Formation, *, estimated: bool) -> Iterator[Observation]:
 
 
 def _lock(*arrays: NDArray[np.float64]) -> None:
-    """Make arrays of an observation read-only, as the loop does."""
     for values in arrays:
         values.flags.writeable = False
 

@@ -111,7 +111,6 @@ class Derivatives:
     """First-order filters and their rates: the filtered derivatives of sampled signals."""
 
     def __init__(self, draft: Draft, tuning: Mapping[str, Expression]) -> None:
-        """Keep the states of the filters in a draft."""
         self._started = draft.state("started", "1", "1 once there is a sample before this one")
         self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
         self._period = tuning["period"]

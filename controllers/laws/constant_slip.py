@@ -22,10 +22,10 @@ class ConstantSlipTuning(Tuning):
     POSITIVE: ClassVar[frozenset[str]] = frozenset({"period", "slip", "integral_time"})
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or the slip is that of a locked wheel or more.
+            ValueError: See `Tuning`; or the set slip is 1 or more, that of a locked wheel.
         """
         Tuning.__post_init__(self)
         if self.slip >= 1.0:

@@ -38,10 +38,10 @@ class ExtremumSeekingTuning(Tuning):
     )
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: See `Tuning`; or slips are not in order, or the dither is faster than half the decisions.
+            ValueError: See `Tuning`; or slips are not in order, or the dither is too fast for the period.
         """
         Tuning.__post_init__(self)
         if not self.slip_least <= self.slip_start <= self.slip_most < 1.0:

@@ -26,7 +26,7 @@ class SlipLevels(Tuning):
     FIXED: ClassVar[frozenset[str]] = frozenset({"hold"})
 
     def __post_init__(self) -> None:
-        """Refuse levels that cannot switch.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or not 0 < low < high < 1.

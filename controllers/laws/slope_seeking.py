@@ -67,7 +67,7 @@ class SlopeTuning(Tuning):
     FIXED: ClassVar[frozenset[str]] = frozenset({"period", "pressure_lag", "adhesion_max"})
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or the slips are not in order.
@@ -272,20 +272,17 @@ class _Wheels:
 
 
 def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Expression]) -> Expression:
-    """Return the weighted mean of the values whose condition holds; 0 where none does."""
     counted = [choose(condition, weight, 0.0) for (condition, _), weight in zip(values, weights, strict=True)]
     total = sum(weight * value for weight, (_, value) in zip(counted, values, strict=True))
     return total / ca.fmax(sum(counted), 1e-9)
 
 
 def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
-    """Return the signals of one group."""
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
     slip = _corrected(draft, group, pads_off, period)
 
     def filtered(name: str, sample: Expression) -> tuple[Expression, Expression]:
-        """Return the filtered value before and now."""
         before = draft.state(group.label(name), "1", "filtered value")
         now = choose(started, before + period / (t["filter_time"] + period) * (sample - before), sample)
         draft.keep(before, now)
@@ -321,12 +318,6 @@ def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], 
 
 
 def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Expression:
-    """Return the estimated adhesion without the error that the lag of the pressure reading leaves in it.
-
-    What turns a wheel is adhesion less brake torque; a torque known too late leaves the lag times its rate in the
-    adhesion. A slip that swings needs a torque that swings with its second derivative, so that the error is in phase
-    with the slip, and looks like a slope.
-    """
     brake = group.brake
     force = piston_force(group.pressure, piston_area=brake["piston_area"], spring_force=brake["spring_force"])
     torque = brake["units"] * group.pad_friction * brake["friction_radius"] * brake["rigging"] * force
@@ -339,18 +330,12 @@ def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expressi
 def _slope(
     draft: Draft, train: Sequence[_Wheels], signs: Sequence[float], t: Mapping[str, Expression], rolling: Expression
 ) -> tuple[Expression, Expression, Expression]:
-    """Return the elasticity of adhesion over slip, and from 0 to 1 how well the rail fits it and how far slip moved.
-
-    Half the difference between the groups of either sign, each a mean of its sliding ones, weighted by their adhesion;
-    it does not change while there are no groups of one sign. If all have the same sign, their mean is the difference.
-    """
     loads = [each.group.brake["load"] for each in train]
 
     def mean(part: Sequence[int], values: Sequence[Expression], weights: Sequence[Expression]) -> Expression:
         return _mean([(train[g].sliding, values[g]) for g in part], [weights[g] for g in part])
 
     def changes(part: Sequence[int]) -> Expression:
-        """Return those of ln s and ln a since the last sample."""
         adhesion = mean(part, [each.adhesion for each in train], loads)
         change = mean(part, [each.adhesion_change for each in train], loads)
         forces = [load * each.adhesion for load, each in zip(loads, train, strict=True)]
@@ -373,7 +358,6 @@ def _slope(
 def _targets(
     draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]
 ) -> list[tuple[Expression, Expression]]:
-    """Return the slip that is sought of each group, dither included, and its rate."""
     period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
     signs = [1.0 if g % 2 == 0 else -1.0 for g in range(len(train))]
@@ -403,11 +387,6 @@ def _targets(
 
 
 def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
-    """Return the slip less what the wheel showed when it surely rolled.
-
-    That is so before it has been braked, and again when its pads have been off for long and it draws no adhesion: a
-    wheel that slides is turned by the rail. Then it is the train's speed that is wrong, as after a radar has lied.
-    """
     offset = draft.state(group.label("offset"), "1", "slip that the wheel shows when it rolls")
     count = draft.state(group.label("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
     free = draft.state(group.label("free"), "s", "for how long nothing has braked the wheel and nothing turned it")

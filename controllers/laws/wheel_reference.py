@@ -38,7 +38,7 @@ class WheelReferenceTuning(Tuning):
     )
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or slips are not in order.
@@ -148,7 +148,6 @@ class WheelReference(GroupLaw):
 
 
 def _reference(train: Sequence[GroupObservation], started: Expression, least: Expression) -> Expression:
-    """Return the speed of the fastest group, not below `least` after the start."""
     fastest = _rolling(train[0])
     for group in train[1:]:
         fastest = choose(_rolling(group) > fastest, _rolling(group), fastest)
@@ -156,7 +155,6 @@ def _reference(train: Sequence[GroupObservation], started: Expression, least: Ex
 
 
 def _watchdog(vented: Expression, venting: Expression, tuning: Mapping[str, Expression]) -> Expression:
-    """Return the time of venting, which counts on while it brakes, and begins anew when that has lasted."""
     longer = vented + tuning["period"]
     over = vented >= tuning["vent_max"] + tuning["apply_time"]
     return choose(vented >= tuning["vent_max"], choose(over, 0.0, longer), choose(venting, longer, 0.0))

@@ -166,14 +166,12 @@ def _boxes() -> tuple[Variable, ...]:
 
 
 def _first(memory: _Memory) -> SX:
-    """Return whether this is the first sample."""
     later = memory.state("begun")
     memory.after["begun"] = SX(1)
     return later < 0.5
 
 
 def _slow_signals(memory: _Memory, slow: AntiAlias, boxes: SX, ahead: SX) -> tuple[SX, list[SX], list[SX]]:
-    """Return whether a slow sample is due, and lateral and yaw acceleration, the leading wheelset first."""
     first = _first(memory)
     raw = [boxes[8 + k] for k in range(4)] + [boxes[4 + k] - boxes[k] for k in range(4)]
     signals: list[SX] = []
@@ -189,7 +187,6 @@ def _slow_signals(memory: _Memory, slow: AntiAlias, boxes: SX, ahead: SX) -> tup
 
 
 def _features(memory: _Memory, spectral: Spectral, lateral: list[SX], yaw: list[SX], weight: SX, tick: SX) -> list[SX]:
-    """Return the spectral features; means advance when `tick` is true."""
     total = memory.state("total")
     weight_sum = total + weight * (1 - total)
     memory.after["total"] = ca.if_else(tick, weight_sum, total)
@@ -212,7 +209,6 @@ def _features(memory: _Memory, spectral: Spectral, lateral: list[SX], yaw: list[
 
 
 def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
-    """Return friction and the ends of its interval."""
     x = [
         ca.fmin(ca.fmax((f - c) / s, -4), 4) / 2
         for f, c, s in zip(features, ensemble.centre, ensemble.spread, strict=True)
@@ -225,7 +221,7 @@ def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
 
 
 def _sections(memory: _Memory, name: str, sections: Array, value: SX) -> SX:
-    """Return the output of second-order sections, transposed direct form II as in SciPy."""
+    # Transposed direct form II, as scipy.signal.sosfilt computes it.
     for k, (b0, b1, b2, _, a1, a2) in enumerate(sections, start=1):
         names = [f"{name}_section{k}_{i}" for i in (1, 2)]
         z0, z1 = map(memory.state, names)
@@ -238,7 +234,6 @@ def _sections(memory: _Memory, name: str, sections: Array, value: SX) -> SX:
 def _band(
     memory: _Memory, name: str, matrices: tuple[Array, Array, Array, Array], value: SX, tick: SX
 ) -> tuple[SX, SX]:
-    """Return both outputs of a band filter that advances when `tick` is true."""
     a, b, c, d = matrices
     names = [f"band_{name}_{i}" for i in (1, 2)]
     old = [memory.state(state_name) for state_name in names]
@@ -250,7 +245,6 @@ def _band(
 
 
 def _friction(ensemble: Ensemble, first: SX) -> SX:
-    """Return the friction for an output of the first stage."""
     if not ensemble.second:
         return first
     inner = (first - SLOPE_CENTRE) / SLOPE_HALF

@@ -105,7 +105,6 @@ class Spectral:
         return np.stack([*result, np.log(np.maximum(np.abs(speed), SLOWEST))], axis=-1)
 
     def _band_and_integral(self, centre: float, signal: Array) -> Array:
-        """Return the band and its integral, shape (2, *signal.shape)."""
         a, b, c, d = self.band(centre)
         denominator = np.poly(a)
         # The transfer function of each output, so that one vectorised filter does the work.

@@ -113,8 +113,6 @@ ELEMENTWISE: dict[str, Callable[..., Array]] = {name: each(getattr(ca, name)) fo
 
 
 def _fold(pair: Callable[[SX, SX], SX], neutral: float) -> Callable[..., Array]:
-    """Return a function of two scalars, or of all elements of an array; over no element it is `neutral`."""
-
     def fold(*arguments: Array) -> Array:
         if len(arguments) == 2:
             return each(pair, 2)(*arguments)
@@ -146,7 +144,6 @@ def _cross(a: Array, b: Array) -> Array:
 
 
 def _matrix_cat(axis: int) -> Callable[..., Array]:
-    """Return [a, b] (axis 1) or [a; b] (axis 0): concatenation of operands promoted to matrices."""
     return lambda *parts: np.concatenate([p.reshape(p.shape + (1,) * (2 - p.ndim)) for p in parts], axis)
 
 

@@ -214,7 +214,6 @@ def c_sources(system: System, *, interfaces: Sequence[str], solver: str, toleran
 
 
 def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
-    """Return the sizes that depend on the system alone, not on interfaces and solver."""
     return {
         "NX": len(layout.states),
         "NU": len(layout.inputs),
@@ -236,7 +235,6 @@ def _sizes(system: System, layout: ValueLayout) -> dict[str, int]:
 
 
 def _value_tables(system: System, layout: ValueLayout) -> list[str]:
-    """Return the tables of start and nominal values, and of clocks."""
     by_name = {s.name: s for scalars in system.variables.of_id.values() for s in scalars}
     guesses, start_guesses = ([by_name.get(k) for k in q.guesses] for q in (system.loops, system.start_loops))
     groups = {"x": layout.states, "u": layout.inputs, "p": layout.parameters, "d": layout.discretes}
@@ -259,7 +257,6 @@ def _value_tables(system: System, layout: ValueLayout) -> list[str]:
 
 
 def _text_tables(system: System, layout: ValueLayout) -> list[str]:
-    """Return the tables of names, and of assertions with the pieces of their messages: null for a value."""
     assertions = system.assertions
     return [
         table("char", "assertion_fatal", [int(a.fatal) for a in assertions]),

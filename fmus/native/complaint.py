@@ -33,7 +33,6 @@ def places(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _texts(path: Path) -> dict[str, str]:
-    """Return the text of each file of a library by its short name; see `places`."""
     return {short(file, path): read_bytes(file).decode(errors="replace") for file in _files(path)}
 
 
@@ -78,7 +77,6 @@ def nested_arrays(message: str, path: Path, class_name: str) -> tuple[str, ...]:
 
 
 def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
-    """Yield what a library must say before classes of RailBraking are found for it."""
     class_text = texts[short(path, path)]
     foreign = path.name == "package.mo" and path.parent.name != "RailBraking"
     if foreign and "RailBraking" not in class_text and any("RailBraking." in text for text in texts.values()):
@@ -86,7 +84,6 @@ def _silent_use(path: Path, texts: dict[str, str]) -> Iterator[str]:
 
 
 def _syntax(name: str, text: str) -> Iterator[str]:
-    """Yield the first syntax error of a file; those behind it mostly follow from it."""
     for problem in rumoca.validate_source(text):
         if problem.rule == "syntax-error":
             what = re.search(r"× (.+)", problem.message)
@@ -96,7 +93,6 @@ def _syntax(name: str, text: str) -> Iterator[str]:
 
 
 def _uses(words: Iterable[str], texts: dict[str, str]) -> Iterator[str]:
-    """Yield where names are written that nothing declares."""
     for word in dict.fromkeys(words):
         pattern = re.compile(rf"(?<![\w.]){re.escape(word)}(?!\w)")
         for name, text in texts.items():

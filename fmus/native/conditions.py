@@ -83,7 +83,6 @@ def find_relations(
 
 
 def _instant(difference: SX, time: SX, parameters: SX) -> SX | None:
-    """Return when lhs − rhs is zero, if it is linear in time and holds nothing else but parameters."""
     if not ca.depends_on(difference, time):
         return None
     slope = ca.jacobian(difference, time)
@@ -102,11 +101,6 @@ def _add(instants: list[SX], instant: SX) -> None:
 def _instants(
     dae: Dae, evaluate: ExpressionBuilder, settle: Callable[[list[SX]], list[SX]], parameters: SX
 ) -> list[SX]:
-    """Return when relations between time and parameters change.
-
-    rumoca reports such instants as numbers, computed with the parameters' defaults; here they are found again
-    from the relation itself, so that they move when a parameter is set.
-    """
     out: list[SX] = []
     for event in dae.systems["events"]["time_events"]:
         span = event["provenance"]["span"]
@@ -130,7 +124,6 @@ def _instants(
 
 
 def _assertion_only_relations(dae: Dae) -> set[int]:
-    """Return relations that feed nothing but assertions."""
     conditions = dae.systems["conditions"]["conditions"]
     elsewhere: set[int] = set()
     in_assertions: set[int] = set()

@@ -85,7 +85,6 @@ def _beyond(class_name: str, what: str) -> TranslationError:
 
 
 def _ended(class_name: str, code: int, words: str) -> TranslationError:
-    """Return the sentence for a process that ended without an answer."""
     if code in _AT_A_LIMIT:
         return _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")
     if "memory" in words:  # Rust aborts, C++ throws bad_alloc: both say so

@@ -175,12 +175,6 @@ _environment = threading.Lock()
 
 @contextmanager
 def _without_cache_of_rumoca() -> Generator[None]:
-    """Keep rumoca from reading and writing a cache of its own.
-
-    rumoca does not check the files of its cache, and a damaged one aborts this process. The cache saves less than a
-    tenth of the time of a translation, whose result railgrip keeps in a cache with digests. Only rumoca sees the
-    variable: `os.environ`, and with it Python and the processes that are given it, stays as it is.
-    """
     with _environment:
         os.putenv(_CACHE_OF_RUMOCA, os.devnull)
         try:
@@ -193,7 +187,6 @@ def _without_cache_of_rumoca() -> Generator[None]:
 
 
 def _content(template: str) -> Node:
-    """Return the content of the rendered template, whose texts are written with Modelica's escapes."""
     try:
         return json.loads(template, strict=False)  # a text may hold a tabulator or any other control character
     except json.JSONDecodeError:
@@ -203,7 +196,6 @@ def _content(template: str) -> Node:
 
 
 def _part(text: str, key: str) -> Node:
-    """Return the first object of that name in JSON; what comes behind it, most of the text, is not read."""
     name = f'"{key}":'
     return json.JSONDecoder().raw_decode(text, text.index(name) + len(name))[0]
 
@@ -213,11 +205,6 @@ _last = threading.local()
 
 
 def _session(library: Path) -> rumoca.Session:
-    """Return a session that knows a library as it is on disk now.
-
-    Reading a library takes longer than flattening most of its classes, and a session does not look at a file twice.
-    Other files next to the library are not read.
-    """
     state = (library, sources_digest(library))
     if getattr(_last, "state", None) != state:
         _last.state, _last.session = state, rumoca.Session(roots=[str(LIBRARY)])

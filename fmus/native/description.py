@@ -106,7 +106,6 @@ def _type(s: Scalar) -> str:
 
 
 def _attributes(s: Scalar) -> dict[str, str]:
-    """Return unit and bounds of a variable as XML attributes."""
     type_ = _type(s)
     out: dict[str, str] = {}
     if type_ == "Real" and s.attributes.get("unit"):
@@ -225,10 +224,6 @@ def _interface(kind: str, flags: dict[str, str], files: Sequence[str]) -> list[s
 
 def _variables(w: Writer, system: System, layout: ValueLayout, solver: str, tolerance: float) -> None:
     def public(group: str, members: list[Scalar]) -> Iterator[tuple[int, Scalar, int]]:
-        """Yield place, variable and value reference of all visible variables: as in OpenModelica, those not protected.
-
-        States are shown whatever they are, for FMI lists them.
-        """
         return ((i, s, first(group) + i) for i, s in enumerate(members) if not s.protected)
 
     first = layout.reference
@@ -282,7 +277,6 @@ def _variables(w: Writer, system: System, layout: ValueLayout, solver: str, tole
 
 
 def _per_second(unit: str) -> str:
-    """Return the Modelica unit string of a derivative in time."""
     if unit == "1":
         return "1/s"
     numerator, slash, denominator = unit.partition("/")
@@ -300,7 +294,6 @@ def _units(layout: ValueLayout) -> set[str]:
 
 
 def _unit_definitions(names: Iterable[str]) -> list[str]:
-    """Return the lines of UnitDefinitions for Modelica unit strings; unknown units get their name alone."""
     out = ["  <UnitDefinitions>"]
     for name in sorted(names):
         try:

@@ -90,7 +90,6 @@ def _parts(lines: Sequence[str]) -> list[Sequence[str]]:
 
 
 def _order(n: int, pattern: list[tuple[int, int]]) -> tuple[list[int], list[set[int]]]:
-    """Return the pivots by Markowitz' rule, and the columns of each row with the fill-in they make."""
     rows: list[set[int]] = [{i} for i in range(n)]
     columns: list[set[int]] = [{i} for i in range(n)]
     for i, j in pattern:

@@ -96,7 +96,6 @@ def sources_of_library(system: Discrete) -> dict[str, str]:
 
 
 def _struct(name: str, variables: Sequence[Variable]) -> str:
-    """Return the C of a struct of doubles, `x[1]` and those after it as one array."""
     return "\n".join(["typedef struct {", *_fields(variables), f"}} {name};"])
 
 

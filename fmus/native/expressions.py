@@ -168,7 +168,6 @@ class ExpressionBuilder:
         return np.stack(values).astype(object).reshape(self.dae.extents(operation["domain"]) + values[0].shape)
 
     def _subscripts(self, base: Array, operation: Node, node: Node, frame: Frame) -> tuple[Any, ...] | SX:
-        """Return a numpy index; or, for one subscript of a vector known only at run time, its expression."""
         places: list[Any] = []
         for subscript in operation["subscripts"]:
             if subscript["kind"] == "whole":
@@ -231,7 +230,6 @@ class ExpressionBuilder:
     _function_fold_output = _function_value
 
     def _definition(self, number: int, frame: Frame) -> Array:
-        """Return the value of a definition of the function in `frame`; its loops are unrolled."""
         if number in frame.definitions:
             return frame.definitions[number]
         function = frame.function

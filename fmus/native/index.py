@@ -129,11 +129,10 @@ class _Pantelides:
         raise TranslationError(f"{where}: {self.owner}: singular: differentiating this equation leads nowhere.")
 
     def _highest(self, equation: int) -> list[int]:
-        """Return the places of the symbols in an equation that are not states, in order."""
         return sorted(v for v in self.contains[equation] if v not in self.derivative_of)
 
     def _augment(self, root: int, seen_equations: set[int], seen_variables: set[int]) -> bool:
-        """Find an augmenting path, depth first, without the recursion that large models would exhaust."""
+        # Depth first with an explicit stack: recursion would exceed Python's limit on large models.
         stack = [(root, iter(self._highest(root)))]
         path: list[tuple[int, int]] = []
         seen_equations.add(root)
@@ -177,7 +176,6 @@ class _Pantelides:
         self.contains.extend(self._incidence([self.equations[-1].residual]))
 
     def _incidence(self, residuals: Sequence[SX]) -> list[set[int]]:
-        """Return the places of the symbols in each residual."""
         found = [set[int]() for _ in residuals]
         pattern = ca.jacobian_sparsity(ca.vertcat(*residuals), ca.vertcat(*self.symbols))
         for i, j in zip(*pattern.get_triplet(), strict=True):
@@ -188,16 +186,6 @@ class _Pantelides:
 def _solved_for(
     contains: Sequence[set[int]], symbols: Sequence[SX], price: Sequence[float], differentiated: Set[int], owner: str
 ) -> set[int]:
-    """Return the places of the symbols to solve for: all without a derivative, of the others the cheapest.
-
-    Args:
-        contains: Places of the symbols in each equation.
-        price: Of solving for each symbol.
-        differentiated: Places of the symbols whose derivative is a symbol, too.
-
-    Raises:
-        TranslationError: No such choice solves every equation.
-    """
     rows, columns = zip(*[(e, v) for e, symbols_of in enumerate(contains) for v in symbols_of], strict=True)
     weight = csr_matrix(([price[v] for v in columns], (rows, columns)), shape=(len(contains), len(symbols)))
     try:

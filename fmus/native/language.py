@@ -289,14 +289,6 @@ class _Checker:
     def _modifiers(
         self, scope: _Class, modifiers: Sequence[_Modifier], target: _Class, *, rank: int, outside: bool, depth: int
     ) -> Iterator[str]:
-        """Yield errors in modifiers of the elements of a class.
-
-        Args:
-            scope: Class they are written in.
-            rank: Dimensions of the arrays of the modified class that a modifier without `each` is spread over.
-            outside: Whether they modify a component, whose protected elements cannot be modified.
-            depth: Modifiers around these.
-        """
         yield from self._duplicates(modifiers)
         elements = self.elements(target)
         for modifier in modifiers:
@@ -354,7 +346,7 @@ class _Checker:
             yield from self._unread(modifier.node, name, new, modifier.inner)
 
     def _unread(self, node: Node, name: str, used: _Class, modifiers: Sequence[_Modifier]) -> Iterator[str]:
-        """Yield elements of a used class whose constraining clause rumoca reads only where they are redeclared."""
+        # rumoca reads a constraining clause only where the class is redeclared.
         redeclared = {m.name for m in modifiers if m.type}
         for part, element in self.elements(used).items():
             if element.unread_clause and part not in redeclared:
@@ -462,7 +454,6 @@ class _Checker:
         )
 
     def _simple(self, class_: _Class | None) -> tuple[bool, int]:
-        """Return whether a class is a simple type, and its array dimensions."""
         if class_ is None:
             return False, 0
         if class_.definition["enum_literals"]:
@@ -530,7 +521,7 @@ class _Checker:
         return rank
 
     def _says_replaceable(self, modifier: _Modifier) -> bool:
-        """Return whether a redeclaration in an extends clause says `replaceable`, which rumoca's tree leaves out."""
+        # rumoca's tree omits `replaceable` in a redeclaration of an extends clause.
         span = modifier.node["span"]
         text = self.sources[span["source"]][1][: span["start"]].decode(errors="replace")
         return (
@@ -538,7 +529,7 @@ class _Checker:
         )
 
     def _declaration(self, modifiers: Node) -> str:
-        """Return a short class definition from its name on; rumoca's tree leaves out what its constraint modifies."""
+        # rumoca's tree omits the modifiers of the constraining clause.
         place = modifiers["location"]
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
@@ -571,7 +562,6 @@ def _extends_modifiers(clause: Node) -> tuple[_Modifier, ...]:
 
 
 def _modifiers(arguments: Sequence[Node], each: Sequence[bool], redeclare: Sequence[bool]) -> tuple[_Modifier, ...]:
-    """Return modifiers; flags may be missing if they are all false."""
     found: list[_Modifier] = []
     for i, argument in enumerate(arguments):
         modifier = _modifier(argument, i < len(each) and each[i], i < len(redeclare) and redeclare[i])
@@ -620,7 +610,6 @@ def _shape(node: Node) -> Any:
 
 
 def _plain(tree: Any) -> Any:
-    """Return a tree without places and counts of tokens, to compare source texts."""
     if isinstance(tree, dict):
         skipped = ("span", "location", "token_number", "def_id")
         return {key: _plain(value) for key, value in tree.items() if key not in skipped}

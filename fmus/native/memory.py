@@ -75,7 +75,6 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
 
 
 def _regions(struct: Struct, known: set[int]) -> Iterator[_Region]:
-    """Yield a struct and all memory that it points to, each once."""
     if struct.address in known:
         return
     known.add(struct.address)
@@ -96,7 +95,6 @@ def _words(content: bytes) -> NDArray[np.uint64]:
 
 
 def _constants(headers: Iterable[str]) -> set[str]:
-    """Return the fields `Type.field` that point to constants, which the declarations that cffi has read forget."""
     fields = set[str]()
     for text in headers:
         bare = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
@@ -111,7 +109,7 @@ def _constants(headers: Iterable[str]) -> set[str]:
 
 
 def _laid(words: NDArray[np.uint64]) -> list[str]:
-    """Return C that writes words, of which long runs are zero."""
+    # Long runs of zeros are left out: the memory is cleared before.
     used = np.flatnonzero(words)
     runs = np.split(used, np.flatnonzero(np.diff(used) > _LONGEST_GAP) + 1)
     spans = [(int(run[0]), int(run[-1]) + 1) for run in runs if run.size]

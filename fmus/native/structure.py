@@ -107,11 +107,6 @@ def solve(
 def _matching(
     row: np.ndarray, column: np.ndarray, equations: Sequence[Equation], unknowns: Sequence[SX], owner: str
 ) -> np.ndarray:
-    """Return the unknown that each equation is solved for, of the unknowns `column` in the equations `row`.
-
-    Raises:
-        TranslationError: The system is structurally singular.
-    """
     n = len(unknowns)
     pattern = csr_matrix((np.ones(len(row)), (row, column)), shape=(n, n))
     match = np.asarray(maximum_bipartite_matching(pattern, perm_type="column"))
@@ -128,7 +123,7 @@ def _matching(
 
 
 def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target_columns: Sequence[int]) -> set[int]:
-    """Return the rows that the values of the columns `target_columns` rest on: blocks as wholes."""
+    # A block is solved as a whole, so a value that depends on one of its rows depends on all of them.
     owner = {j: i for i, j in enumerate(match.tolist())}
     uses: dict[int, list[int]] = {}
     for i, j in zip(row.tolist(), column.tolist(), strict=True):
@@ -144,7 +139,6 @@ def _dependencies(row: np.ndarray, column: np.ndarray, match: np.ndarray, target
 
 
 def _blocks(row: np.ndarray, column: np.ndarray, match: np.ndarray) -> list[list[int]]:
-    """Return the rows of each strongly connected block, in an order in which they can be solved."""
     n = len(match)
     owner = np.empty(n, dtype=int)
     owner[match] = np.arange(n)
@@ -207,10 +201,7 @@ def _eliminate(
 
 
 def _explicit(residual: SX, unknown: SX) -> SX | None:
-    """Return the expression for an unknown if the residual is a difference with the unknown alone on one side.
-
-    Most equations are such, and this is a tenth of the work of finding the slope, with the same result.
-    """
+    # Most equations have this form, and the match takes a tenth of the time of finding the slope, with the same result.
     if residual.is_op(ca.OP_SUB):
         sides = residual.dep(0), residual.dep(1)
         for side, other in (sides, sides[::-1]):
@@ -220,7 +211,6 @@ def _explicit(residual: SX, unknown: SX) -> SX | None:
 
 
 def _core(core: list[tuple[Equation, SX]], loops: Loops, owner: str) -> tuple[SX, list[tuple[SX, SX]]]:
-    """Return the values of coupled unknowns, and (unknown, residual at the guess) when Newton is needed."""
     unknowns = ca.vertcat(*[u for _, u in core])
     residuals = ca.vertcat(*[e.residual for e, _ in core])
     matrix = ca.jacobian(residuals, unknowns)

@@ -186,14 +186,6 @@ def _at_events(
     index_one: IndexOne,
     loops: Loops,
 ) -> tuple[list[SX], list[Assertion]]:
-    """Return discretes, states, relations and conditions after a pass of the event iteration, and what must hold.
-
-    Args:
-        loops: Keeps those of the running model.
-
-    Raises:
-        TranslationError: A nonlinear loop goes through discrete variables.
-    """
     # The same loops are met again in the event system and the assertions; `loops` counts them once.
     blocks, running = list(loops.blocks), set(loops.guesses)
     event_equations, event_states = _event_equations(dae, evaluate, v, conditions, states)
@@ -248,7 +240,6 @@ def _with_numbers(v: ModelVariables, equations: list[Equation]) -> list[Equation
 
 
 def _equations(dae: Dae, evaluate: ExpressionBuilder, system: str) -> list[Equation]:
-    """Return the scalar equations of the continuous or initialization system."""
     out: list[Equation] = []
     for owner in dae.systems[system]["owners"]:
         values: list[Array] = []
@@ -287,7 +278,6 @@ def _clocks(dae: Dae, v: ModelVariables) -> list[tuple[float, float]]:
 def _split_states(
     v: ModelVariables, pairs: list[tuple[SX, SX]], former_states: frozenset[str]
 ) -> tuple[list[Scalar], list[Scalar]]:
-    """Return states and algebraics after index reduction."""
     by_name = {s.name: s for s in v.states}
     states: list[Scalar] = []
     for symbol, _ in pairs:
@@ -315,7 +305,7 @@ def _start(
     index_one: IndexOne,
     loops: Loops,
 ) -> tuple[SX, list[bool]]:
-    """Return initial values of the states; `initial equation`s are solved together with the model's."""
+    # Initial equations may determine any variable, so they are solved together with the equations of the model.
     starts = v.with_numbers([s.binding for s in states])
     calculated = [not is_number(SX(value)) for value in starts]
     initial = _with_numbers(v, _equations(dae, evaluate, "initialization"))
@@ -351,7 +341,6 @@ def _start(
 def _event_equations(
     dae: Dae, evaluate: ExpressionBuilder, v: ModelVariables, conditions: EventConditions, states: list[Scalar]
 ) -> tuple[list[Equation], list[SX]]:
-    """Return the equations of the discrete variables, and the states after reinit."""
     slot = {s.name: i for i, s in enumerate(v.discretes)}
     branches: dict[int, list[tuple[SX, SX, str]]] = {}
     for residual in dae.systems["discrete_real"]["residuals"]:

@@ -198,11 +198,6 @@ def _suits(suffix: str, option: str) -> bool:
 
 
 def _run(command: Sequence[str], folder: Path, name: str) -> tuple[int, str]:
-    """Return exit code and messages of a compiler that runs in a folder.
-
-    Raises:
-        BuildFailed: It takes longer than `LONGEST`.
-    """
     # In a new session, so that child processes of the compiler end with it.
     with subprocess.Popen(
         command,

@@ -178,11 +178,8 @@ def settle(
 
 
 def _is_structural(p: Scalar) -> bool:
-    """Return whether a parameter's value is compiled in.
-
-    Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the
-    front end, which does not say so; a final number cannot be set by anyone.
-    """
+    # Integers, Booleans and enumerations may have decided sizes, conditional components or if-equations in the front
+    # end, which does not report it. A final number cannot be set.
     return p.type != "real" or (not p.attributes["tunable"] and p.expression is not None and is_number(p.expression))
 
 
@@ -201,7 +198,6 @@ def _start(v: Node, scalars: list[Scalar], evaluate: ExpressionBuilder) -> None:
 
 
 def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
-    """Return the values of constants and structural parameters, which may refer to each other."""
     values = [s.binding for s in scalars]
     names, out = vector(scalars), ca.vertcat(*values) if values else SX(0, 1)
     for _ in range(len(scalars) + 1):
@@ -219,7 +215,6 @@ def _numbers(dae: Dae, scalars: list[Scalar]) -> list[SX]:
 
 
 def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
-    """Return dependent parameters in the order of their dependence, with bindings in free parameters only."""
     if not dependent:  # CasADi cannot infer the type of an empty list
         return [], []
     before: dict[int, set[int]] = {i: set() for i in range(len(dependent))}
@@ -232,7 +227,6 @@ def _in_order(dependent: list[Scalar]) -> tuple[list[Scalar], list[SX]]:
 
 
 def _default_values(every: list[Scalar], v: ModelVariables) -> None:
-    """Put numbers into `start` where a start or binding depends on parameters."""
     symbols = ca.vertcat(v.constants[0], vector(v.free), vector(v.dependent))
     free = ca.vertcat(*[SX(p.start) for p in v.free])
     dependent = ca.vertcat(*v.dependent_values)

@@ -112,13 +112,12 @@ def prune(root: Path) -> None:
 
 @once
 def _prune_once(root: Path) -> None:
-    """Prune once per process: pruning reads the status of every file."""
+    # Once per process, because pruning reads the status of every file.
     with suppress(OSError):  # another process may prune at the same time
         prune(root)
 
 
 def _down_to(place: Path) -> tuple[Path, ...]:
-    """Return the folders from that of the cache down to `place`, a folder kind/key/digest in it."""
     return (*reversed(place.parents[:3]), place)
 
 

@@ -57,8 +57,6 @@ def command_of(name: str, target: Any) -> Any:
 
 
 def _global_options() -> list[Any]:
-    """Return the options of `program` for a command: they act when they are parsed, and are not passed to it."""
-
     def options(
         version: Annotated[
             bool, typer.Option("--version", callback=_show_version, is_eager=True, expose_value=False, hidden=True)

@@ -59,7 +59,6 @@ def regress(
 
 
 def _regress_baseline(path: Path, out: Path, workers: int, across_compilers: bool, import_from: Sequence[Path]) -> int:
-    """Run the campaign or study of one baseline, print how its numbers changed, and return the exit code."""
     baseline = load_baseline(path)
     if across_compilers:
         if baseline.campaign is None:
@@ -211,7 +210,6 @@ def _repeated_before(path: Path, relative: float) -> dict[str, Repeated]:
 def _numbers_of(
     baseline: Baseline, path: Path, out: Path, workers: int, import_from: Sequence[Path]
 ) -> tuple[int, Findings]:
-    """Run the campaign or study of a baseline; return the exit code and its numbers."""
     if baseline.campaign is not None:
         runs = [CampaignRun(baseline.selection(load_campaign(path.parent / baseline.campaign)), out)]
         code = run_campaigns(runs, workers=workers, fresh=False, import_from=import_from)

@@ -134,7 +134,6 @@ def report(
 
 
 def _show_result(results: Results, rows: Sequence[Row], against: str | None) -> None:
-    """Print the table of pairs of variants, if one was named, and a summary."""
     reference = reference_of(results, against)
     changes = () if reference is None else changes_against(reference, results.stops, rows)
     if reference is not None:

@@ -60,7 +60,6 @@ def doctor() -> None:
 
 
 def _findings_of(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:
-    """Return the findings of a check; an exception is reported as a problem."""
     try:
         return list(check())
     except RailgripError as problem:

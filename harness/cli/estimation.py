@@ -245,10 +245,7 @@ def _print_recording(recording: xarray.Dataset) -> None:
 
 
 def _show_parameters(specification: Specification, parameters: Sequence[ModelParameter], *, is_users: bool) -> None:
-    """Print the parameters of a model with their origin, elements of an array in one row.
-
-    Defaults are mentioned if the recording is of a user's vehicle.
-    """
+    # A default matters to the user only if the recording is of their own vehicle.
     rows: dict[tuple[str, str], list[ModelParameter]] = {}
     for each in parameters:
         rows.setdefault((each.name.partition("[")[0], each.origin), []).append(each)
@@ -277,7 +274,6 @@ def _as_json(parameter: ModelParameter) -> dict[str, Any]:
 
 
 def _last_estimates(specification: Specification, estimates: xarray.Dataset) -> list[dict[str, Any]]:
-    """Return mean and standard deviation of each state at the last sample, with its unit."""
     units = units_of(specification.model.class_)
     mean, sd = (estimates[name].values[-1] for name in ("mean", "sd"))
     names = [str(state) for state in estimates["state"].values]
@@ -292,7 +288,6 @@ def _known_states(recording: xarray.Dataset, estimates: xarray.Dataset) -> list[
 
 
 def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgements: Mapping[str, Judgement]) -> None:
-    """Print the consistency of the filter, and the errors of each state whose true values are known."""
     say(
         f"{recording.attrs['name']}: median NIS is {estimates.attrs['nis_ratio']:.3g} of the expected one; above 1 the "
         "filter is surer than its readings allow."
@@ -321,7 +316,6 @@ def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgemen
 
 
 def _write_windows(windows: xarray.Dataset, path: Path) -> None:
-    """Write smallest singular values and deviations as CSV, one row per window."""
     states = [str(state) for state in windows["state"].values]
     columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))

@@ -96,11 +96,6 @@ def export(
 
 
 def _targets(names: Sequence[str]) -> tuple[str, ...]:
-    """Return platforms by name, without repetition.
-
-    Raises:
-        InputError: A platform is unknown.
-    """
     wanted = [each for name in names for each in name.split(",")]
     unknown = [name for name in wanted if name not in (*TARGETS, "all")]
     if unknown:

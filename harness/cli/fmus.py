@@ -107,7 +107,6 @@ def survey_command(
 
 
 def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
-    """Return a table of the FMUs that step, by tool and interface, with the reasons of the others."""
     kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []
     for _, tool, interface in kinds:
@@ -124,7 +123,6 @@ def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
 
 
 def _check(names: list[str], compiler: Compiler, *, update: bool) -> None:
-    """Validate FMUs and compare them with lock.toml, or write it."""
     book = read_recipes()
     complaints: list[str] = []
     interfaces: dict[str, Entry] = {}

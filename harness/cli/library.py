@@ -53,7 +53,6 @@ def text_of_schema(kind: FileKind) -> str:
 
 
 def _estimation_schema() -> dict[str, Any]:
-    """Return the schema of an estimation, whose [noise] may refer to another file."""
     schema = extending_schema(Specification, "estimation")
     file = {
         "type": "object",

@@ -100,7 +100,6 @@ def tune_control(
 
 
 def _others(path: Path, optima: Mapping[tuple[str, SlipSource], Optimum]) -> str:
-    """Return the tables in a file of parameters that were not searched."""
     sets = tomllib.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
     lines: list[str] = []
     for actuation, slip in ((a, s) for a, of in sets.items() for s in of if (a, s) not in optima):

@@ -60,7 +60,6 @@ def _conduct(
 
 
 def _command(name: str) -> Any:
-    """Return the command of a study: its own options before the common ones."""
     study = study_named(name)
 
     def command(**options: Any) -> None:

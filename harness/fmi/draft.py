@@ -149,7 +149,7 @@ def bare_name(name: str) -> str:
 
 
 def _score(signal: Signal, causality: Causality, array: Array) -> float:
-    """Return the similarity of the names, 0 to 1; 0 if size, causality or dimension differ."""
+    # 0 to 1; 0 if size, causality or dimension differ.
     first, count = array.variables[0], len(array.variables)
     fits = first.settable and first.causality != "input" if causality == "parameter" else first.causality == causality
     is_uniform = all(variable.causality == first.causality for variable in array.variables)

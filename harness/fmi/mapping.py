@@ -238,7 +238,7 @@ def _side(
 
 
 def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
-    """Yield the names that tools without arrays give to the elements of a signal: `demand_1` and `demand1`."""
+    # Tools without arrays write `demand_1` or `demand1`.
     if signal.size == 1:
         yield (signal.name,)
     if signal.size:
@@ -282,7 +282,6 @@ def _tie(
     *,
     into_fmu: bool,
 ) -> tuple[Variable, float, float]:
-    """Return the variable of one element, with gain and shift in the direction of travel."""
     variable = description.variable(target.variable, f"{where} {element}")
     file = description.file.name
     readable = causality == "output" and variable.causality in (
@@ -322,7 +321,6 @@ def _tie(
 
 
 def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: str) -> Unit:
-    """Return the unit of an FMU's variable: as defined, as named, or as stated in the mapping."""
     unit_of_variable = variable.unit
     if target.stated_unit is not None:
         try:
@@ -356,7 +354,6 @@ def _unit_of(variable: Variable, target: _Target, ours: Unit, file: str, who: st
 
 
 def _targets(signal: Signal, entries: Mapping[str, object], where: str) -> tuple[_Target, ...]:
-    """Return one target per element of a signal, from its entry or from its name."""
     who = f"{where} {signal.name}"
     entry = entries.get(signal.name)
     if entry is None:
@@ -405,7 +402,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
 
 
 def _all_missing(description: Description, missing: Sequence[str], causality: Causality, where: str) -> str:
-    """Return a sentence that lists all missing signals at once, so that one correction suffices."""
+    # All at once, so that one correction suffices.
     candidates = description.names(causality)
     lines = [f"'{name}'{_near(name, candidates, end='')}" for name in missing[:8]]
     rest = f", and {len(missing) - 8} more" if len(missing) > 8 else ""

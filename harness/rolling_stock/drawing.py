@@ -47,7 +47,6 @@ def drawing(train: Train) -> Figure:
 
 
 def _rows(train: Train) -> Iterator[tuple[range, float, float]]:
-    """Yield cars, begin and end of each row [m]."""
     first, begin, front = 0, 0.0, 0.0
     for number, car in enumerate(train.cars):
         if front + car.length - begin > _ROW and number > first:

@@ -122,7 +122,6 @@ def full_brake_force(train: Train) -> Vector:
 
 
 def _require_end(train: Train, speed: float, time: float) -> None:
-    """Refuse a train that still rolls so long [s] after it was braked at a speed [m/s]."""
     if time > _LONGEST:
         raise InputError(
             f"by hand calculation the brakes do not stop {train.name} from {3.6 * speed:g} km/h within "
@@ -139,7 +138,6 @@ def _shares_of_load(train: Train, mass: Vector) -> Matrix:
 
 
 def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
-    """Return data of the brakes, named as in [brakes] and [pads], and wheel radius [m] of each axle."""
     parts = [train.bogies_in_train[axle.bogie] for axle in train.axles]
     wheel = _each([part.data for part in parts], "wheel_radius")
     brakes = {name: _each([part.brake for part in parts], name) for name in ("friction_radius", *_BRAKE)}
@@ -181,7 +179,7 @@ def chain_forces(train: Train, stop: HandCalculation) -> Vector:
 
 
 def _front_speed(train: Train, command: BrakePipe) -> float:
-    """Return the speed of a small wave in the brake pipe, which branches slow down [m/s]."""
+    """Return the speed of a small wave in the brake pipe [m/s], which the branches slow down."""
     pipe = pi / 4 * command.diameter**2 * sum(car.length for car in train.cars)
     return _SOUND / sqrt(1 + command.branch_volume * len(train.cars) / pipe)
 
@@ -193,7 +191,6 @@ def _pad_force(brakes: dict[str, Vector], pressure: Vector) -> Vector:
 
 
 def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vector:
-    """Return the force at the rim [N] with a share of the highest pressure."""
     pad_force = _pad_force(brakes, share * brakes["pressure_max"])
     slower = 1 - speed * brakes["sliding"] / brakes["speed_nominal"]
     friction = brakes["pad_friction"] * (1 + brakes["speed_effect"] * slower)
@@ -236,7 +233,7 @@ class _Stages:
     """The relays of two-stage distributors through a stop, as RailBraking.Pneumatics.TwoStageDistributor."""
 
     def __init__(self, train: Train, speed: float) -> None:
-        """Take a train at the speed of its brake demand [m/s]: from between both speeds on it is in the low stage."""
+        # A demand at a speed between the two thresholds starts in the low stage.
         parts = [train.distributor_of_car[axle.car] for axle in train.axles]
         values = [(1.0, 0.0, 1.0) if d is None else (d.low_share, d.speed_down, d.stage_time) for d in parts]
         self._low, self._down, time = np.array(values).T
@@ -251,7 +248,7 @@ class _Stages:
 
 
 def _magnetic_force(brake: TrackBrake, speed: float, time: float) -> float:
-    """Return the force of the track brakes of a bogie so long after the demand [N]."""
+    """Return the force of a bogie's track brakes [N], `time` [s] after the demand."""
     field = -expm1(-max(time - brake.delay, 0.0) / brake.time_constant)
     friction = brake.friction_fast + (brake.friction_slow - brake.friction_fast) / (1 + speed / brake.friction_speed)
     return brake.magnets * brake.attraction * friction * field
@@ -266,7 +263,7 @@ def _each(parts: Sequence[Table], name: str) -> Vector:
 
 
 def _rolling(train: Train, wheel: Vector) -> Vector:
-    """Return bearing and rolling resistance over load, the former as RailBraking.Components.bearingFriction."""
+    # Bearing resistance as in RailBraking.Components.bearingFriction.
     friction, radius = train.resistance.bearing_friction, train.resistance.bearing_radius
     bearing = 1 / np.sqrt(wheel**2 / (friction * radius) ** 2 * (1 + friction**2) - 1)
     return bearing + train.resistance.rolling_arm / wheel

@@ -157,7 +157,7 @@ _FAINTEST = 1e3
 
 @lru_cache(maxsize=1)
 def _read_profile(path: Path, digest: str) -> Columns:  # pyright: ignore[reportUnusedParameter]
-    """Return `Demand.profile` of a file; cached by its digest, since it is read for validation and for the stop."""
+    # Cached by digest, because the file is read for validation and for the stop.
     return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
 
 
@@ -241,7 +241,7 @@ def _written(demand: Demand, full: Sequence[float], where: str) -> Iterator[Dema
 
 
 def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> NDArray[np.void]:
-    """Return phases with linear pressures between points, shapes (n,) and (n, groups), and constant ones outside."""
+    # Pressures are linear between points and constant outside.
     none = (0.0,) * pressures.shape[1]
     constant = DemandedPhase(pressures=none, slopes=none)
     names = [field.name for field in fields(DemandedPhase)]
@@ -258,7 +258,6 @@ def _from_points(times: NDArray[np.float64], pressures: NDArray[np.float64]) -> 
 
 
 def _of_groups(entries: Sequence[float | Literal["full"]], full: Sequence[float], where: str) -> tuple[float, ...]:
-    """Return the pressure of each group, limited to its full brake."""
     _require_pressures(len(entries), max((entry for entry in entries if entry != "full"), default=0.0), full, where)
     pressures = [most if entry == "full" else float(entry) for entry, most in zip(cycle(entries), full, strict=False)]
     return tuple(map(min, pressures, full))

@@ -55,7 +55,6 @@ def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = 
 
 
 def _relative(path: Path, folder: Path) -> str:
-    """Return a path relative to a folder, with the same text on all platforms."""
     try:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:  # on another drive of Windows

@@ -112,7 +112,6 @@ class _Profile(Table):
 
     @property
     def _lowest_around(self) -> float:
-        """Lower bound outside of patches before `factor`."""
         raise NotImplementedError
 
     @property

@@ -44,11 +44,7 @@ ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z
 
 
 def _elements(entry: Any) -> Any:
-    """Return a parameter table with `x = [1, 2]` replaced by `"x[1]" = 1` and `"x[2]" = 2`, as FMI names them.
-
-    Raises:
-        PydanticCustomError: A list is empty, or the table has a list and an element of it.
-    """
+    # FMI names the elements of an array `x[1]`, `x[2]`.
     if not isinstance(entry, Mapping):
         return entry
     flat: dict[str, Any] = {}
@@ -136,7 +132,6 @@ class Table(BaseModel):
 
 
 def _map_entry(entry: Any) -> Any:
-    """Return a mapping entry unchanged; its details are checked later, with the description of the FMU."""
     if isinstance(entry, str | dict) or (
         isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
     ):

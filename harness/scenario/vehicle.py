@@ -71,7 +71,7 @@ class Nudge(Table):
 
 
 def _is_class(entry: str) -> bool:
-    """Return whether a text has the form module:Class, including Python's notation for a class inside a function."""
+    # Only the module must be identifiers: Python writes `<locals>` in the name of a class inside a function.
     module, colon, name = entry.partition(":")
     return bool(colon and name) and all(part.isidentifier() for part in module.split("."))
 

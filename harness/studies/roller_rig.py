@@ -241,7 +241,6 @@ def _filters() -> dict[str, Specification]:
 
 
 def _resampled(name: str, period: float, noise: float) -> Scenario:
-    """Return a test at another sampling period [s], with another encoder of the roller [m/s]."""
     periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
     changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
     return load(Path(name), [*changes, f'sensors.noise.speed="{noise} m/s"'])

@@ -133,11 +133,6 @@ class Vehicle:
         return means | {name: self.parameters[name] for name in VALVES if name in self.parameters}
 
     def _require_data(self) -> None:
-        """Refuse a vehicle of which data are missing that somebody asks for.
-
-        Raises:
-            ScenarioError: All that is missing, each with its key, unit and meaning.
-        """
         lacking: list[str] = []
         if "m" not in self.parameters and not self._has(_MASS, self.wheelsets.wheelsets):
             lacking.append("wheelset_load (static force of each wheelset on the rail [N])")
@@ -159,7 +154,6 @@ class Vehicle:
         return name in self.parameters or all(f"{name}[{i + 1}]" in self.parameters for i in range(count))
 
     def _brake_data(self, missing: float | None = nan) -> list[dict[str, float]]:
-        """Data of `Brake` for each group, without its load; `missing` replaces missing values; None refuses them."""
         groups = self.wheelsets.groups
         data = {datum: self._elements(parameter, groups, missing) for datum, parameter in OF_BRAKES.items()}
         ratio, efficiency = (self._elements(parameter, groups, missing) for parameter in _OF_RIGGING)
@@ -167,7 +161,6 @@ class Vehicle:
         return [{datum: float(values[group]) for datum, values in data.items()} for group in range(groups)]
 
     def _elements(self, name: str, count: int, missing: float | None = None) -> NDArray[np.float64]:
-        """Return the elements of an array of parameters, or one value for all; see `_brake_data`."""
         if name in self.parameters:
             return np.full(count, self.parameters[name])
         elements = [f"{name}[{i + 1}]" for i in range(count)]

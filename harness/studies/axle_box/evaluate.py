@@ -209,7 +209,6 @@ def average(scores: Iterable[Score]) -> Score:
 
 
 def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
-    """Return the figures of errors, one for each random start, beside those of the mean label."""
     absolute = [float(np.abs(e).mean()) for e in errors]
     return Score(
         starts=len(errors),

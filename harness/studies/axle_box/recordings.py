@@ -112,13 +112,11 @@ def judge_recordings(
 
 
 def _classes(runs: Sequence[LabelledRun]) -> dict[int, list[LabelledRun]]:
-    """Return the runs of each speed class that has several."""
     groups = {g: [run for run in runs if run.group == g] for g in sorted({run.group for run in runs})}
     return {g: runs_of_group for g, runs_of_group in groups.items() if len(runs_of_group) > 1}
 
 
 def _without(runs: Sequence[LabelledRun], place: int, members: int) -> Score:
-    """Judge the general estimator on one run that is left out of its training."""
     estimator, mean = general([run for k, run in enumerate(runs) if k != place], members)
     return judge(estimator, mean, [runs[place]])
 
@@ -205,7 +203,6 @@ def _recording(file: Path, table: DataTable) -> FileRecording:
 
 
 def _readings(name: str, record: FileRecording, table: DataTable, backwards: bool, flags: list[Flag]) -> Readings:
-    """Return the readings of a run in a file; interpolations are appended to `flags`."""
     recording = record.recording
     boxes = np.column_stack([_whole(name, box, record, table.longest_gap, flags) for box in BOXES])
     there = np.flatnonzero(np.isfinite(boxes).all(axis=1))

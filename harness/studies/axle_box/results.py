@@ -132,7 +132,6 @@ def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> Table
 
 
 def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]], speeds: Sequence[int]) -> Table:
-    """Return rank correlations of friction and rms slip rate, and the rates at the extremes of friction [1/s]."""
     rows: list[list[str | float | None]] = []
     for name, of_set in rates.items():
         columns = [sorted(of_set[s]) for s in speeds]
@@ -144,7 +143,6 @@ def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]]
 
 
 def _rank_correlation(pairs: Sequence[tuple[float, float]]) -> float:
-    """Return Spearman's correlation."""
     friction, rates = np.transpose(pairs)
     correlation: Any = spearmanr(friction, rates)
     return float(correlation.statistic)

@@ -158,7 +158,6 @@ STUDY = AxleBox
 
 
 def _answer(results: AxleBoxResults) -> str:
-    """Return the errors on runs outside of the training, of the paper's networks and of the general estimator."""
     words: list[str] = []
     for rows in (results.honest, results.general):
         errors = [average(row.values()) for row in rows.values()]
@@ -173,7 +172,6 @@ def _answer(results: AxleBoxResults) -> str:
 
 
 def _files(trained: Mapping[str, Trained]) -> dict[str, Callable[[Path], object]]:
-    """Return functions that write each estimator as a file of numbers and as an FMU."""
     files: dict[str, Callable[[Path], object]] = {}
     for name, network in trained.items():
         files[f"{name}.json"] = partial(_write_numbers, network)

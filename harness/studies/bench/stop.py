@@ -157,5 +157,5 @@ def of_recipes() -> Iterator[Row]:
 
 
 def _processor() -> float:
-    """Return the time that this process and those it has waited for have spent on processors [s]."""
+    """Return the CPU time of this process and of the children it has waited for [s]."""
     return sum(os.times()[:4])

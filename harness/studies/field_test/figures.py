@@ -74,7 +74,6 @@ def _arrow(
     place: tuple[float, float],
     bend: float = 0.0,
 ) -> None:
-    """Draw an arrow, and its name at a place."""
     shape = {"arrowstyle": "-|>", "color": colour, "connectionstyle": f"arc3,rad={bend}", "shrinkA": 0, "shrinkB": 0}
     chart.annotate("", end, begin, arrowprops=shape)
     chart.text(*place, words, color=colour, va="center", fontsize=8)

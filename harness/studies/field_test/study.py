@@ -169,7 +169,6 @@ _LAWS: Mapping[str, CurveLaw] = {"equation (7)": "bogie", "Röckl": "roeckl", "P
 
 
 def _conditions(test: FilterTask) -> dict[str, Any]:
-    """Return duration and track force of a braking, and curve resistance by each law at a radius of 600 m."""
     recording = test.braking.recording
     return {
         "seconds": (recording.sizes["time"] - 1 - test.braking.brake) * test.data.period,
@@ -196,7 +195,6 @@ def _groups(scores: Mapping[str, Figures]) -> Table:
 
 
 def _pads(tasks: Mapping[str, FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> Table:
-    """Return the error of pad friction over that of the best constant, by noises and case."""
     rows: list[tuple[Any, ...]] = []
     for title, noise in noises.items():
         scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
@@ -232,7 +230,6 @@ def _answer(scores: Mapping[str, Figures]) -> str:
 
 
 def _worst(tasks: Sequence[FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> dict[str, float]:
-    """Return by noises the largest deviation over the tasks, term (14) of the score [m/s]."""
     return {
         title: max(terms_of(task, follow(task, filter_, noise)).deviation for task in tasks)
         for title, noise in noises.items()
@@ -284,6 +281,5 @@ def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:
 
 
 def _spread(scores: Sequence[Figures], name: str, form: str, factor: float = 1.0) -> str:
-    """Return mean (least … largest) of a figure over seeds."""
     values = factor * np.array([one[name] for one in scores])
     return f"{values.mean():{form}} ({values.min():{form}} … {values.max():{form}})"

@@ -133,7 +133,7 @@ def limits() -> list[tuple[float, float]]:
 
 
 def _first(search: Search) -> Array:
-    """Return a first population: a Latin hypercube with `PHYSICAL` among it, so that no worse noises are found."""
+    # `PHYSICAL` is in the first population, so the search cannot end with worse noises.
     bounds = np.array(limits()).T
     sample = qmc.LatinHypercube(len(NAMES), rng=np.random.default_rng(search.seed)).random(search.population)
     population = qmc.scale(sample, *bounds)

@@ -135,7 +135,6 @@ class QuasiStaticBrake:
         return parameters | {"T_fill": self._of["T_fill"] * float(deviations["build_up"][0, 0])}
 
     def _deviations(self, standard: Array | None) -> Deviations:
-        """Return the deviations of standard normal numbers, shape (n, dimension); none for the nominal train."""
         groups, n = len(self.units), 1 if standard is None else len(standard)
         widths = {"pressure": groups, "wheel_radius": groups, "mass": 1, "build_up": 1}
         deviations = {
@@ -156,11 +155,11 @@ class QuasiStaticBrake:
         return deviations
 
     def _pressure(self, deviations: Deviations) -> Array:
-        """Return the steady cylinder pressure of each group, less the loss by the leak [Pa]."""
+        """Return the steady cylinder pressure of each group, less the loss through the leak [Pa]."""
         return self._brake["pressure_max"] + deviations["pressure"] - self._of["leak"] * self._of["T_fill"]
 
     def _torque(self, available: Sequence[int], deviations: Deviations, *, alike: bool = False) -> Array:
-        """Return the torque of each group at nominal speed and temperature of the pads [N m].
+        """Return the torque of each group at nominal speed and pad temperature [N m].
 
         With `alike` all units have nominal friction, efficiency and radius.
         """
@@ -182,7 +181,7 @@ class QuasiStaticBrake:
         return torque @ member.T.astype(np.float64)
 
     def _stops(self, available: Sequence[int], deviations: Deviations) -> tuple[Array, Array, Array]:
-        """Return deceleration of each step, from the slowest, shape (n, steps), distance and equivalent time."""
+        """Return the deceleration of each step, slowest first, shape (n, steps), distance and equivalent time."""
         brake, of, count = self._brake, self._of, np.maximum(np.asarray(available), 1)
         torque, radius = self._torque(available, deviations), brake["wheel_radius"] * deviations["wheel_radius"]
         mass = self._wheelset_mass.sum() * deviations["mass"][:, 0]
@@ -220,5 +219,5 @@ class QuasiStaticBrake:
 
 
 def _saturated(x: Array) -> Array:
-    """Return `RailBraking.Friction.saturate`."""
+    # As RailBraking.Friction.saturate.
     return (np.sqrt((x + 1) ** 2 + 0.01) - np.sqrt((x - 1) ** 2 + 0.01)) / 2

@@ -191,7 +191,6 @@ def in_the_loop(
 
 
 def _stop(scenario: Scenario, import_from: Sequence[Path]) -> tuple[float | None, float]:
-    """Return the braking distance [m], None without a standstill, and the time of a processor [s]."""
     begin = time.process_time()
     return braking_distance(scenario, import_from), time.process_time() - begin
 
@@ -208,7 +207,6 @@ def _states(
 
 
 def _rates(failures: Failures, *standard: float) -> Rates:
-    """Return the rates by a number of deviations above their medians: one for both, or one for each; 0 without."""
     isolated, stuck = failures.isolated_unit, failures.stuck_valve
     first, last = (standard[0], standard[-1]) if standard else (0.0, 0.0)
     return Rates(
@@ -220,7 +218,6 @@ def _rates(failures: Failures, *standard: float) -> Rates:
 
 
 def _drawn(specification: KFactorSpecification) -> list[Rates]:
-    """Return draws of the failure rates, each rate as a Latin hypercube has it."""
     random = generator(specification.seed, "k_factors rates")
     standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)
     pairs = zip(standard, random.permutation(standard), strict=True)
@@ -228,7 +225,6 @@ def _drawn(specification: KFactorSpecification) -> list[Rates]:
 
 
 def _cost(specification: KFactorSpecification, units: Sequence[int], probability: float) -> int:
-    """Return how many stops subset simulation takes for a probability."""
     assert specification.loop is not None
     samples = specification.loop.samples
     states, _ = _states(specification, units, _NEGLECT_IN_LOOP * probability)

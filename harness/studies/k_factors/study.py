@@ -143,7 +143,6 @@ def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
 
 
 def _extent(dispersion: Normal | Uniform) -> str:
-    """Return standard deviation or limits as the file has them."""
     if isinstance(dispersion, Normal):
         return f"σ {dispersion.deviation.entry}"
     return f"{dispersion.lowest.entry} to {dispersion.highest.entry}"

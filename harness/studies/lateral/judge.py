@@ -215,7 +215,6 @@ def _finite(value: float) -> float | None:
 
 
 def _settling(trace: Trace, truth: Array, mean: Array, tolerance: float) -> float:
-    """Return the longest settling time after the start or a change of condition [s]."""
     ends = [*trace.changes[1:], math.inf]
     worst = 0.0
     for begin, end in zip(trace.changes, ends, strict=True):
@@ -238,7 +237,6 @@ def _detection(trace: Trace, mu0: Belief) -> dict[str, Any]:
 
 
 def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | None]]:
-    """Return mean and rms error of the belief about mu0 by condition of the run, after `WINDOW` to settle."""
     since = trace.time - np.array(trace.changes)[np.searchsorted(trace.changes, trace.time, side="left") - 1]
     levels: dict[str, tuple[float | None, float | None]] = {}
     for number, condition in enumerate(CONDITIONS):
@@ -251,11 +249,6 @@ def _levels(trace: Trace, mu0: Belief) -> dict[str, tuple[float | None, float | 
 
 
 def _observability(trace: Trace) -> dict[str, Any]:
-    """Return the standard deviation of mu0 given the readings of each window alone and the track.
-
-    The readings of a recorded instant represent the `EVERY` readings up to the next, whose mean has `EVERY` times less
-    variance. The model is taken as exact, so this is a bound for every filter with these sensors.
-    """
     model = prediction("known_track")
     truth = trace.truth
     x = np.column_stack(
@@ -268,6 +261,8 @@ def _observability(trace: Trace) -> dict[str, Any]:
     # y, dy, psi, dpsi, log mu0: sizes of a normal run.
     scale = (3e-3, 3e-2, 1e-3, 2e-2, 0.5)
     for sensors, noise in (("paper", PAPER_SENSORS), ("service", SERVICE_SENSORS)):
+        # One recorded instant represents `EVERY` readings, whose mean has `EVERY` times less variance. The model is
+        # taken as exact (no process noise), so this is a lower bound for every filter with these sensors.
         begins, _, deviation = along(model, x, u, trace.period, np.square(noise) / EVERY, scale, window, window)
         deviations = deviation[:, 4] * trace.mu0[begins]
         measures[sensors] = [_finite(value) for value in deviations]

@@ -241,7 +241,6 @@ def _followed(
     name: Name, filter_: CompiledFilter, first_belief: Estimate, table: Mapping[str, Array], readings: Array,
     realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip
-    """Return the beliefs of a filter given the readings, segment by segment of one condition."""
     n, integrals = filter_.mean.size, INTEGRALS[name]
     unused = np.zeros(len(readings))
     inputs = np.column_stack([unused if input_ in integrals else table[input_] for input_ in filter_.design.inputs])

@@ -171,7 +171,6 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
 
 
 def _answer(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the largest median RMS error of friction of each filter on the plant that it has as model."""
     errors: dict[str, list[float]] = {}
     for row in rows:
         if row["plant"] == "paper" and row["quantity"] == "friction":

@@ -49,7 +49,6 @@ class Spread:
     confidence: float
 
     def __str__(self) -> str:
-        """Return the median with its interval in brackets."""
         return f"{_digits(self.median)} [{_digits(self.low)}, {_digits(self.high)}]"
 
 
@@ -70,10 +69,7 @@ def spread(values: Iterable[float | None]) -> Spread:
 
 @cache
 def _rank(n: int) -> tuple[int, float]:
-    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and their confidence.
-
-    With fewer than six values it is the whole range, whose confidence is below 95 %.
-    """
+    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and their confidence."""
     best = (0, float(1 - 2 * binom.cdf(0, n, 0.5)))
     for k in range(1, n // 2):
         coverage = float(1 - 2 * binom.cdf(k, n, 0.5))

@@ -182,7 +182,6 @@ def track_acceleration_density(deviation: float) -> float:
 
 
 def _through(noise: Array, numerator: list[float], denominator: list[float], period: float) -> Array:
-    """Return noise, held over each period, through a transfer function in s."""
     discrete: Any = cont2discrete((numerator, denominator), period, method="zoh")
     return np.asarray(lfilter(np.ravel(discrete[0]), discrete[1], noise), dtype=np.float64)
 

@@ -59,7 +59,6 @@ def nominal_friction(
 
 @cache
 def _stepper(friction_radius: float, period: float) -> tuple[float, ca.Function]:
-    """Return friction at the start and (state, inputs) → state one period later, by RK4."""
     model = lower("RailBraking.Components.GroupBrake")
     names = [v.name for v in model.states]
     assert tuple(names) == _STATES, names
@@ -191,7 +190,7 @@ def evidence_of(
 
 
 def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
-    """Return mean and covariance of pad friction without the prior, which would count once in each of several stops."""
+    # The prior would count once in each of several stops.
     identity, nominal = np.eye(mean.size), np.full(mean.size, NOMINAL)
     information = np.linalg.inv(covariance) - identity / PRIOR**2
     # Where a stop has no information, rounding is left of it: the result is at most 100 priors wide.
@@ -222,7 +221,7 @@ def pressure_spread(
 
 
 def _braking_pressure(pressure: Vector, force: Vector) -> float:
-    """Return the pressure at which a group braked [Pa], its median; infinite if never, when no offset matters."""
+    # Infinite if the group never braked: no offset of its transducer matters then.
     under_pads = pressure[force > _PRESSED]
     return float(np.median(under_pads)) if under_pads.size else float("inf")
 
@@ -267,10 +266,10 @@ def _run_filter(
 
     Args:
         inputs: Inputs at every sample, shape (k, nu).
-        readings: Readings, shape (k, m); none of a wheelset while it is locked.
-        locked: Which are, shape (k, groups).
+        readings: Readings, shape (k, m); those of a locked wheelset are not used.
+        locked: Which wheelsets are locked, shape (k, groups).
         wheels: Wheelset speeds at the first sample [rad/s], shape (groups,).
-        speed: Of the train then [m/s].
+        speed: Train speed at the first sample [m/s].
     """
     groups = formation().groups
     place = [states.index(f"mu_b[{g + 1}]") for g in range(groups)]
@@ -298,9 +297,9 @@ def _run_filter(
 
 
 def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
-    """Return the bias of an accelerometer [m/s²]: what its integral runs away from the speed that was read.
+    """Return the bias of an accelerometer [m/s²]: the drift of its integral from the speed reading.
 
-    It includes the slope of the track, which an accelerometer cannot distinguish from a bias.
+    It includes the gradient of the track, which an accelerometer cannot distinguish from a bias.
     """
     finite = np.isfinite(acceleration)
     if finite.mean() < 0.5:
@@ -313,7 +312,6 @@ def _bias(acceleration: Vector, speed: Vector, period: float) -> float:
 
 
 def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> float:
-    """Return the deceleration before the stop that running resistance does not explain [m/s²]."""
     mass = _mass(values)
     air = air_resistance(values) * float(np.mean(speed**2))
     rolling = rolling_resistance(values, mass, values["r_wheel"])
@@ -321,7 +319,6 @@ def _drag(acceleration: Vector, speed: Vector, values: dict[str, float]) -> floa
 
 
 def _mass(values: dict[str, float]) -> float:
-    """Return the mass of the train [kg]."""
     return sum(values[f"m_wheelset[{i + 1}]"] for i in range(formation().wheelsets))
 
 

@@ -121,7 +121,6 @@ def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
 
 @cache
 def _nominal() -> dict[str, float]:
-    """Return the numbers among the parameters of the plant as its class has them."""
     parameters = (v for v in describe(fmu(PLANT)).variables.values() if v.causality == "parameter" and v.kind == "Real")
     return {v.name: float(v.start) for v in parameters if v.start is not None}
 

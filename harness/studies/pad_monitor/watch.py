@@ -174,7 +174,7 @@ def _chart(
     design: MonitorDesign,
     chart: Matrix,
 ) -> list[Alarm]:
-    """Fill `chart` from stop `first` on and return the alarms; after one the chart of its group rests."""
+    # After an alarm the chart of that group is not updated.
     slack = 0.5 * (design.tolerated + design.failed)
     before = [stop.drag for stop in stops[:first] if np.isfinite(stop.drag)]
     coasting = float(np.median(before)) if before else float("nan")
@@ -199,10 +199,8 @@ def _chart(
 
 
 def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
-    """Return how far a group's evidence strays from that of the others, stop to stop, shape (groups,).
-
-    Evidence claims what noise does to it. Latencies and slides do more, which only the stops themselves show.
-    """
+    # The covariance of the evidence covers noise only. Latencies and slides add scatter that only the stops themselves
+    # reveal.
     if len(health) < FEWEST:
         return np.full(health.shape[1], design.least_scatter)
     apart = health - np.median(health, axis=1, keepdims=True)
@@ -213,20 +211,20 @@ def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
 def _follow(
     stops: Sequence[Evidence], together: float, residual: Vector, alarms: Sequence[Alarm], design: MonitorDesign
 ) -> tuple[Matrix, Matrix]:
-    """Return health followed by a Kalman filter over stops, with its deviation, each shape (k, groups).
+    """Return health estimated by a Kalman filter over stops, with its standard deviation, each shape (k, groups).
 
-    The offset of a transducer is the same in every stop: it does not weigh stops, and no number of them averages it
-    out. `shift` is what offsets of one standard deviation, one a column, have moved the index by, through the same
-    gains that made it. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
+    A transducer's offset is the same in every stop: it has no effect on the weight of a stop, and averaging does not
+    remove it. `shift` is the change of the index due to offsets of one standard deviation, one per column, propagated
+    through the same gains. Source: Schmidt, Application of State-Space Methods to Navigation Problems (1966).
 
-    An alarm says that health has jumped, so that the index of its group begins anew there.
+    After an alarm the index of its group starts anew, because health has jumped.
 
     Args:
         stops: Oldest first.
         together: Variance from stop to stop that all groups share.
-        residual: Remaining deviation of each group from stop to stop, shape (groups,).
-        alarms: Of the chart.
-        design: Of the monitor.
+        residual: Remaining standard deviation of each group from stop to stop, shape (groups,).
+        alarms: Alarms of the chart.
+        design: Design of the monitor.
     """
     groups = len(residual)
     mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
@@ -246,10 +244,10 @@ def _follow(
 
 
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: MonitorDesign) -> tuple[Vector, Vector]:
-    """Return the slope of health over the last stops and its deviation, share a stop, each shape (groups,).
+    """Return the slope of health over the last stops and its standard deviation [1/stop], each shape (groups,).
 
-    A straight line by least squares through the stops that distinguish the groups; its deviation comes from their
-    scatter about it.
+    The slope is a least-squares line through the stops that distinguish the groups; its deviation follows from their
+    scatter about the line.
     """
     number = np.flatnonzero(apart)
     number = number[number >= len(health) - design.trend]

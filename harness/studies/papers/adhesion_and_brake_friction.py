@@ -225,7 +225,6 @@ def record_figure(test: str, recording: xarray.Dataset, estimates: Mapping[str, 
 
 
 def _draw_statement(statement: Statement, adhesion: Axes, friction: Axes, top: float) -> None:
-    """Draw what the text says: the span in both panels, bounds and words over adhesion."""
     for panel in (adhesion, friction):
         panel.axvspan(statement.begin, statement.end, color=palette.SKY, alpha=0.15, linewidth=0)
     if statement.adhesion:
@@ -363,13 +362,11 @@ def slides(recording: xarray.Dataset) -> int:
 
 
 def _rise(friction: Vector, recording: xarray.Dataset, begin: float) -> list[float]:
-    """Return pad friction at an instant and at the end of a test, means over a second."""
     time = recording["time"].values
     return [float(np.mean(friction[(time >= at) & (time < at + 1)])) for at in (begin, time[-1] - 1)]
 
 
 def _oscillation(friction: Vector, recording: xarray.Dataset) -> float:
-    """Return the rms deviation of estimated pad friction from its mean over 10 s."""
     return float(np.std(friction - uniform_filter1d(friction, round(10.0 / period_of(recording)))))
 
 
@@ -382,7 +379,6 @@ def peaks_in_slide(recording: xarray.Dataset, estimates: xarray.Dataset) -> int:
 
 
 def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
-    """Return adhesion by the load cells at its first peak, where slip is largest, at the next peak, and at last."""
     part = recording.sel(time=slice(*DEEP_SLIDE))
     slip, adhesion = truth_of(part, "slip"), measured_adhesion(part)
     largest = int(np.argmax(slip))
@@ -416,7 +412,6 @@ def compared(found: Mapping[str, Any]) -> list[Compared]:
 
 
 def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
-    """Return what the text says of figure 4, beside the sliding test."""
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
     return [
         Compared("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h", is_chosen=True),
@@ -442,7 +437,6 @@ def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
 
 
 def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Compared]:
-    """Return what the text says of figure 5, beside the sanding test."""
     names = ("first peak", "after the fall", "after the release", "at last")
     return [
         Compared("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
@@ -464,7 +458,6 @@ def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Co
 
 
 def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[Compared]:
-    """Return the errors of adhesion of each filter in a test."""
     rows: list[Compared] = []
     for name, judged in test["filters"].items():
         outside = f"error of adhesion outside protection events, {NAMES[name]}"
@@ -477,7 +470,6 @@ def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[Compared]:
 
 
 def _compared_start(figure: str, test: Mapping[str, Any]) -> list[Compared]:
-    """Return how long each filter takes to correct an adhesion that is wrong at its start."""
     return [
         Compared(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
                  f"{seconds:.3f} s")
@@ -486,7 +478,6 @@ def _compared_start(figure: str, test: Mapping[str, Any]) -> list[Compared]:
 
 
 def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[Compared]:
-    """Return how pad friction rises to the end of a test, true and estimated."""
     published = f"rises from {test['rises']:g} s on"
     return [
         Compared(figure, f"pad friction, {NAMES.get(name, name)}", published, f"{begin:.3f} to {end:.3f}",

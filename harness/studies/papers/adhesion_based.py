@@ -426,12 +426,10 @@ def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
 
 
 def _rail(name: str) -> str:
-    """Return the name of a rail of `stops_of` for people."""
     library, _, shape = name.rpartition("library ")
     level = "library" if shape != name else "identified level"
     return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
 def _apart(fit: Fitted, other: Fitted) -> float:
-    """Return the greatest distance of two fits in a number, as a share of its bounds."""
     return float(np.max(np.abs(np.subtract(point_of(fit.candidate), point_of(other.candidate)))))

@@ -128,13 +128,12 @@ def course_of(stop: Stop) -> LyapunovCourse:
 
 
 def _states(trace: xarray.Dataset) -> list[Vector]:
-    """Return speed, slip, wheelset load, maximum friction and adhesion at the samples."""
     of_wheelset = [trace[name].values[:, WHEELSET] for name in ("wheelset_load", "mu0", "adhesion")]
     return [trace["speed"].values, trace["slip"].values[:, GROUP], *of_wheelset]
 
 
 def _slip_rate_changes(brake: Brake, trace: xarray.Dataset, speed: Vector) -> tuple[Vector, Vector]:
-    """Return by how much ṡ would differ with no pressure and with the highest, all other states being the same.
+    """Return by how much ṡ would differ between no pressure and the highest, all other states being equal.
 
     From J ω̇ = r F − T and s = 1 − rω/v: ∂ṡ/∂T = r/(J v), T = units · friction radius · pad friction · pad force.
     """

@@ -67,7 +67,6 @@ def guards(work: Work) -> dict[str, dict[str, float | None]]:
 
 
 def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
-    """Return a stop with the law as printed in a variant of `GUARDS`, perturbed by a seed."""
     parameters = GUARDS[variant]
     if variant == _BORROWING:
         tuning = AdhesionBased.tuned_for(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)

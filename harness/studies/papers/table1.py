@@ -275,7 +275,6 @@ def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mappin
 
 
 def _course(candidate: Candidate, levels: Mapping[str, float]) -> dict[str, float]:
-    """Return the numbers of `COURSE`."""
     course = course_of_adhesion(run_stop(stop_of("trapezoid", candidate, levels["trapezoid"], "abc")))
     used = {f"used_{part}": value for part, value in course["used"].items()}
     chatter = dict(zip(("chatter_before", "chatter_after"), course["chatter"], strict=True))
@@ -286,10 +285,7 @@ UNKNOWN: Mapping[str, float] = dict.fromkeys(COURSE, math.nan)
 
 
 def _level(name: str, candidate: Candidate, guess: float) -> float:
-    """Return the level at which slip-based control stops in the published distance; NaN if none within `LEVELS`.
-
-    By secants between the logarithms of level and distance: a distance is nearly proportional to 1/level.
-    """
+    # Secants between the logarithms of level and distance, because a distance is nearly proportional to 1/level.
     tried: dict[float, float] = {}
     level = guess
     for _ in range(_SECANTS):

@@ -154,11 +154,6 @@ def protected_stop(estimator_period: float) -> dict[str, float]:
 
 
 def _timed(scenario: Scenario, subject: str) -> tuple[float, Ending, Assembled]:
-    """Return the time of the processor for a stop [s], its result, and the parts that were run.
-
-    Raises:
-        ScenarioError: The train does not stop; the sentence begins with `subject`.
-    """
     with assembled(scenario) as parts:
         begin = process_time()
         result = parts.run()

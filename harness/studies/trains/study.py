@@ -181,7 +181,6 @@ def _sanders_as_data(trial: SanderTrial, density: float, comparisons: Sequence[C
 
 
 def _answer(stops: Sequence[DryStop]) -> str:
-    """Return how far the dry stops are from the calculation by hand."""
     differences = [100 * (stop.distance / stop.hand.distance - 1) for stop in stops]
     return (
         f"{len(stops)} dry emergency stops differ from the calculation by hand of EN 14531-1 by "
@@ -237,7 +236,7 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
 
 
 def _difference(row: Comparison) -> float | None:
-    """Return the relative difference of a distance; None where the trial gives only a bound, or without a stop."""
+    # The trial may give only a bound, and the train may not stop.
     return None if "at_least" in row or row["distance_m"] is None else row["distance_m"] / row["measured_m"] - 1
 
 

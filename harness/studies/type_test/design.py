@@ -135,10 +135,8 @@ class Case:
         }
 
     def _adhesion(self) -> dict[str, Any]:
-        """Return the rail; patches and noise reach all wheelsets at once, as no rail does.
-
-        Control that compares neighbouring groups has it easier so than on friction along the track.
-        """
+        # Patches and noise reach all wheelsets at once, unlike on a real rail. This favours control that compares
+        # neighbouring groups.
         mean, draw = self.friction, self.lot % 1000 / 1000
         match self.rail:
             case "patches":

@@ -111,7 +111,6 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the tables of a scenario; its files are found from any folder."""
     tables = read_scenario(path)
     return Elsewhere.within(tables.table, tables.directory.resolve())
 

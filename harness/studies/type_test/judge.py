@@ -303,12 +303,10 @@ def _kept(stops: Sequence[Judged], clause: str) -> float | None:
 
 
 def _quantile(values: Sequence[float], share: float) -> float | None:
-    """Return a quantile; None where it is infinite or there is no value."""
     return finite(quantile(values, share))
 
 
 def _interval(values: Sequence[float], share: float) -> tuple[float | None, float | None]:
-    """Return the interval of a quantile; None for an end that is infinite, and for both with too few values."""
     low, high = quantile_interval(values, share) or (math.nan, math.nan)
     return finite(low), finite(high)
 

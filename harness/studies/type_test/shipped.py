@@ -83,7 +83,6 @@ def shipped(
 
 
 def _set_of(case: Case) -> tuple[int, int]:
-    """Return the number of cases and the seed of the set that the name of a case is of."""
     count, seed = case.name.partition("of")[2].split("-")
     return int(count), int(seed)
 

@@ -160,7 +160,6 @@ class TypeTest(Study):
         return replace(page, screen=(*page.screen, *panels), exit_code=exit_code)
 
     def _again(self, candidates: Iterable[str]) -> dict[str, str]:
-        """Return by controller the command line that runs a case of it again, up to the name of the case."""
         options = [
             ("train", self.train),
             ("task", self.task),
@@ -196,14 +195,12 @@ STUDY = TypeTest
 
 
 def _distance_and_lock(scenario: Scenario) -> tuple[float, bool]:
-    """Return the braking distance [m], infinite without a standstill, and whether the stop keeps the lock clause."""
     stop = run_stop(scenario)
     distance = stop.metrics.distance if stop.outcome is Outcome.STANDSTILL else math.inf
     return distance, keeps_lock(finite(max(stop.metrics.longest_lock_fast)), limits_of())
 
 
 def _missing(results: Results) -> list[str]:
-    """Return the names of stops without a result, of controllers that have some."""
     present = {result.variants["controller"] for result in results.stops}
     return [name for name in results.missing if name.rpartition("-")[2] in present]
 
@@ -273,7 +270,6 @@ def page_of(
 def _drawings(
     stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]
 ) -> tuple[tuple[str, str, Figure | None], ...]:
-    """Return name, caption and drawing of each figure; None in place of one that has nothing to show."""
     return (
         (
             "ratios",
@@ -286,7 +282,6 @@ def _drawings(
 
 
 def _values(stops: Sequence[Judged], board: Sequence[Summary], limits: Limits) -> dict[str, object]:
-    """Return the variables of the template for all controllers and cases."""
     leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
     return {
         "board": leaders.without(_NOT_OF_STOPS),
@@ -376,7 +371,6 @@ def leaderboard(board: Sequence[Summary]) -> Table:
 
 
 def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> Table:
-    """Return a description of each controller, and whether its stops were run or come with the package."""
     rows = [
         {
             "controller": summary.controller,
@@ -394,7 +388,6 @@ def _or_endless(value: float | None, median: float | None) -> float | str | None
 
 
 def _with_interval(value: float | str | None, interval: tuple[float | None, float | None]) -> str:
-    """Return a value with its interval in brackets; an infinite end is written as no stop."""
     text = "" if value is None else value if isinstance(value, str) else f"{value:.3f}"
     low, high = interval
     if low is None:
@@ -422,7 +415,6 @@ _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
 
 
 def _heading(clause: str, limits: Limits) -> str:
-    """Return the short name of a clause with its limit."""
     name, limit = clause.replace("_", " "), getattr(limits, clause).limit
     if clause not in _LIMITS:
         return name
@@ -463,7 +455,6 @@ def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Seq
 
 
 def _weakest(summary: Summary, board: Sequence[Summary], limits: Limits) -> str:
-    """Return a sentence about the clause that a controller keeps most rarely in comparison with the ideal bound."""
     bound: Mapping[str, float | None] = next((one.kept for one in board if one.role == "bound"), {})
     possible = {clause: 1.0 if kept is None else kept for clause, kept in bound.items()}
     behind = {clause: possible.get(clause, 1.0) - kept for clause, kept in summary.kept.items() if kept is not None}
@@ -520,7 +511,6 @@ def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
 
 
 def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
-    """Return how the lines of each controller are drawn: thick and black for a candidate."""
     colours = [colour for colour in palette.LINES if colour != palette.BLACK]
     return {
         summary.controller: {"color": palette.BLACK, "linestyle": "-", "linewidth": 3.0, "label": summary.controller}
@@ -536,10 +526,6 @@ def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dic
 
 
 def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
-    """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline.
-
-    None where no case has such a baseline.
-    """
     if not any(stop.over_best for stop in stops):
         return None
     figure = style.figure(9.5, 4.5)
@@ -559,7 +545,6 @@ def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> 
 
 
 def _by_curve(stops: Sequence[Judged], controllers: Sequence[str]) -> Figure:
-    """Draw the median use of adhesion of each controller under each creep curve."""
     curves = sorted({stop.variants["curve"] for stop in stops})
     values = [
         [
@@ -585,7 +570,6 @@ def _by_curve(stops: Sequence[Judged], controllers: Sequence[str]) -> Figure:
 
 
 def _over_friction(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure:
-    """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases."""
     figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
     for name, line in lines.items():
