@@ -69,7 +69,7 @@ def spread(values: Iterable[float | None]) -> Spread:
 
 @cache
 def _rank(n: int) -> tuple[int, float]:
-    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and their confidence."""
+    """Return the largest k such that order statistics k and n−1−k contain the median with 95 %, and its coverage."""
     best = (0, float(1 - 2 * binom.cdf(0, n, 0.5)))
     for k in range(1, n // 2):
         coverage = float(1 - 2 * binom.cdf(k, n, 0.5))
