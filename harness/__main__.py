@@ -1,4 +1,4 @@
-"""The way in: listens to signals before anything that takes time is loaded."""
+"""Entry point: handles signals before slow modules are imported."""
 
 import io
 import os

@@ -73,9 +73,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
     Raises:
         ContractBroken: The law violates one of these requirements.
     """
-    limits_of = cache(
-        DemandLimits
-    )  # shared by both runs: demands that have been in Pa are not checked for their unit again
+    limits_of = cache(DemandLimits)  # common to both runs: the unit of demands is checked once
 
     def rows(law: Controller, formation: Formation) -> Iterator[Row]:
         controller = CustomController(law, formation)
@@ -100,7 +98,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
 def check_estimator(factory: Callable[[], Estimator]) -> None:
     """Check an estimator.
 
-    It names its estimates and returns them, finite, for any number of groups, while there are readings; standard
+    It names its estimates and returns finite values for any number of groups while there are readings; standard
     deviations are not negative; it does not change the readings, and repeats its estimates after `start`.
 
     Raises:
@@ -126,8 +124,8 @@ def check_estimator(factory: Callable[[], Estimator]) -> None:
 def check_sensors(factory: Callable[[], Sensors]) -> None:
     """Check a sensor model.
 
-    It reads a train of any number of groups, reads a train at some time as finite numbers, cannot change the truth, and
-    reads the same again after `start` with the same random numbers.
+    It reads a train with any number of groups, returns finite readings at some time, does not change the true values,
+    and repeats its readings after `start` with the same random numbers.
 
     Raises:
         ContractBroken: The sensors violate one of these requirements.
@@ -153,7 +151,7 @@ def check_sensors(factory: Callable[[], Sensors]) -> None:
 def check_plant(factory: Callable[[], Plant], formation: Formation | None = None) -> None:
     """Check a plant.
 
-    In a short run it starts at the speed that it is given, coasts, and brakes on a good rail; distance, speed and
+    In a short run it starts at the given speed, coasts, and brakes on a good rail; distance, speed and
     acceleration are integrals of each other, wheels roll without braking, cylinders fill, and its slip and adhesion
     are physically possible. On a poor rail it does not exceed friction. It repeats its outputs after `start`.
 
@@ -285,7 +283,7 @@ def _require_repeatable(
     """Raise an error if an object fails in a run, or if its second run on a vehicle differs from the first.
 
     Raises:
-        ContractBroken: The object does, or the factory raises an exception.
+        ContractBroken: The object fails, its runs differ, or the factory raises an exception.
     """
     for vehicle in formations() if vehicles is None else vehicles:
         part = foreign(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))

@@ -32,7 +32,7 @@ class ScenarioError(InputError):
 class EstimationError(ScenarioError):
     """A recording or an estimation cannot be evaluated.
 
-    A signal is missing, a grid is uneven, or a unit does not fit.
+    A signal is missing, a grid is uneven, or a unit has the wrong dimension.
     """
 
 

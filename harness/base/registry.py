@@ -84,7 +84,7 @@ ANALYSES: Final[Mapping[str, str]] = MappingProxyType(
 
 _WITHOUT_MODULE: Final[Mapping[str, dict[str, str]]] = MappingProxyType(
     {
-        "controllers": {**ANALYSES, "fmu": "A controller of your own as a co-simulation FMU, named by `file`."},
+        "controllers": {**ANALYSES, "fmu": "A user's controller as a co-simulation FMU, named by `file`."},
         "estimators": {"none": "No estimator: the controller sees readings only."},
     }
 )
