@@ -1,4 +1,4 @@
-"""Adhesion over slip on rails that stay as they lie, and on rails that slip cleans: figure 1 of the paper."""
+"""Adhesion over slip on rails of constant condition, and on rails that slip cleans: figure 1 of the paper."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,20 +20,20 @@ from railgrip.vehicle.signals import layout_of
 Vector = NDArray[np.float64]
 
 CLEAN = Recovery(mu0=0.3, A=0.4, B=0.6, rate=1.9e-4)
-"""A clean dry rail, and how fast slip uncovers it: Allotta, Meli, Ridolfi and Rindi (2014)."""
+"""A clean dry rail, and the rate at which slip cleans it: Allotta, Meli, Ridolfi and Rindi (2014)."""
 LOAD = 137e3
-"""Of a wheelset [N]."""
+"""Load of a wheelset [N]."""
 STRIDE = 0.05
-"""Between two places of the wheelsets [m]."""
+"""Distance between two wheelsets [m]."""
 SPEED = 80 / 3.6
-"""Of the train [m/s], at the start of the test scenarios."""
+"""Speed of the train at the start of the test scenarios [m/s]."""
 SLIPS = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 80)])
 
 
 def curves(name: str, mu0: float, slips: Vector = SLIPS) -> tuple[Vector, Vector]:
-    """Return adhesion at slips [1] on a rail that stays as it lies, (slips,), and on one that slip cleans.
+    """Return adhesion at slips [1] on a rail of constant condition, (slips,), and on one that slip cleans.
 
-    The latter, shape (slips, wheelsets), is that of each wheelset once all of them have slid far enough with a slip.
+    The latter, shape (slips, wheelsets), is the steady adhesion of each wheelset after all have slid with that slip.
     """
     scenario = load(Path("plain"), [f"adhesion.polach={name}"])
     vehicle = VehicleData(scenario)
@@ -58,7 +58,7 @@ def curves(name: str, mu0: float, slips: Vector = SLIPS) -> tuple[Vector, Vector
 
 
 def maxima(adhesion: Vector) -> list[int]:
-    """Return the places at which a curve over slip stops rising: to fall, or at the locked wheel."""
+    """Return the indices of local maxima of a curve over slip, including one at the locked wheel."""
     rising = np.append(np.diff(adhesion) > 0, False)
     return [int(place) for place in np.flatnonzero(rising[:-1] & ~rising[1:]) + 1]
 
@@ -83,7 +83,7 @@ WET, LOW = ("wet", 0.15), ("low", 0.06)
 
 
 def figure_1_curves() -> list[CreepCurve]:
-    """Return a wet rail, and a rail of low adhesion as it lies and as the first wheelset cleans it by its slip."""
+    """Return a wet rail, and a rail of low adhesion without and with cleaning by the slip of the first wheelset."""
     wet, _ = curves(*WET)
     low, cleaned = curves(*LOW)
     titles = [f"{name}, μ0 = {mu0:g}" for name, mu0 in (WET, LOW)]
@@ -95,7 +95,7 @@ def figure_1_curves() -> list[CreepCurve]:
 
 
 def figure_1(lines: Sequence[CreepCurve]) -> Figure:
-    """Draw adhesion over slip with a mark at each maximum, and the slip that the paper's slip-based control holds."""
+    """Draw adhesion over slip with a mark at each maximum, and the slip range of the paper's slip-based control."""
     drawing, panel = style.panels(8, 3.8)
     panel.axvspan(
         10, 15, color=palette.ORANGE, alpha=0.25, linewidth=0, label="published: slip-based control holds 10 to 15 %"

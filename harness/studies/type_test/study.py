@@ -56,19 +56,19 @@ from railgrip.studies.type_test.judge import (
 from railgrip.studies.type_test.shipped import shipped, write_shipped
 
 PAGE: Final = Path("docs/type_test.md")
-"""From the folder of the project, where the command runs."""
+"""Folder relative to that of the project, in which the command runs."""
 
 _ON_PAGE_ONLY: Final = ("compared", "K_wet (10 %)")
-"""Columns of the leaderboard that are left out there and on the screen."""
+"""Columns of the leaderboard that are omitted there and on the screen."""
 _NOT_OF_STOPS: Final = ("NEES (10 – 90 %)", "K_wet (10 %)")
 """Columns of the leaderboard that are in a separate table on the page."""
 
 _WORST: Final = 10
 _SAME: Final = 0.002
-"""Relative; stops that differ by less are the same: what moved parameters of the plant do to a stop."""
+"""Relative difference up to which stops are equal: the effect of perturbed plant parameters on a stop."""
 
 _JSON: Final = ("case", "controller", "tuned", "outcome", "distance_m", "bound_m", "longest_lock_s", "air_l", "strokes")
-"""What is said first of each case; the rest follows."""
+"""Columns that come first in the table of cases."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class TypeTest(Study):
 
     @property
     def place(self) -> str:
-        """A folder for each train, task, and for single cases."""
+        """Folder of results: a different one for each train, task, and for single cases."""
         names = [Path(file).stem for file in (self.train, self.task) if file is not None]
         return "/".join([*names, "cases"] if self.case else names)
 
@@ -220,15 +220,15 @@ def page_of(
     """Return the page of a type test.
 
     Args:
-        found: Stops that were run; a controller without a stop is left out.
-        taking_part: By name.
+        found: Stops that were run; a controller without a stop is omitted.
+        taking_part: Entrants by name.
         limits: Limits of the clauses.
-        beside: Stops that come with this package, for controllers that were not run.
-        notes: Sentences about `beside`.
-        candidates: Controllers that the page is about; all without one.
+        beside: Packaged stops of controllers that were not run.
+        notes: Sentences on the packaged stops.
+        candidates: Controllers that the page is about; all if empty.
         missing: Names of stops without a result.
-        against: Whom the others are compared with case by case, on the screen.
-        again: Controller → command line that runs a case of it again, up to the name of the case.
+        against: Controller with which the others are compared case by case on the screen.
+        again: Controller → command line that runs a case of it again, without the name of the case.
     """
     run = {(stop.case, stop.controller) for stop in found}
     from_package = [stop for stop in beside if (stop.case, stop.controller) not in run]
@@ -307,9 +307,10 @@ def table_of(stops: Sequence[Judged]) -> Table:
 
 
 def compared(cases: Sequence[Mapping[str, Any]], against: str) -> Table:
-    """Return how much longer than one controller the others stop in the same cases, which are as in type_test.json.
+    """Return the additional distance of the others in comparison with one controller in the same cases, as in
+    type_test.json.
 
-    Figures are of the cases in which both stop; differences are positive if a stop is longer.
+    Only cases in which both stop are compared; differences are positive if a stop is longer.
     """
     distances: dict[str, dict[str, float | None]] = {}
     for row in cases:
@@ -411,7 +412,7 @@ _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
     "reservoir": ("≥", 1e-5, "bar"),
     "utilisation": ("≥", 100, "%"),
 }
-"""Clause → sense of its limit, and factor and unit in which it is shown."""
+"""Clause → direction of its limit, and factor and unit of its representation."""
 
 
 def _heading(clause: str, limits: Limits) -> str:
@@ -439,7 +440,7 @@ def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
 def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Sequence[str] = ()) -> str:
     """Return a sentence comparing the best candidate with the others and the ideal bound, with its weakest clause.
 
-    Without candidates these are all controllers, without those that are shown the truth.
+    Without candidates all controllers are compared, except those that know the true state.
     """
     laws = [one for one in board if one.controller not in registry.ANALYSES and one.median is not None]
     best = next((one for one in laws if not candidates or one.controller in candidates), None)
@@ -466,7 +467,7 @@ def _weakest(summary: Summary, board: Sequence[Summary], limits: Limits) -> str:
 
 
 def ranking(stops: Sequence[Judged], case: str) -> Table:
-    """Return who stopped a case in what distance, shortest first."""
+    """Return the distance of each controller in a case, shortest first."""
     stops_of_case = [stop for stop in stops if stop.case == case]
     stops_of_case.sort(key=lambda stop: math.inf if stop.distance_m is None else stop.distance_m)
     rows = [
@@ -494,7 +495,7 @@ def ranking(stops: Sequence[Judged], case: str) -> Table:
 
 
 def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
-    """Return the cases in which a controller is farthest behind the best tuned baseline, and a command for each."""
+    """Return the cases in which a controller is worst relative to the best tuned baseline, with a command for each."""
     stops_of = [stop for stop in stops if stop.controller == controller]
     stops_of.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
     rows = [
