@@ -42,7 +42,7 @@ def test_a_group_has_a_wheelset(counts):
 
 
 def test_wheelsets_of_a_group_are_adjacent():
-    with pytest.raises(ValueError, match="side by side"):
+    with pytest.raises(ValueError, match="must be adjacent"):
         formation_of([1, 2, 1])
 
 

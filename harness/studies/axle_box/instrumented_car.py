@@ -70,8 +70,8 @@ class Pass:
         condition: Key of `SURFACES`.
         friction: Mean maximum friction over the section, the label.
         track: Key of `irregularity.TRACKS`.
-        track_seed: Of the irregularities; runs over the same track share it.
-        seed: Of all that varies from run to run.
+        track_seed: Seed of the irregularities, the same for runs over the same track.
+        seed: Seed of everything that varies from run to run.
         backwards: Whether the fourth wheelset leads.
         length: m.
     """

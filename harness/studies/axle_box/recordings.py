@@ -76,7 +76,7 @@ def read_recordings_file(file: Path) -> RecordingsFile:
 MEMBERS = 20
 
 FEWEST = 4
-"""Least number of runs for an interval, because some must be outside of every draw."""
+"""Minimum number of runs for an interval, because some must be outside of every draw."""
 
 
 def judge_recordings(
@@ -126,9 +126,9 @@ UNITS: Final[Mapping[str, str]] = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s"
 PERIOD: Final = 1 / SLOW.rate
 """Period of the grid of all recordings, s; filters and networks require it."""
 SLOWEST: Final = 256
-"""Least rate of an accelerometer, samples a second: features end at 16 Hz, the low-pass begins at 38 Hz."""
+"""Minimum sampling rate of an accelerometer [Hz]: features end at 16 Hz, the low-pass begins at 38 Hz."""
 FEWEST_LABELS: Final = 2
-"""Least number of labelled runs; with one, none can be left out."""
+"""Minimum number of labelled runs, because one is left out."""
 
 
 def plain_table() -> DataTable:

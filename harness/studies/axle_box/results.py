@@ -48,7 +48,7 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
 
 
 def compared(results: AxleBoxResults) -> Table:
-    """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
+    """Return the quantities of figures 5 to 13, published and reproduced; see `comparison`."""
     levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
               for s, runs in results.runs.items()}  # fmt: skip
     hidden, inputs = next(iter(results.networks.values())).network.hidden_weights.shape

@@ -1,4 +1,4 @@
-"""Friction learned from axle-box accelerations: the paper's study, a user's own runs, and headline numbers."""
+"""Friction learned from axle-box accelerations: the paper's study, a user's runs, and headline numbers."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

@@ -80,7 +80,7 @@ def _arrow(
 
 
 def track_figure(run: FieldRun) -> Figure:
-    """Return the track of a run: map, heading and curvature, height and slope; recovered and laid (figure 2)."""
+    """Return the track of a run: map, heading and curvature, height and slope; recovered and true (figure 2)."""
     course = run.braking.motion.course
     place = run.plan.place(course.distance)
     drawing = style.figure(8.8, 4.4)

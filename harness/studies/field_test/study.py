@@ -60,7 +60,7 @@ from railgrip.trace.samples import truth_of
 TRAIN = Path("vt642")
 TUNED = {"equation (14)": "paper", "with consistency": "consistent"}
 PUBLISHED = "sensors and physics"
-"""Noises of figure 5 beside the paper's."""
+"""Noises of figure 5 in addition to the paper's."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class FieldTest(Study):
     import_from: list[Path] | None = None
 
     def page(self, work: Work) -> Page:
-        """FieldRun the six cases, recover their track and filter case 6.
+        """Run the six cases, recover their track, and filter case 6.
 
         Raises:
             EstimationError: A set of noises or a case is missing, or a case cannot be run.
