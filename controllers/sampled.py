@@ -58,7 +58,7 @@ class Formula:
     step: ca.Function
 
 
-class Draft:
+class FormulaBuilder:
     """A formula under construction: symbols are created by name, and results are assigned to names.
 
     draft = Draft()

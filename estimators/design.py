@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.prediction import FilterVariables
 
@@ -58,7 +58,7 @@ class FilterDesign:
         states: Names of the n states.
         inputs: Names of the held inputs.
         outputs: Names of the m readings.
-        spread: Process noise that one period adds, shape (n, n).
+        process_noise: Process noise that one period adds, shape (n, n).
         reading_noise: Covariance of the readings, shape (m, m).
         period: Seconds between two steps.
         gated_states: Index of every state that a gate may freeze.
@@ -72,7 +72,7 @@ class FilterDesign:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-    spread: Matrix
+    process_noise: Matrix
     reading_noise: Matrix
     period: float
     gated_states: tuple[int, ...]
@@ -133,7 +133,7 @@ class FilterDesign:
             states=states,
             inputs=inputs,
             outputs=outputs,
-            spread=_spread(process_noise, states, period),
+            process_noise=_process_noise(process_noise, states, period),
             reading_noise=reading,
             period=period,
             gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
@@ -150,9 +150,11 @@ class FilterDesign:
             EstimatorError: A noise does not match the states or readings.
         """
         reading = self.reading_noise if reading_noise is None else _reading_covariance(reading_noise, self.outputs)
-        return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
+        return replace(
+            self, process_noise=_process_noise(process_noise, self.states, self.period), reading_noise=reading
+        )
 
-    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return the estimate before the first step.
 
         Args:
@@ -170,10 +172,10 @@ class FilterDesign:
         infinite = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
         if infinite:
             raise EstimatorError(f"start: the mean of {', '.join(infinite)} is not a finite number.")
-        spread = noise_matrix("covariance", covariance, self.states)
-        if not positive_definite(spread):
+        matrix = noise_matrix("covariance", covariance, self.states)
+        if not positive_definite(matrix):
             raise EstimatorError("start: covariance is not positive definite; give every state a variance above zero.")
-        return seal(first, spread)
+        return seal(first, matrix)
 
     def check(self, inputs: Vector, readings: Vector) -> None:
         """Raise `EstimatorError` for inputs or readings of the wrong length."""
@@ -198,7 +200,7 @@ def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> M
     return reading
 
 
-def _spread(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
+def _process_noise(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
     matrix = noise_matrix("process_noise", density, states)
     # Semidefinite, because a state may have no noise; the margin is what rounding does to a zero eigenvalue.
     if np.min(np.linalg.eigvalsh(matrix)) < -1e-12 * np.max(np.abs(matrix), initial=0.0):

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose, either
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,18 +71,18 @@ class LiteralAdhesionBased(GroupLaw):
             "adhesion_small": (5e-3, 3e-2),
         },
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "adhesion_literal": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "adhesion_literal": TypeTestEntry(
             description="adhesion-based control, the law as printed", role="entrant", slip="estimated"
         )
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         filters = Derivatives(draft, tuning)
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
             # ṡ and α̇, "the estimated time derivatives of adhesion and slip" of §3.2. The paper takes them as exact;
             # estimates are noisy, so both pass the same filter, which keeps them in phase with each other.
@@ -115,13 +115,13 @@ def is_rolling(
 class Derivatives:
     """First-order low-pass filters that also return the derivative of the filtered signal."""
 
-    def __init__(self, draft: Draft, tuning: Mapping[str, Expression]) -> None:
+    def __init__(self, draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> None:
         self._started = draft.state("started", "1", "1 once there is a sample before this one")
         self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
         self._period = tuning["period"]
         draft.keep(self._started, 1.0)
 
-    def follow(self, draft: Draft, name: str, sample: Expression) -> tuple[Expression, Expression]:
+    def follow(self, draft: FormulaBuilder, name: str, sample: Expression) -> tuple[Expression, Expression]:
         """Return the filtered value of a sample and its rate."""
         before = draft.state(name, "1", "filtered value")
         step = self._share * (sample - before)

@@ -19,8 +19,8 @@ from typing import Annotated, ClassVar
 import casadi as ca
 
 from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose, either, every, within
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 from railgrip.vehicle.brake import piston_force
 
 
@@ -139,15 +139,17 @@ class SlopeSeeking(GroupLaw):
             "creep_small": (0.03, 0.2),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "slope_seeking": Entry(description="slip control on the slope of adhesion", role="entrant", slip="estimated")
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "slope_seeking": TypeTestEntry(
+            description="slip control on the slope of adhesion", role="entrant", slip="estimated"
+        )
     }
     # The set point moves all the time, which would cause a valve pulse at every decision. With 20 instead of 6 kPa a
     # slide takes half the valve strokes and no more distance.
     valve_band = 20e3
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         t = tuning
         started = draft.state("started", "1", "1 once there is a sample before this one")
@@ -155,7 +157,7 @@ class SlopeSeeking(GroupLaw):
         train: list[_Wheels] = []
         targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             if not train:
                 train.extend(_wheels(draft, each, t, started) for each in group.train)
                 targets.extend(_targets(draft, train, t))
@@ -281,10 +283,12 @@ def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Exp
     return total / ca.fmax(sum(counted), 1e-9)  # 0 if no condition holds
 
 
-def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
+def _wheels(
+    draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression
+) -> _Wheels:
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
-    slip = _corrected(draft, group, pads_off, period)
+    slip = _correct_slip(draft, group, pads_off, period)
 
     def filtered(name: str, sample: Expression) -> tuple[Expression, Expression]:
         before = draft.state(group.label(name), "1", "filtered value")
@@ -322,7 +326,9 @@ def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], 
     )
 
 
-def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Expression:
+def _without_lag(
+    draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression
+) -> Expression:
     brake = group.brake
     force = piston_force(group.pressure, piston_area=brake["piston_area"], spring_force=brake["spring_force"])
     torque = brake["units"] * group.pad_friction * brake["friction_radius"] * brake["rigging"] * force
@@ -333,7 +339,11 @@ def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expressi
 
 
 def _slope(
-    draft: Draft, train: Sequence[_Wheels], signs: Sequence[float], t: Mapping[str, Expression], rolling: Expression
+    draft: FormulaBuilder,
+    train: Sequence[_Wheels],
+    signs: Sequence[float],
+    t: Mapping[str, Expression],
+    rolling: Expression,
 ) -> tuple[Expression, Expression, Expression]:
     loads = [each.group.brake["load"] for each in train]
 
@@ -361,7 +371,7 @@ def _slope(
 
 
 def _targets(
-    draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]
+    draft: FormulaBuilder, train: Sequence[_Wheels], t: Mapping[str, Expression]
 ) -> list[tuple[Expression, Expression]]:
     period, speed = t["period"], train[0].group.speed
     rolling = either(every(*(ca.logic_not(each.sliding) for each in train)), speed < t["speed_min"])
@@ -393,7 +403,9 @@ def _targets(
     return targets
 
 
-def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
+def _correct_slip(
+    draft: FormulaBuilder, group: GroupObservation, pads_off: Expression, period: Expression
+) -> Expression:
     offset = draft.state(group.label("offset"), "1", "slip that the wheel shows when it rolls")
     count = draft.state(group.label("count"), "1", "samples that it is the mean of; -1 once the wheel has been braked")
     free = draft.state(group.label("free"), "s", "for how long nothing has braked the wheel and nothing turned it")
@@ -410,7 +422,7 @@ def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, peri
 
 
 def _regression(
-    draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
+    draft: FormulaBuilder, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
 ) -> tuple[Expression, Expression, Expression]:
     """Return the elasticity d(ln α)/d(ln s), its variance, and the share of the excitation above noise, from 0 to 1.
 

@@ -61,14 +61,14 @@ _MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
 _LEAST = 0.6
 """Similarity of names below which a column is not recognised."""
 _DEGREES = ("latitude", "longitude")
-_MOST_ACCELEROMETERS = 16
+_MAX_ACCELEROMETERS = 16
 _BRIDGED = 1.0
 """Longest gap of an input that a proposal interpolates over [s]."""
 _GAP = 2.5
 """Number of periods without a sample that counts as a gap."""
 
 
-_Wanted = tuple[str, bool]
+_RequiredSignal = tuple[str, bool]
 """Unit of a signal of the model, and whether the model requires the signal."""
 
 _UNKNOWN = "?"
@@ -76,7 +76,7 @@ _UNKNOWN = "?"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class ColumnMatch:
     """A column of a recording.
 
     Attributes:
@@ -115,7 +115,7 @@ class Inspection:
         parameters: Vehicle data that the model needs, with their defaults.
     """
 
-    findings: tuple[Finding, ...]
+    findings: tuple[ColumnMatch, ...]
     texts: tuple[str, ...]
     signals: Mapping[str, str]
     proposal: str
@@ -145,8 +145,8 @@ def inspect_recording(
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
         raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
-    wanted = _wanted(specification)
-    recognised = _recognised(findings, wanted)
+    wanted = _required_signals(specification)
+    recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
     lines, unrecognised = _columns(wanted, recognised)
     parameters = tuple(model_parameters(specification))
@@ -251,14 +251,14 @@ def _clock_line(clock: TimeColumn, path: Path) -> str:
     return f"time = {{ column = {_toml(clock.column)}, unit = {_toml(unit_of_time)} }}{remark}"
 
 
-def _findings(name: str, series: Series) -> Iterator[Finding]:
+def _findings(name: str, series: Series) -> Iterator[ColumnMatch]:
     there = np.isfinite(series.values) & np.isfinite(series.time)
     time, values = series.time[there], series.values[there]
     steps = np.diff(time)
     if not (steps > 0.0).any():
         return
     period = float(np.median(steps[steps > 0.0]))
-    yield Finding(
+    yield ColumnMatch(
         name=name,
         unit=series.unit,
         samples=int(values.size),
@@ -271,7 +271,7 @@ def _findings(name: str, series: Series) -> Iterator[Finding]:
     )
 
 
-def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
+def _gap_lines(inputs: Sequence[ColumnMatch], period: float) -> Iterator[str]:
     gaps = sorted(gap for finding in inputs for gap in finding.gaps)
     longest = max((length for _, length in gaps if length <= _BRIDGED), default=0.0)
     bridged = max(0.1, 5.0 * period, 1.01 * longest)
@@ -285,7 +285,9 @@ def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
         yield f'end = "{end:.6g} s"'
 
 
-def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapping[str, _Wanted]) -> Finding:
+def _with_unit(
+    finding: ColumnMatch, recognised: Mapping[str, ColumnMatch], wanted: Mapping[str, _RequiredSignal]
+) -> ColumnMatch:
     target = next((wanted[signal][0] for signal, other in recognised.items() if other is finding), "")
     return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
 
@@ -293,18 +295,18 @@ def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapp
 # ---- signals of the model -----------------------------------------------------------------------------------------
 
 
-def _wanted(specification: Specification) -> dict[str, _Wanted]:
+def _required_signals(specification: Specification) -> dict[str, _RequiredSignal]:
     units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
-    wanted: dict[str, _Wanted] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
+    wanted: dict[str, _RequiredSignal] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
         wanted |= {name: (text, name != "braking") for name, text in UNITS_OF_RUN.items()}
-        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
+        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MAX_ACCELEROMETERS + 1)}
         wanted["speed"] = "m/s", True
         wanted.pop("acceleration", None)  # the filter uses the mean of those along the track
     return wanted
 
 
-def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> dict[str, Finding]:
+def _recognise(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSignal]) -> dict[str, ColumnMatch]:
     signals, stems = list(wanted), [_stem(finding.name) for finding in findings]
     from_zero = {stem for stem, number in stems if number == 0}
     places = [(stem, number if number is None else number + (stem in from_zero)) for stem, number in stems]
@@ -318,7 +320,7 @@ def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> d
     return {signals[i]: findings[j] for i, j in pairs if scores[i, j] >= _LEAST}
 
 
-def _score(signal: str, target: str, stem: str, number: int | None, finding: Finding) -> float:
+def _score(signal: str, target: str, stem: str, number: int | None, finding: ColumnMatch) -> float:
     base, _, index = signal.partition("[")
     numbers = (int(index[:-1]),) if index else (None, 1)
     if number not in numbers or not _may_be(finding, target):
@@ -337,7 +339,7 @@ def _stem(name: str) -> tuple[str, int | None]:
     return bare_name(re.sub(r"\d+", "_", text)), int(numbers[-1]) if numbers else None
 
 
-def _may_be(finding: Finding, target: str) -> bool:
+def _may_be(finding: ColumnMatch, target: str) -> bool:
     if finding.unit is None:
         return True
     try:
@@ -347,7 +349,7 @@ def _may_be(finding: Finding, target: str) -> bool:
     return stated.exponents == unit(target).exponents or _unit_of(finding, target) != ""
 
 
-def _unit_of(finding: Finding, target: str) -> str:
+def _unit_of(finding: ColumnMatch, target: str) -> str:
     with suppress(UnitError):
         if finding.unit is not None:
             stated = unit(finding.unit)
@@ -358,7 +360,9 @@ def _unit_of(finding: Finding, target: str) -> str:
     return unit_at_end(finding.name, target) or ("1" if target == "1" else "")
 
 
-def _columns(wanted: Mapping[str, _Wanted], recognised: Mapping[str, Finding]) -> tuple[list[str], list[str]]:
+def _columns(
+    wanted: Mapping[str, _RequiredSignal], recognised: Mapping[str, ColumnMatch]
+) -> tuple[list[str], list[str]]:
     lines: list[str] = []
     unrecognised: list[str] = []
     for signal, (unit_of_signal, is_needed) in wanted.items():

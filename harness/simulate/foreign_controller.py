@@ -10,7 +10,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.fmi import Binding, Description, Signal, bind, open_plant
 from railgrip.scenario.parts import ControllerFmu
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.roles import require_role
 
 _READ = ("speed", "acceleration", "slip", "wheelset_speed", "pressure", "driver_demand")
@@ -44,7 +44,7 @@ class ForeignController:
     has delivered yet are NaN.
     """
 
-    def __init__(self, fmu: Plant, binding: Binding, gives: str) -> None:
+    def __init__(self, fmu: LoopPlant, binding: Binding, gives: str) -> None:
         """Decide by an open FMU that has not been started; `gives` is the name of its output, demand or command."""
         self._fmu = fmu
         self._inputs = np.zeros(binding.inputs.size)

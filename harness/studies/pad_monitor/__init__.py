@@ -7,6 +7,6 @@ finds stops on disk, `page` draws.
 
 Information in one stop: readings of the train determine the sum of all brake forces. Groups can be distinguished only
 if their pressures differ, in a stop with wheel-slide protection, or in a *testing stop* that releases one group after
-the other for two seconds (`life.demanded`). The uncertainty of the evidence accounts for that; without such a
+the other for two seconds (`life.demand_table`). The uncertainty of the evidence accounts for that; without such a
 difference it is that of the prior and causes no alarm.
 """

@@ -34,7 +34,7 @@ class MonitorDesign:
         tolerated: Relative loss of friction of a group that still counts as healthy: glazing and wear.
         failed: Relative loss that must be detected.
         false_alarms: Design rate for each stop and group, at a loss of `tolerated`.
-        least_scatter: Minimum relative scatter of friction from stop to stop.
+        minimum_scatter: Minimum relative scatter of friction from stop to stop.
         largest_deviation: Evidence with a larger standard deviation does not distinguish groups and is not charted.
         largest_step: Largest step of the chart, in standard deviations; a single outlier must not cause an alarm.
         drift: Random walk of health that the index follows [1/stop].
@@ -46,7 +46,7 @@ class MonitorDesign:
     tolerated: float = 0.05
     failed: float = 0.20
     false_alarms: float = 1e-4
-    least_scatter: float = 0.025
+    minimum_scatter: float = 0.025
     largest_deviation: float = 0.08
     largest_step: float = 2.5
     drift: float = 0.004
@@ -126,7 +126,7 @@ def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
         normal = np.median(ratio[reference], axis=0)
         deficit = 1.0 - ratio / normal
         mad = 1.4826 * np.median(np.abs(ratio[reference] / normal - 1.0), axis=0)
-        scatter = np.maximum(mad, design.least_scatter)
+        scatter = np.maximum(mad, design.minimum_scatter)
         threshold = np.array([threshold_for(float(s), design) for s in scatter])
         alarms = _chart(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
     index, index_sd = _follow(stops, together, _scatter_by_group(health[reference], design), alarms, design)
@@ -202,10 +202,10 @@ def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
     # The covariance of the evidence covers noise only. Latencies and slides add scatter that only the stops themselves
     # reveal.
     if len(health) < FEWEST:
-        return np.full(health.shape[1], design.least_scatter)
+        return np.full(health.shape[1], design.minimum_scatter)
     apart = health - np.median(health, axis=1, keepdims=True)
     mad = 1.4826 * np.median(np.abs(apart - np.median(apart, axis=0)), axis=0)
-    return np.maximum(mad, design.least_scatter)
+    return np.maximum(mad, design.minimum_scatter)
 
 
 def _follow(
@@ -230,7 +230,7 @@ def _follow(
     mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
     shift = np.zeros((groups, groups))
     scatter = np.diag(residual**2) + together
-    index, spread = np.empty((len(stops), groups)), np.empty((len(stops), groups))
+    index, deviation = np.empty((len(stops), groups)), np.empty((len(stops), groups))
     for k, stop in enumerate(stops):
         jumps = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(groups)])
         covariance = covariance + np.diag(np.where(jumps, _UNKNOWN**2, design.drift**2))
@@ -239,8 +239,8 @@ def _follow(
         remainder = np.eye(groups) - gain
         covariance = remainder @ covariance @ remainder.T + gain @ (stop.covariance + scatter) @ gain.T
         shift = remainder @ shift + gain * stop.offset
-        index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shift**2, axis=1))
-    return index, spread
+        index[k], deviation[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shift**2, axis=1))
+    return index, deviation
 
 
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: MonitorDesign) -> tuple[Vector, Vector]:
