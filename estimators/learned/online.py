@@ -106,7 +106,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     means: list[SX] = []
     for k, channel in enumerate(motions(boxes, combination), start=1):
         relative = channel - memory.hold(f"zero[{k}]", channel, first)
-        # High-pass of first order in transposed direct form II, as in `Chain.filtered`.
+        # High-pass of first order in transposed direct form II, as in `Chain.filter`.
         z = memory.state(f"high_pass[{k}]")
         high = gain * relative + z
         memory.after[f"high_pass[{k}]"] = -gain * relative + chain.remembers * high
