@@ -1,4 +1,4 @@
-"""A train as a Modelica class that the harness takes for a plant: parts of RailBraking, joined."""
+"""A train as a Modelica class of a plant, made of components of RailBraking."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -16,12 +16,12 @@ Through ten coaches the front is within 0.5 % of its limit on finer grids, with 
 
 
 def class_name(train: Train, *, pneumatic: bool) -> str:
-    """Return the name of a train's class: its own as an identifier, no other train's."""
+    """Return the name of a train's class: an identifier from the name of the train, unique for each name."""
     return f"Train_{_identifier(train.name)}{'_pneumatic' if pneumatic else ''}"
 
 
 def class_text(train: Train, *, pneumatic: bool) -> str:
-    """Return the Modelica text of a train's class, whose cylinders valves fill, or which follow commands."""
+    """Return the Modelica text of a train's class, with brake valves or with commanded cylinder pressures."""
     # Cars that no coupler joins move as one body.
     body_of_car = list(accumulate((int(car.coupler is not None) for car in train.cars[:-1]), initial=0))
     bogies = train.bogies_in_train
@@ -50,7 +50,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
         kinds=[{"id": kind, "pads": bogie.pads} for kind, bogie in kinds.items()],
         bodies=[
             {
-                # Of the parameters: who changes them changes the body.
+                # A sum of parameters: a change of m_wheelset changes the body, too.
                 "mass": f"sum(m_wheelset[{carriers.index(body) + 1}:{len(carriers) - carriers[::-1].index(body)}])",
                 "title": _text(
                     ", ".join(car.name for car, of in zip(train.cars, body_of_car, strict=True) if of == body)
@@ -172,8 +172,8 @@ def _array(values: Iterable[float]) -> str:
 
 
 def _identifier(name: str) -> str:
-    # Different names must stay different: an underscore is doubled, and any character other than letters and digits of
-    # ASCII becomes its code between underscores.
+    # Different names must give different identifiers: an underscore is doubled, and any character other than letters
+    # and digits of ASCII becomes its code between underscores.
     return re.sub(r"[^A-Za-z0-9]", lambda found: "__" if found[0] == "_" else f"_{ord(found[0]):x}_", name)
 
 

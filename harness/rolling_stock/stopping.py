@@ -1,6 +1,6 @@
-"""The stopping distance of a dry train, calculated as by hand: no slip, no suspension, no wheel-slide protection.
+"""The stopping distance of a dry train by hand calculation, without slip, suspension and wheel-slide protection.
 
-Source: EN 14531-1, stopping distance by steps of time from instantaneous forces; adhesion is not a part of it.
+Source: EN 14531-1, stopping distance by time steps from instantaneous forces; it does not consider adhesion.
 """
 
 from collections.abc import Sequence
@@ -21,26 +21,29 @@ Vector = NDArray[np.float64]
 Matrix = NDArray[np.float64]
 
 _STEP = 1e-2  # s
-_FILLED = 0.95  # of the highest pressure at the end of the filling time
-_SOUND = 290.0  # m/s, isothermal, of a small wave in a brake pipe without branches; UIC 540 requires 250 of a front
+_FILLED = 0.95  # share of the highest pressure at the end of the filling time
+_SOUND = (
+    290.0  # m/s, isothermal, of a small wave in a pipe without branches; UIC 540 requires 250 m/s of the brake front
+)
 _AIR_DENSITY = 1.2  # kg/m3, as in RailBraking.Data.Drag
 _LONGEST = 600.0  # s
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandCalculation:
-    """What the calculation gives.
+    """Result of the hand calculation.
 
     Attributes:
-        distance: From the brake demand to standstill [m].
-        duration: Of it [s].
-        deceleration: Mean of fully developed braking [m/s2].
-        equivalent_time: Of the build-up [s]: so long no brake, then all of it, gives the same distance.
-        adhesion: Largest that each axle uses, shape (axles,); axles that turn as one share their brakes.
-        rotating_mass: Added by what turns [kg].
-        coupler_force: Largest in each joint of two cars, compression positive, shape (cars - 1,) [N].
-        car_force: What brakes each car in the middle of each step, shape (steps, cars) [N].
-        car_mass: With what turns, shape (cars,) [kg].
+        distance: Distance from the brake demand to standstill [m].
+        duration: Time from the brake demand to standstill [s].
+        deceleration: Mean deceleration with fully developed brakes [m/s2].
+        equivalent_time: Equivalent response time [s]: no brake force for this time and then the full force give the
+            same distance.
+        adhesion: Maximum adhesion used by each axle, shape (axles,); coupled axles share their brake forces.
+        rotating_mass: Equivalent mass of the rotating parts [kg].
+        coupler_force: Maximum force in each coupler, compression positive, shape (cars - 1,) [N].
+        car_force: Brake force on each car in the middle of each step, shape (steps, cars) [N].
+        car_mass: Mass of each car with its rotating parts, shape (cars,) [kg].
     """
 
     distance: float
@@ -58,8 +61,8 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     """Return the emergency stop of a train on level dry track.
 
     Args:
-        train: What stops.
-        speed: At the brake demand [m/s].
+        train: The train.
+        speed: Speed at the brake demand [m/s].
 
     Raises:
         InputError: The train does not stop within ten minutes.
@@ -71,7 +74,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     inert = float(mass.sum() + turning.sum())
     shares = _shares_of_load(train, mass)
     of_car = np.array([axle.car for axle in train.axles])
-    cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # row by row which axles are a car's
+    cars = (of_car == np.arange(len(train.cars))[:, None]).astype(float)  # a row per car, 1 for each of its axles
     magnetic = [(bogie.cars[0], bogie.track_brake) for bogie in train.bogies_in_train if bogie.track_brake is not None]
     magnetic_car = np.array([car for car, _ in magnetic], dtype=np.intp)
     build_up = _PressureBuildUp(train, speed)
@@ -81,7 +84,7 @@ def by_hand(train: Train, speed: float) -> HandCalculation:
     history: list[Vector] = []
     car_mass = cars @ (mass + turning)
     while v > 0:
-        now = t + _STEP / 2  # forces of the middle of a step
+        now = t + _STEP / 2  # forces in the middle of a step
         braking = _brake_force(brakes, v, build_up.share(now, v)) + rolling
         magnets = np.array([_magnetic_force(brake, v, now) for _, brake in magnetic])
         drag = 0.5 * _AIR_DENSITY * train.resistance.drag_coefficient * train.resistance.frontal_area * v**2
@@ -130,7 +133,7 @@ def _require_end(train: Train, speed: float, time: float) -> None:
 
 
 def _shares_of_load(train: Train, mass: Vector) -> Matrix:
-    """Return row by row which axles turn as one, as shares of their load [1/N]."""
+    """Return a row per axle: the reciprocal of the load of its group for each axle of the group [1/N], otherwise 0."""
     shares = np.zeros((mass.size, mass.size))
     for members in train.groups:
         shares[np.ix_(members, members)] = 1.0 / (mass[list(members)].sum() * GRAVITY)
@@ -148,7 +151,7 @@ def _brakes_of(train: Train) -> tuple[dict[str, Vector], Vector]:
 
 
 def chain_forces(train: Train, stop: HandCalculation) -> Vector:
-    """Return the largest force in each coupler of a chain of cars that swing, shape (couplers,) [N].
+    """Return the maximum force in each coupler of a chain of oscillating cars, shape (couplers,) [N].
 
     The cars are rigid masses on the springs, dampers and slacks of their couplers, under the forces of the calculation
     by hand. A step of force makes one spring overshoot its static force by 1 + exp(-π ζ/√(1 - ζ²)), up to twice;
@@ -199,10 +202,10 @@ def _brake_force(brakes: dict[str, Vector], speed: float, share: Vector) -> Vect
 
 
 class _PressureBuildUp:
-    """How far the brake command has come through to each axle.
+    """Build-up of the brake pressure at each axle.
 
     Attributes:
-        developed_at: When braking counts as fully developed [s after the demand].
+        developed_at: Time from the demand until braking counts as fully developed [s].
     """
 
     def __init__(self, train: Train, speed: float) -> None:
@@ -218,7 +221,7 @@ class _PressureBuildUp:
                 self.developed_at = float(self._delay.max()) + pipe.fill_time / _FILLED
 
     def share(self, time: float, speed: float) -> Vector:
-        """Return the share of the highest pressure at each axle in the next step, shape (axles,)."""
+        """Return the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
         match self._command:
             case None:
                 return np.ones(self._delay.size)
@@ -241,7 +244,7 @@ class _Stages:
         self._progress = -np.expm1(-_STEP / time)
 
     def share(self, speed: float) -> Vector:
-        """Return the share of the highest pressure that each axle may have in the next step, shape (axles,)."""
+        """Return the limit of the pressure at each axle in the next step as a share of the highest, shape (axles,)."""
         target = np.where(speed < self._down, self._low, self._share)
         self._share = self._share + self._progress * (target - self._share)
         return self._share
