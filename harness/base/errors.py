@@ -65,7 +65,7 @@ class BuildFailed(RailgripError):
 
 
 class WriteFailed(RailgripError):
-    """A result could not be written; there are no partial files, and previous files are unchanged."""
+    """A result could not be written; no partial files remain, and previous files are unchanged."""
 
 
 class ContractBroken(RailgripError, AssertionError):

@@ -35,7 +35,7 @@ READ_STATES = {"v": "speed", "w": "wheelset_speed"}
 class Settings:
     """Settings of a filter besides its model.
 
-    A name without index stands for all elements of an array; a name with index (`w[2]`) takes precedence over it.
+    A name without index refers to all elements of an array; a name with index (`w[2]`) takes precedence over it.
 
     Attributes:
         process: Density of the noise of each state, (unit of the state)²/s.

@@ -200,7 +200,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
 
         def __init__(self, **arguments: Any) -> None:
             super().__init__(**arguments)
-            # SUNDIALS would print what is raised as an exception here.
+            # SUNDIALS would also print each error that is raised as an exception here.
             sundials.sundials_core.SUNContext_ClearErrHandlers(self.sunctx)
             sundials.SUNContext_PushErrHandler(self.sunctx, self.ehfun_, None)
 
@@ -242,7 +242,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             set_time=fmu.setTime,
             input=_HeldInputs(),
             startTime=begin,
-            # State events are searched for at least once in each period.
+            # Search for state events once or more often in each period.
             maxStep=period,
             relativeTolerance=TOLERANCE,
             maxNumSteps=_MAX_STEPS,

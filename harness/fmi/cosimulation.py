@@ -124,7 +124,7 @@ class CoSimulation(LoadedPlant):
         rows, width = np.ascontiguousarray(inputs, dtype=np.float64), self._inputs.size
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
-            raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
+            raise FmuError(f"follow: expects rows of {width} finite inputs, got {found}.")
         library, outputs, plan = (
             kernel_library(*_KERNEL),
             np.empty((len(rows), self._outputs.size)),

@@ -91,7 +91,7 @@ def draft_mapping(
 
 
 def sizes_of(description: Description, causality: Causality) -> tuple[int, ...]:
-    """Return the sizes of the arrays of an FMU, starting with the most frequent one."""
+    """Return the sizes of the arrays of an FMU in descending order of frequency."""
     sizes = [
         len(a.variables) for a in arrays_of(description) if not a.is_scalar and a.variables[0].causality == causality
     ]

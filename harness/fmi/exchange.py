@@ -359,7 +359,7 @@ def _require_si(description: Description, variable: Variable) -> None:
     stated_unit = variable.unit
     if stated_unit is not None and (stated_unit.factor != 1.0 or stated_unit.offset != 0.0):
         raise FmuError(
-            f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', SI is wanted; "
+            f"{description.file}: '{variable.name}' of a prediction is in '{stated_unit.name}', but must be in SI; "
             "correct the model."
         )
 

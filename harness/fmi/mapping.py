@@ -77,7 +77,7 @@ class Channel:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SignalVector:
-    """All signals of one direction, laid out in one vector.
+    """All signals of one direction in one vector.
 
     The layout does not depend on the FMU: outputs that an FMU lacks are NaN, and inputs that it lacks are ignored.
 
@@ -294,10 +294,10 @@ def _tie(
     if not (variable.causality == causality or readable or changeable):
         raise FmuError(
             f"{where} {element}: '{variable.name}' of {file} is {_article(variable.causality)}, "
-            f"{_article(causality)} is wanted; map '{signal.name}' to another variable."
+            f"but must be {_article(causality)}; map '{signal.name}' to another variable."
         )
     if variable.kind in ("String", "Binary"):
-        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a {variable.kind}, a number is wanted.")
+        raise FmuError(f"{where} {element}: '{variable.name}' of {file} is a {variable.kind}, not a number.")
     ours = unit(signal.unit)
     theirs = _unit_of(variable, target, ours, file, f"{where} {element}")
     try:
@@ -384,7 +384,7 @@ def _target(item: object, index: int, signal: Signal, who: str, *, pattern: bool
         if fields:
             raise FmuError(f"{who} has no key '{next(iter(fields))}'; it has variable, scale and unit.")
     if not isinstance(name, str) or not name.strip("- "):
-        raise FmuError(f"{who}: the name of an FMU variable is wanted, got {name!r}.")
+        raise FmuError(f"{who}: expected is the name of an FMU variable, got {name!r}.")
     if isinstance(scale, bool) or not isinstance(scale, int | float) or not np.isfinite(scale) or scale == 0:
         raise FmuError(f"{who}: scale is a finite number other than 0, got {scale!r}.")
     if unit_entry is not None and not isinstance(unit_entry, str):

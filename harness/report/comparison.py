@@ -189,7 +189,7 @@ def compare(*results: Comparable) -> Comparison:
     """
     if not 2 <= len(results) <= len(ascii_uppercase):
         raise RecordError(
-            f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}; name their folders"
+            f"compare: expects two to {len(ascii_uppercase)} results, got {len(results)}; name their folders"
         )
     campaigns = [_is_campaign(result) for result in results]
     if any(campaigns) and not all(campaigns):

@@ -83,7 +83,8 @@ class CampaignFile(Table):
     name: Name = Field(description="of the campaign and of the folder of its results")
     description: str = Field(default="", description="what it is about, for its page")
     scenarios: Annotated[
-        tuple[str, ...], Field(min_length=1, description="files, from this one's folder, or names of ours")
+        tuple[str, ...],
+        Field(min_length=1, description="files relative to the folder of this file, or names of the package"),
     ]
     axes: dict[str, dict[str, dict[str, Any] | str]] = Field(
         default={},

@@ -40,7 +40,9 @@ class PhaseEnd(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         if len(self.model_fields_set) != 1:
-            raise table_error(f"wants one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}")
+            raise table_error(
+                f"needs exactly one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}"
+            )
         return self
 
     @property
@@ -123,7 +125,7 @@ class Demand(Table):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if bool(self.phases) == (self.file is not None):
-            raise table_error("wants phases, or the file of a profile; give one of them")
+            raise table_error("needs either phases or the file of a profile")
         for number, phase in enumerate(self.phases, start=1):
             if (phase.until is None) != (number == len(self.phases)):
                 wrong = "is the last one and lasts to the end, leave out" if phase.until else "has no"

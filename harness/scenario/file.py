@@ -112,7 +112,7 @@ class NamedFile:
         if isinstance(entry, NamedFile):
             return entry
         if not isinstance(entry, str) or not entry:
-            raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(entry)})
+            raise PydanticCustomError("file", "is {found}; expected is the path of a file", {"found": short(entry)})
         context = cast("dict[str, Path] | None", info.context) or {}
         directory = context.get(DIRECTORY, Path())
         path = (entry.folder if isinstance(entry, OtherFileString) else directory) / entry

@@ -117,7 +117,7 @@ def extend_tables(table: Mapping[str, Any], folder: Path, origin: str, chain: Se
         return Tables.of(keys, folder, origin)
     entry = table["extends"]
     if not isinstance(entry, str) or not entry:
-        raise ScenarioError(f"{origin}: extends is {short(entry)}; wanted is the name or the path of a scenario")
+        raise ScenarioError(f"{origin}: extends is {short(entry)}; expected is the name or the path of a scenario")
     path = locate(entry, "scenarios", folder, f"{origin}: extends: ")
     if not is_file(path):
         raise ScenarioError(

@@ -153,7 +153,7 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
     for override in overrides:
         key, equals, value = override.partition("=")
         if not equals or not key.strip() or not value.strip():
-            raise ScenarioError(f"--set {cut(override)}: wanted is table.key=value, such as start.speed='80 km/h'")
+            raise ScenarioError(f"--set {cut(override)}: expected is table.key=value, such as start.speed='80 km/h'")
         try:
             _insert(tree, nest({key.strip(): _toml_value(value.strip())}))
         except ScenarioError as problem:

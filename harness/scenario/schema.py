@@ -103,11 +103,9 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
         if self.sanders and self.adhesion.sand is None:
-            raise table_error(
-                "[[sanders]] wants [adhesion.sand], which says what sand makes of friction: mu0, density, left"
-            )
+            raise table_error("[[sanders]] needs [adhesion.sand], the effect of sand on friction: mu0, density, left")
         if self.demand is not None and self.controller.kind == "ideal_bound":
-            raise table_error("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
+            raise table_error("[controller] ideal_bound uses all adhesion from the start: leave out [demand]")
         if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
             raise table_error("[sensors.gnss] reads positions on a [track.plan], and there is none")
         sampling = getattr(self.sensors, "period", None)
@@ -126,7 +124,7 @@ class Scenario(Table):
         if self.limits.stop_speed >= self.start.speed and not has_traction:
             raise table_error(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
-                f"{self.start.speed:g} m/s; a train that starts so slowly wants traction in [[demand.phases]]"
+                f"{self.start.speed:g} m/s; a train that starts so slowly needs traction in [[demand.phases]]"
             )
         slowest = max(
             ("communication", "estimator", "controller", "trace"), key=lambda name: getattr(self.periods, name)

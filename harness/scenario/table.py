@@ -139,7 +139,7 @@ def _map_entry(entry: Any) -> Any:
     ):
         return entry
     raise table_error(
-        f"is {entry!r}, but the name of an FMU variable is wanted, a list of them, "
+        f"is {entry!r}, expected is the name of an FMU variable, a list of names, "
         'or { variable = "…", unit = "…", scale = … }'
     )
 

@@ -69,9 +69,9 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
     if kind == "missing":
         whole_table = len(path) == 1 and bool(_models(model.model_fields[str(path[0])].annotation))
         problem = f"[{path[0]}] is missing" if whole_table else f"{_table(path[:-1])} has no '{path[-1]}'"
-        return f"{problem}; it is wanted and has no default"
+        return f"{problem}; it is required"
     if kind == "union_tag_not_found":
-        return f"{_table(path)} has no 'kind'; it is wanted and has no default"
+        return f"{_table(path)} has no 'kind'; it is required"
     if kind == "union_tag_invalid":
         kinds = context["expected_tags"].replace("'", "")
         return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"

@@ -618,7 +618,7 @@ def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, 
 
     def refusal(found: str) -> ScenarioError:
         return ScenarioError(
-            f"{type(part).__name__}: `{attribute}` is {found}; wanted are names of {', '.join(choice)}, as in "
+            f"{type(part).__name__}: `{attribute}` is {found}; expected are names of {', '.join(choice)}, as in "
             f'{attribute} = ("adhesion",)'
         )
 

@@ -334,7 +334,7 @@ def read_mf4(path: Path, columns: Sequence[str] | None = None) -> dict[str, Seri
             values = np.asarray(signal.samples)
             if values.dtype.kind not in "fiub" or values.ndim != 1:
                 raise EstimationError(
-                    f"{path.name}: channel '{name}' wants one number a sample, it has {values.dtype}."
+                    f"{path.name}: channel '{name}' must have one number per sample; it has {values.dtype}."
                 )
             series[name] = Series(
                 time=np.asarray(signal.timestamps, dtype=np.float64),

@@ -47,8 +47,8 @@ class Formation:
         """Check the attributes.
 
         Raises:
-            ValueError: There are no groups, or a group has no wheelset; an array has another number of wheelsets or
-                groups; positions do not rise from 0, or a load is not positive.
+            ValueError: The formation has no groups, or a group has no wheelset; an array has another number of
+                wheelsets or groups; positions do not rise from 0, or a load is not positive.
         """
         if not self.wheelsets_per_group or min(self.wheelsets_per_group) < 1:
             raise ValueError(

@@ -199,6 +199,6 @@ class TabulatedRail:
         """
         if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(
-                "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion and "
+                "[adhesion.recovery] needs the energy of the slip, but the plant does not output adhesion and "
                 "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"
             )

@@ -58,7 +58,7 @@ class SpeedSensor(Table):
     def _times(self) -> Self:
         for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
             if bool(getattr(self, name)) != (time is not None):
-                raise table_error(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
+                raise table_error(f"{name} and {name.removesuffix('s')}_time belong together; give both or neither")
         return self
 
 
@@ -233,7 +233,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
         return None
     if not layout.formation.wheelset_position:
         raise ScenarioError(
-            f"{scenario.name}: [sensors.deflection.irregularity] wants the places of the wheelsets: give "
+            f"{scenario.name}: [sensors.deflection.irregularity] needs the positions of the wheelsets: give "
             "[vehicle.formation] wheelset_position"
         )
     from scipy.signal import bilinear, lfilter

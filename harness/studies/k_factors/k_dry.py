@@ -73,8 +73,8 @@ def brake_of_scenario(specification: KFactorSpecification, scenario: Scenario) -
     """
     if scenario.actuation.kind != "pneumatic":
         raise ScenarioError(
-            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors want 'pneumatic', for what "
-            "disperses is what valves fill the cylinders to, and how fast."
+            f"{scenario.name}: [actuation] kind is '{scenario.actuation.kind}'; K factors need 'pneumatic', because "
+            "pressures and fill times of the cylinders disperse."
         )
     if scenario.demand is not None:
         raise ScenarioError(f"{scenario.name}: K factors are of full brake from the start on: leave out [demand]")

@@ -150,7 +150,9 @@ class KFactorSpecification(Table):
     name: Name
     description: str = ""
     seed: Seed
-    scenario: str = Field(description="the stop: a file from this one's folder, or the name of one of ours")
+    scenario: str = Field(
+        description="scenario of the stop: a file relative to the folder of this file, or a name of the package"
+    )
     speed_steps: tuple[Speed, ...] = Field(description="inner limits of the steps of speed, rising")
     estimate: Effort
     loop: LoopEffort | None = None

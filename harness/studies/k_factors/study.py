@@ -67,7 +67,7 @@ class KFactors(Study):
         specification, scenario = load_specification(self.file, self.overrides or [])
         folders = self.import_from or []
         if self.loop and specification.loop is None:
-            raise ScenarioError(f"{specification.name}: has no [loop]; it is wanted for stops with the controller")
+            raise ScenarioError(f"{specification.name}: has no [loop], which stops with a controller need")
         brake = brake_of_scenario(specification, scenario)
         distance = braking_distance(scenario_of_draw(scenario, brake, brake.units, None), folders)
         if distance is None:

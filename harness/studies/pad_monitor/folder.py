@@ -43,7 +43,7 @@ def stops_in(
     else:
         if specification.model.class_ != MODEL:
             raise EstimationError(
-                f"{specification.name}: [model] class is '{specification.model.class_}', the monitor wants '{MODEL}'."
+                f"{specification.name}: [model] class is '{specification.model.class_}', the monitor needs '{MODEL}'."
             )
         places = sorted(path for path in folder.iterdir() if path.suffix.lower() in FORMATS)
     parameters = {} if specification is None else parameters_for(specification)

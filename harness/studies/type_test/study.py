@@ -77,7 +77,7 @@ class TypeTest(Study):
 
     controller: Annotated[
         list[str] | None,
-        Option(help="One of ours, a scenario, an .fmu or module:Class; all of ours without it. Repeatable."),
+        Option(help="A packaged entrant, a scenario, an .fmu or module:Class; all packaged ones unless given."),
     ] = None
     train: Annotated[
         str | None, Option(help="A scenario whose train it is, a train, an .fmu or a recipe; ours without it.")
@@ -92,7 +92,7 @@ class TypeTest(Study):
     validation: Annotated[bool, Option(help="Other cases, for a finished controller: do not tune on them.")] = False
     count: Annotated[int | None, Option("--cases", min=1, max=10000, help="Number of cases.")] = None
     case: Annotated[list[str] | None, Option(help="Only this one, with trace and panels. Repeatable.")] = None
-    limits: Annotated[Path | None, Option(help="File of limits in place of ours.")] = None
+    limits: Annotated[Path | None, Option(help="File of limits instead of the package's.")] = None
     write: Annotated[
         bool, Option("--write", help="Write the leaderboard into docs/type_test.md, and the stops into the package.")
     ] = False
