@@ -1,8 +1,8 @@
 """The scenario file as a type: every table, key, unit and range; unknown keys are rejected.
 
 A quantity is a string with a unit ("80 km/h", "3.4 bar", "10 ms") or a bare number in the SI unit of its field. Train,
-speed, friction and controller have no default. Other defaults do not describe a train: sensors and actuation are ideal,
-there is no estimator, all periods are a millisecond, the track is straight and level.
+speed, friction and controller have no default. The other defaults are ideal sensors and actuation, no estimator,
+periods of 1 ms, and straight level track.
 """
 
 import hashlib
@@ -68,7 +68,7 @@ _SHORTEST, _LONGEST = 120.0, 600.0
 """Bounds of the default horizon [s]."""
 
 _FEWEST_PERIODS = 10
-"""Minimum number of periods in a horizon, which is rounded to whole ones: the change is then at most a twentieth."""
+"""Minimum number of periods in a horizon, so that rounding to whole periods changes it by 5 % or less."""
 
 
 class Scenario(Table):

@@ -150,7 +150,6 @@ def _require_trace(path: Path, variables: dict[str, _Variable], attributes: dict
 
 
 def _variable(name: str, samples: Any) -> _Variable:
-    """Return dimensions, values and attributes of a variable of a NetCDF 4 file."""
     dimensions = tuple(dimension[0].name.removeprefix("/") if len(dimension) else name for dimension in samples.dims)
     about = {key: samples.attrs[key] for key in _ATTRIBUTES if key in samples.attrs}
     # Bytes that are not text must not prevent the message.

@@ -206,7 +206,6 @@ def _truth(trace: xarray.Dataset, state: str) -> Vector | None:
 
 
 def _column(trace: xarray.Dataset, prefix: str, name: str) -> Vector | None:
-    """Return the samples of a variable's element; a signal of one element has it under both names."""
     base, index = _element(name)
     if prefix + base not in trace:
         return None

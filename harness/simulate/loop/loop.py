@@ -200,7 +200,6 @@ class Loop:
         self._squared[0] = estimator.filter.squared_innovation
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
-        """Return outcome and reason from the return value of the cycle."""
         functions, cycle, output = self._functions, self._cycle, self._parts.layout.output
         clock, time = self._parts.clock, self._time
         speed, distance = (float(self._truth[output[name].start]) for name in ("speed", "distance"))

@@ -129,7 +129,6 @@ class SandedRail:
 
 
 def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
-    """Return positions of wheelsets, start of the first cell, and empty cells of a rail as far as `reach` [m]."""
     position = formation.position
     assert position is not None  # or the friction profile has refused it
     origin = -float(position[-1]) - _CELL

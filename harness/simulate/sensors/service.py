@@ -175,7 +175,6 @@ def _in_samples(time: float, period: float) -> float:
 def _speed_factor(
     table: SpeedSensor, scale: float, period: float, horizon: float, random: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Return the ratio of reading to speed for each reading of a speed sensor; NaN in drop-outs."""
     fixed = 1.0 + (table.scale_offset + scale)
     if not table.drift and not table.dropouts:
         return np.array([fixed])

@@ -181,7 +181,7 @@ def draw(results: AxleBoxResults) -> dict[str, Figure]:
 
 
 def errors(results: AxleBoxResults) -> Figure:
-    """Mean absolute error of each judgement, beside that of the mean label."""
+    """Mean absolute error of each judgement and of the mean label."""
     published = float(np.mean([PUBLISHED[s][1] for s in results.runs]))
     rows: list[tuple[str, float, float | None, str]] = [("paper, its split", published, None, palette.GREY)]
     for name, row, colour in (

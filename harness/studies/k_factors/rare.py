@@ -88,7 +88,7 @@ class Rates:
 
 
 def states_of(units: Sequence[int], rates: Rates, *, neglect: float) -> tuple[tuple[State, ...], float]:
-    """Return the most likely failure states and the total probability of all others.
+    """Return the failure states of highest probability and the total probability of all others.
 
     Units of a group are exchangeable, so only their number counts; a stuck valve takes all units of its group.
 
