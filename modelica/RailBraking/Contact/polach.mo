@@ -30,10 +30,9 @@ alpha = Contact.<strong>polach</strong>(slip, slip_speed, Q, mu0, factor, k_A, k
 </pre></blockquote>
 <h4>Limitations</h4>
 <p>
-The load must be positive. Friction depends on the slip speed alone: neither the cleaning of the
-rail by slip nor the temperature of the contact is modelled; a scenario expresses cleaning by
-<code>mu0</code> of the following
-wheelsets.
+The load must be positive. Friction depends on the slip speed alone: neither the cleaning of the rail by slip nor the
+temperature of the contact is modelled; a scenario expresses cleaning by <code>mu0</code>, and
+<a href=\"modelica://RailBraking.Contact.HeatedContact\">HeatedContact</a> gives it a warm friction.
 </p>
 </html>"));
 end polach;
