@@ -37,7 +37,7 @@ def curves(
     """Return adhesion at slips [1] on a rail of constant condition, (slips,), and on one that slip cleans.
 
     The latter, shape (slips, wheelsets), is the adhesion of each wheelset after all have slid over `way` with a slip.
-    The cleaning is that of the creep curve, or `CLEAN` if the curve has none.
+    The cleaning is that of the creep curve, otherwise `CLEAN`.
 
     Args:
         polach: Name or numbers of the creep curve.
