@@ -316,7 +316,6 @@ def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, d
 
 
 def _select_outputs(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
-    """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
     absent = np.isnan(struct.view("truth"))
     signals = [s for s in layout.plant_signals if s.name in names and not absent[layout.output[s.name]].any()]
     places = [place for signal in signals for place in range(*layout.output[signal.name].indices(layout.outputs))]

@@ -92,6 +92,7 @@ class Loop:
         self._truth, self._inputs, self._reading = (struct.view(name) for name in ("truth", "inputs", "reading"))
         self._demand = struct.view("demand")
         self._truth[:], self._inputs[:] = truth, inputs
+        # A plant without slip outputs leaves NaN there; the cycle then computes slip from speed and wheel speed.
         if np.isnan(truth[layout.output["slip"]]).any():
             struct.set(slip_radius=np.array(layout.formation.wheel_radius, dtype=np.float64))
         if isinstance(parts.plant, CoSimulation):
@@ -129,7 +130,7 @@ class Loop:
                 demands = decide(observation)
             except ControllerFailed as failed:
                 return self._end(Outcome.CONTROLLER_FAILED, str(failed))
-            self._demand[:] = demands
+            self._demand[:] = demands  # copied, because the cycle in C reads this memory
         assert self.ending is not None
         return self.ending
 
@@ -158,6 +159,7 @@ class Loop:
                 self._end(Outcome.CONTROLLER_FAILED, str(failed))
                 return
             except BaseException:
+                # A failed plant and Ctrl-C, too: the rows that were written remain usable.
                 self._finish()
                 raise
             yield observe()
@@ -172,6 +174,7 @@ class Loop:
 
     def _begin_block(self) -> None:
         sensors, sample = self._parts.sensors, self._cycle.sample
+        # The noise of a block is used up: drawing a block at once is faster than drawing at each reading.
         if isinstance(sensors, WhiteSensors | ServiceSensors) and sample % (BLOCK * self._parts.clock.sensors) == 0:
             sensors.draw()
         if self._progress is not None and sample > 0:
@@ -188,6 +191,7 @@ class Loop:
         limits = self._parts.limits
         assert limits is not None
         self._demand[:] = limits.limit(self._demand, self._observe())
+        # Once this is set, the cycle itself checks demands, and calls Python only for those beyond the limits.
         self._cycle.is_pascal = limits.is_pascal
 
     def _advance_filter(self) -> None:
@@ -200,7 +204,6 @@ class Loop:
         self._squared[0] = estimator.filter.squared_innovation
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
-        """Return outcome and reason from the return value of the cycle."""
         functions, cycle, output = self._functions, self._cycle, self._parts.layout.output
         clock, time = self._parts.clock, self._time
         speed, distance = (float(self._truth[output[name].start]) for name in ("speed", "distance"))
@@ -233,18 +236,14 @@ class Loop:
         return self.ending
 
     def _finish(self) -> None:
-        """Complete the rows that were written.
-
-        Values derived from the estimates are computed for all rows at once: slips, and standard deviations from
-        variances. Adhesion is a force, which the readings determine, over a load, which they do not: the relative error
-        of the load adds to its own.
-        """
+        # Slips and standard deviations are computed for all rows at once, which is faster than in each sample.
         recorder, estimator = self._parts.recorder, self._parts.estimator
         recorder.written = min(self._cycle.written, len(recorder.rows))
         if not isinstance(estimator, StateEstimator):
             return
         rows, columns = recorder.rows[: recorder.written], recorder.columns
         variance = rows[:, recorder.block(SPREAD)]
+        # Adhesion is force over load. The readings determine only the force, so the load adds its relative error.
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
         rows[:, columns["estimate_adhesion_sd"]] += load_error**2
         np.sqrt(variance, out=variance)

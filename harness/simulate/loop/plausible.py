@@ -68,7 +68,7 @@ def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: 
 _CHECKS = (
     ("", "", ""),
     ("speed", "m/s", "[start] speed asks for {expected}"),
-    ("distance", "m", "it counts from the brake demand, and {expected} is wanted there"),
+    ("distance", "m", "it counts from the brake demand, and {expected} is expected there"),
     (
         "speed",
         "m/s",
