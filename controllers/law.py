@@ -13,6 +13,8 @@ from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import OBSERVED, Signal, places
 
 NOT_SEEN = float("nan")
 
@@ -64,25 +66,27 @@ NO_PARAMETERS = Tuning()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupObservation:
-    """What a law sees of one group, as symbols; see `railgrip.controllers.observation.Observation`.
+    """Symbols of a group's observation; `railgrip.controllers.observation.Observation` has their values.
+
+    The signals of `railgrip.vehicle.signals.OBSERVED` are attributes by their names.
 
     Attributes:
-        index: Of the group as FMI counts, 1 the leading one.
+        index: Number of the group as in FMI, 1 for the leading one.
+        signals: Signals of the group and of the train, by name.
         brake: The group's data by name.
         train: Observations of every group, this one among them, lead to trail; complete once the demands are formed.
     """
 
     index: int
-    speed: Expression
-    acceleration: Expression
-    slip: Expression
-    adhesion: Expression
-    pad_friction: Expression
-    wheelset_speed: Expression
-    driver_demand: Expression
-    pressure: Expression
+    signals: Mapping[str, Expression]
     brake: Mapping[str, Expression]
     train: Sequence["GroupObservation"]
+
+    def __getattr__(self, name: str) -> Expression:
+        """Return a signal."""
+        if name not in self.signals:
+            raise AttributeError(f"An observation has no '{name}'; it has {', '.join(self.signals)}.")
+        return self.signals[name]
 
     def label(self, name: str) -> str:
         """Return the name of this group's element of an array."""
@@ -93,42 +97,33 @@ Demand = Callable[[Draft, GroupObservation], Expression]
 """Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
 
 
-OF_GROUPS = (
-    ("slip", "1", "slip 1 - r*omega/v of the group"),
-    ("adhesion", "1", "estimated adhesion of the group, positive in braking"),
-    ("pad_friction", "1", "estimated friction of the group's brake pads"),
-    ("wheelset_speed", "rad/s", "rotational speed of the group's wheelsets"),
-    ("driver_demand", "Pa", "brake cylinder pressure that the driver asks for"),
-    ("pressure", "Pa", "measured brake cylinder pressure"),
-)
-"""Inputs of a law that each group has, in their order behind speed and acceleration: name, unit and meaning."""
-
-
-def law(name: str, description: str, groups: int, demand_with: Callable[[Draft], Demand]) -> Formula:
+def law(
+    name: str,
+    description: str,
+    groups: int,
+    demand_with: Callable[[Draft], Demand],
+    observed: Sequence[Signal] = OBSERVED,
+) -> Formula:
     """Return the formula of a law that treats every group by itself.
 
     Args:
-        name: Of the law.
+        name: Name of the law.
         description: One line.
         groups: Number of groups.
         demand_with: Declares the parameters and states that all groups share in the draft, and returns the demand of
             one group.
+        observed: Signals of the observation, the inputs of the law.
     """
     draft = Draft()
-    numbers = range(1, groups + 1)
-    speed = draft.input("speed", "m/s", "speed of the train")
-    acceleration = draft.input("acceleration", "m/s2", "acceleration of the train, negative in braking")
-    of_groups = {name: [draft.input(f"{name}[{g}]", unit, text) for g in numbers] for name, unit, text in OF_GROUPS}
+    inputs = dict(zip((signal.name for signal in observed), draft.vector(observed, groups), strict=True))
     demand = demand_with(draft)
     train: list[GroupObservation] = []
-    for g in numbers:
-        brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
-        signals = {name: symbols[g - 1] for name, symbols in of_groups.items()}
-        train.append(
-            GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **signals)
-        )
+    for g in range(groups):
+        brake = {name: draft.parameter(f"{name}[{g + 1}]", unit, text) for name, (unit, text) in BRAKE.items()}
+        signals = {name: symbols[min(g, len(symbols) - 1)] for name, symbols in inputs.items()}
+        train.append(GroupObservation(index=g + 1, signals=signals, brake=brake, train=train))
     demands = [demand(draft, group) for group in train]
-    for g, demanded in zip(numbers, demands, strict=True):
+    for g, demanded in enumerate(demands, start=1):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
 
@@ -145,7 +140,7 @@ class Law(Sampled):
     def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` are those that are not of a group, by name."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        self._count = len(groups)
+        self._places = tuple(places(OBSERVED, Formation((1,) * len(groups))).items())
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
@@ -153,17 +148,12 @@ class Law(Sampled):
         Raises:
             ValueError: The observation lacks an estimate that the law needs.
         """
-        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
-        if adhesion is None or pad_friction is None:
-            missing = [name for name in self.needs if getattr(observation, name) is None]
-            if missing:
-                raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
-        inputs = self.inputs
-        inputs[0], inputs[1] = speed, acceleration
-        rows = inputs[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
-        rows[0], rows[3], rows[4], rows[5] = slip, wheels, driver_demand, pressure
-        rows[1] = NOT_SEEN if adhesion is None else adhesion
-        rows[2] = NOT_SEEN if pad_friction is None else pad_friction
+        missing = [name for name in self.needs if getattr(observation, name) is None]
+        if missing:
+            raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
+        for name, place in self._places:
+            values = getattr(observation, name)
+            self.inputs[place] = NOT_SEEN if values is None else values
         return self.evaluate()
 
 

@@ -268,9 +268,9 @@ def _signals(
     """Return the signals of a stop in the order of the trace."""
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
-        *layout.plant_signals,
+        *layout.signals["output"],
         *sent(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
-        *layout.reading_signals,
+        *layout.signals["reading"],
         *of_controller,
         *(DRIVEN if demand is not None else ()),
         *(TRACTION if demand is not None and demand.has_traction else ()),

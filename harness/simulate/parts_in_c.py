@@ -1,6 +1,6 @@
 """Export parts of a stop as FMUs or a static library: the C code of the loop, with its initial state."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
 from railgrip.base.outputs import claim
-from railgrip.controllers.law import OF_GROUPS
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
 from railgrip.fmus.native import Variable, memory
@@ -28,7 +27,7 @@ from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
 from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.simulate.parts import assembled
-from railgrip.vehicle.signals import BELIEVED, DRIVEN, Layout, Signal
+from railgrip.vehicle.signals import BELIEVED, DRIVEN, OBSERVED, Layout, Role, Signal, names_of
 
 Kind = Literal["onboard", "estimator", "sensors", "track"]
 """onboard: from readings and the driver's demand to commands; track: the rail and the driver."""
@@ -38,18 +37,14 @@ _FIELDS = {
     "track": ("rail", "driver", "slip_radius", "full", "period"),
     "sensors": ("service", "read_of", "gain", "bias", "noise", "sensors_every", "slip_radius"),
     "estimator": (
-        "memory", "held", "seen", "mean", "covariance", "squared", "used", "seen_of", "believed_of", "seen_count",
+        "memory", "held", "seen", "mean", "covariance", "squared", "used", "seen_of", "state_of", "seen_count",
         "row", "radius", "full", "estimator_every", "controller_every",
     ),
 }  # fmt: skip
 """Fields of `Cycle` in cycle.h that each part uses."""
 
-_OBSERVED = (
-    Signal("speed", "train", "m/s", "speed of the train"),
-    Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
-    *(Signal(name, "group", unit, meaning) for name, unit, meaning in OF_GROUPS if name != "driver_demand"),
-)
-"""Quantities that an estimator outputs to a law; the driver's demand is not among them."""
+_ESTIMATED = tuple(signal for signal in OBSERVED if signal.name != "driver_demand")
+"""Signals of an observation that an estimator outputs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -102,7 +97,7 @@ def readings_of(scenario: Scenario) -> NDArray[np.float64]:
         demand = np.tile(parts.driver.full, (len(rows), 1))
         if parts.driver.has_phases:
             demand = rows[:, recorder.block(DRIVEN)]
-        return np.hstack([rows[:, recorder.block(parts.layout.reading_signals)], demand])
+        return np.hstack([rows[:, recorder.block(parts.layout.signals["reading"])], demand])
 
 
 def write_library(scenario: Scenario, folder: Path) -> Iterator[Path]:
@@ -153,7 +148,8 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discre
         }
         units = ("plain.c",)
         calls.append("    c->advance = step_plain;")
-    macros: dict[str, object] = {"GIVEN": 0, "DEVIATIONS": 0.0, "BINDING": 1, "LAW_PARAMETERS": 0, **role.macros}
+    macros: dict[str, object] = {"GIVEN": 0, "SHOWN": 0, "DEVIATIONS": 0.0, "BINDING": 1, "LAW_PARAMETERS": 0}
+    macros |= role.macros
     text = [
         *(f"#define {name} {value}" for name, value in macros.items()),
         *(f'#include "{name}"' for name in _UNITS),
@@ -215,16 +211,17 @@ def _track(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     recovers = parts.rail.field is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _given(parts.layout, struct, needed)
-    sent = parts.layout.sent_signals[1:]
-    starts = np.zeros(parts.layout.inputs)
+    layout = parts.layout
+    sent = [signal for signal in layout.signals["input"] if signal.name != "command"]
+    starts = np.zeros(layout.inputs)
     parts.rail.write_inputs(starts)
-    shown = _of(sent, parts.layout, starts[parts.layout.formation.groups :])
+    shown = _of(sent, layout, np.delete(starts, np.arange(layout.inputs)[layout.input["command"]]))
     return _Role(
         given=given,
         shown=(*shown, *_of(DRIVEN, parts.layout, parts.driver.full)),
         struct=struct.copied(*_FIELDS["track"]),
         formulas={},
-        macros={"GIVEN": places},
+        macros={"GIVEN": places, "SHOWN": _positions("input", sent, layout)},
     )
 
 
@@ -248,7 +245,7 @@ def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     seed = Variable(name="seed", unit="1", start=start, description=meaning, minimum=0.0)
     return _Role(
         given=given,
-        shown=_of(layout.reading_signals, layout),
+        shown=_of(layout.signals["reading"], layout),
         struct=struct.copied(*_FIELDS["sensors"], **changes),
         formulas={},
         parameters=(seed,),
@@ -259,11 +256,11 @@ def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
 def _estimator(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     belief, formulas = _belief(scenario, parts, struct)
     return _Role(
-        given=_of(parts.layout.reading_signals, parts.layout),
-        shown=_of(_OBSERVED, parts.layout),
+        given=_of(parts.layout.signals["reading"], parts.layout),
+        shown=_of(_ESTIMATED, parts.layout),
         struct=belief,
         formulas=formulas,
-        macros={},
+        macros={"SHOWN": _positions("observation", _ESTIMATED, parts.layout)},
     )
 
 
@@ -283,14 +280,18 @@ def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
         parameters += variables(valves.formula.parameters, valves.parameters, "valves.")
         commands = variables(valves.formula.outputs, [0.0] * len(valves.formula.outputs))
     belief.set(**{name: kernel(parts.layout).struct("Formula", state=formulas[name].state) for name in formulas})
-    believed = _of(BELIEVED, parts.layout) if parts.estimator is not None else []
+    states = BELIEVED if parts.estimator is not None else ()
     return _Role(
-        given=[*_of(parts.layout.reading_signals, parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
-        shown=[*commands, *believed],
+        given=[*_of(parts.layout.signals["reading"], parts.layout), *_of(DRIVEN, parts.layout, parts.driver.full)],
+        shown=[*commands, *_of(states, parts.layout)],
         struct=belief,
         formulas=formulas,
         parameters=parameters,
-        macros={"BINDING": int(parts.driver.struct.pointer.binding), "LAW_PARAMETERS": law.parameters.size},
+        macros={
+            "BINDING": int(parts.driver.struct.pointer.binding),
+            "LAW_PARAMETERS": law.parameters.size,
+            "SHOWN": _positions("estimate", states, parts.layout) or 0,
+        },
     )
 
 
@@ -318,17 +319,21 @@ def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, d
 def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
     """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
     absent = np.isnan(struct.view("truth"))
-    signals = [s for s in layout.plant_signals if s.name in names and not absent[layout.output[s.name]].any()]
-    places = [place for signal in signals for place in range(*layout.output[signal.name].indices(layout.outputs))]
-    return _of(signals, layout), ", ".join(map(str, places))
+    signals = [s for s in layout.signals["output"] if s.name in names and not absent[layout.output[s.name]].any()]
+    return _of(signals, layout), _positions("output", signals, layout)
+
+
+def _positions(role: Role, signals: Iterable[Signal], layout: Layout) -> str:
+    """Return the positions of signals in a vector, for C."""
+    places = layout.places[role]
+    slices = [places[signal.name.removeprefix(f"{role}_")] for signal in signals]
+    return ", ".join(str(number) for place in slices for number in range(place.start, place.stop))
 
 
 def _of(signals: Sequence[Signal], layout: Layout, starts: NDArray[np.float64] | None = None) -> list[Variable]:
     variables: list[Variable] = []
     for signal in signals:
-        numbers = [f"[{i + 1}]" for i in range(layout.formation.width(signal.extent))]
-        for number in [""] if signal.extent == "train" else numbers:
+        for name in names_of(signal, layout.formation):
             start = 0.0 if starts is None else float(starts[len(variables)])
-            name = signal.name + number
             variables.append(Variable(name=name, unit=signal.unit, start=start, description=signal.meaning))
     return variables

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -22,19 +23,20 @@ from railgrip.simulate.loop.library import KERNEL, every, kernel
 from railgrip.simulate.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
-from railgrip.vehicle.signals import BELIEVED, ESTIMATES, INNOVATION, SPREAD, Layout, length, places
+from railgrip.vehicle.signals import (
+    BELIEVED,
+    ESTIMATES,
+    OBSERVED,
+    ONLY_ESTIMATED,
+    SPREAD,
+    Layout,
+    Role,
+    length,
+    places,
+)
 from railgrip.vehicle.slip import slip_of
 
 Vector = NDArray[np.float64]
-
-_OBSERVED = ("slip", "adhesion", "pad_friction", "wheelset_speed", "driver_demand", "pressure")
-"""Quantities that an observation has for each group, in the order of cycle.c and `railgrip.controllers.law.OF_GROUPS`.
-"""
-
-
-def _places_of_observed(groups: int) -> list[slice]:
-    """Return the positions of the quantities of `_OBSERVED` in an observation, after speed and acceleration."""
-    return [slice(2 + i * groups, 2 + (i + 1) * groups) for i in range(len(_OBSERVED))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -258,19 +260,13 @@ class _Direct:
 
     def __init__(self, struct: Struct, estimator: DirectEstimator, parts: Parts) -> None:
         provided = [signal for signal in ESTIMATES if signal.name.removeprefix("estimate_") in estimator.provides]
+        columns = places(provided, parts.layout.formation)
         self._step, self._observe = estimator.step, _observer(struct, parts, frozenset())
-        self._estimates = {
-            name.removeprefix("estimate_"): place for name, place in places(provided, parts.layout.formation).items()
-        }
-        self._values = np.full(length(places(provided, parts.layout.formation)), np.nan)
-        self._replaced = struct.view("replaced")
-        self._replaced[:] = np.nan
-        observed = _places_of_observed(parts.layout.formation.groups)
-        self._observed = dict(zip(_OBSERVED, observed, strict=True)) | {"speed": slice(0, 1)}
-        struct.set(
-            estimates=self._values, estimates_count=self._values.size,
-            estimates_at=parts.recorder.block(provided).start,
-        )  # fmt: skip
+        self._estimates = {name.removeprefix("estimate_"): place for name, place in columns.items()}
+        self._observed = parts.layout.places["observation"]
+        self._values, self._replaced = struct.view("estimate"), struct.view("replaced")
+        self._values[:], self._replaced[:] = np.nan, np.nan
+        struct.set(estimates_count=length(columns), estimates_at=parts.recorder.block(provided).start)
 
     def step(self) -> None:
         values = self._step(self._observe())
@@ -285,26 +281,26 @@ def _observer(struct: Struct, parts: Parts, provides: frozenset[str]) -> Callabl
 
     It is called at each decision of a part in Python, so constants of a stop are looked up once, here.
     """
-    cycle, observed, period = struct.pointer, struct.view("observation"), parts.clock.period
-    of_groups = np.dtype((np.float64, (parts.layout.formation.groups,)))
-    begin, count = 2 * observed.itemsize, len(_OBSERVED)
-    slip, adhesion, pad_friction, wheelset_speed, driver_demand, pressure = range(len(_OBSERVED))
-    has_slip, has_adhesion, has_pad_friction = (name in provides for name in ("slip", "adhesion", "pad_friction"))
+    cycle, values, period = struct.pointer, struct.view("observation"), parts.clock.period
+    constant = {"slip_is_estimated": "slip" in provides} | dict.fromkeys(ONLY_ESTIMATED - provides)
+    template: list[Any] = [constant.get(name) for name in Observation._fields]
+    time = Observation._fields.index("time")
+    of_train, of_groups = list[tuple[int, int]](), list[tuple[int, slice]]()
+    for signal in OBSERVED:
+        field, place = Observation._fields.index(signal.name), parts.layout.places["observation"][signal.name]
+        if signal.extent == "train":
+            of_train.append((field, place.start))
+        elif signal.name not in constant:
+            of_groups.append((field, place))
 
     def observe() -> Observation:
-        rows = np.frombuffer(observed.tobytes(), of_groups, count, begin)  # read-only, because several parts read it
-        return Observation(
-            cycle.sample * period,
-            observed.item(0),
-            observed.item(1),
-            rows[wheelset_speed],
-            rows[slip],
-            has_slip,
-            rows[adhesion] if has_adhesion else None,
-            rows[pad_friction] if has_pad_friction else None,
-            rows[pressure],
-            rows[driver_demand],
-        )
+        vector, fields = np.frombuffer(values.tobytes()), template.copy()  # read-only, because several parts read it
+        fields[time] = cycle.sample * period
+        for field, first in of_train:
+            fields[field] = vector.item(first)
+        for field, place in of_groups:
+            fields[field] = vector[place]
+        return Observation(*fields)
 
     return observe
 
@@ -313,43 +309,45 @@ def _cycle(parts: Parts, plausibility: Plausibility) -> Struct:
     """Return the argument of the cycle, with all parts that are always in C."""
     layout, clock, driver, recorder, law = parts.layout, parts.clock, parts.driver, parts.recorder, parts.law
     free_wheel = parts.estimator.free_wheel if isinstance(parts.estimator, StateEstimator) else None
-    groups = layout.formation.groups
-    observed = 2 + len(_OBSERVED) * groups
     struct = kernel(layout).struct("Cycle", plausibility=plausibility.struct, rail=parts.rail.struct,
         driver=driver.struct if driver.has_phases else None, full=np.array(driver.full, dtype=np.float64),
         faults=parts.faults and parts.faults.struct, radius=np.array(parts.wheel_radius, dtype=np.float64),
-        law=_formula(layout, parts.controller, observed), over=_formula(layout, parts.over, observed),
+        law=_formula(layout, parts.controller, "observation"), over=_formula(layout, parts.over, "observation"),
         most=parts.limits and parts.limits.most,
-        valves=_formula(layout, parts.valves, 2 * groups), free_wheel=_formula(layout, free_wheel, 1 + 2 * groups),
+        valves=_formula(layout, parts.valves, "valve_input"),
+        free_wheel=_formula(layout, free_wheel, "reference_input"),
         period=clock.period, stop_speed=parts.stop_speed, samples=clock.samples, block=BLOCK,
         sensors_every=clock.sensors, estimator_every=every(layout, clock.estimator),
         controller_every=every(layout, clock.controller),
         rows=recorder.rows, width=recorder.rows.shape[1], capacity=recorder.rows.shape[0],
-        true_at=recorder.block(layout.plant_signals).start, sent_at=recorder.block(layout.sent_signals).start,
-        read_at=recorder.block(layout.reading_signals).start, demand_at=recorder.at.get("demand", -1),
+        true_at=recorder.block(layout.signals["output"]).start, sent_at=recorder.block(layout.signals["input"]).start,
+        read_at=recorder.block(layout.signals["reading"]).start, demand_at=recorder.at.get("demand", -1),
         driver_at=recorder.at["driver_demand"] if driver.has_phases else -1,
         traction_at=recorder.at.get("traction", -1), reference_at=recorder.at.get("reference_speed", -1),
     )  # fmt: skip
-    struct.view("reference")[0] = math.nan
+    struct.view("reference")[layout.places["reference"]["speed"]] = math.nan
     if law is not None:
         struct.set(law_state=law.values, law_of=law.places, law_count=law.places.size)
         struct.set(law_at=recorder.block(law.signals).start)
     return struct
 
 
-def _formula(layout: Layout, formula: object, inputs: int) -> Struct:
-    """Return a formula for the cycle, which passes it `inputs` numbers; an empty one if `formula` is not in C.
+def _formula(layout: Layout, formula: object, inputs: Role) -> Struct:
+    """Return a formula for the cycle, which passes it a vector of inputs; an empty one if `formula` is not in C.
 
     Raises:
-        LoopError: The formula is for a different number of groups.
+        LoopError: The inputs of the formula are not those of the vector, in the same order.
     """
     if not isinstance(formula, Sampled):
         return kernel(layout).struct("Formula")
-    if formula.step.numel_in(1) != inputs:
-        raise LoopError(
-            f"{formula.formula.name}: takes {formula.step.numel_in(1)} inputs, and {inputs} belong to "
-            f"{layout.formation.groups} groups."
-        )
+    name, expected = formula.formula.name, layout.elements(inputs)
+    found = tuple(quantity.name for quantity in formula.formula.inputs)
+    if len(found) != len(expected):
+        groups = layout.formation.groups
+        raise LoopError(f"{name}: takes {len(found)} inputs, and {len(expected)} belong to {groups} groups.")
+    for place, (element, signal) in enumerate(zip(found, expected, strict=True), start=1):
+        if element != signal:
+            raise LoopError(f"{name}: takes {element} as input {place}, which is {signal}.")
     address = _address_of(formula.step)
     return kernel(layout).struct("Formula", call=address, state=formula.state, parameter=formula.parameters)
 
@@ -392,17 +390,15 @@ def _step_from_c(struct: Struct, plant: CoSimulation) -> None:
 def _filter_from_c(struct: Struct, estimator: StateEstimator, parts: Parts) -> Vector:
     """Let the cycle write readings for a filter and read its estimate; return the array for the squared innovation."""
     filter_, squared = estimator.filter, np.zeros(1)
-    of_groups = estimator.wheelset_speed, estimator.adhesion, estimator.pad_friction
+    states = [getattr(estimator, signal.name.removeprefix("estimate_")) for signal in BELIEVED]
     struct.set(
         mean=filter_.mean, covariance=filter_.covariance,
         row=filter_.covariance.strides[0] // filter_.covariance.itemsize, held=filter_.inputs, seen=filter_.readings,
         used=filter_.selection, squared=squared, seen_count=estimator.reading_places.size,
         seen_of=np.ascontiguousarray(estimator.reading_places, dtype=np.longlong),
-        believed_of=np.concatenate([[estimator.speed], *of_groups]).astype(np.longlong),
-        radius=np.array(estimator.wheel_radius, dtype=np.float64),
+        state_of=np.hstack(states).astype(np.longlong), radius=np.array(estimator.wheel_radius, dtype=np.float64),
+        estimates_count=length(parts.layout.places["estimate"]), estimates_at=parts.recorder.block(ESTIMATES).start,
     )  # fmt: skip
-    blocks = {"believed_at": BELIEVED, "spread_at": SPREAD, "innovation_at": INNOVATION}
-    struct.set(**{name: parts.recorder.block(block).start for name, block in blocks.items()})
     if isinstance(filter_, StepInC):
         advance, memory, squared_address = filter_.entry
         struct.set(advance=advance, memory=memory, squared=squared_address)

@@ -60,21 +60,15 @@ static int within_limits(const Cycle *c)
 
 static void decide_over_the_train(Cycle *c)
 {
-    copy(c->observation + OBSERVED_PRESSURE, c->demand, GROUPS);
+    copy(c->observation + OBSERVATION_PRESSURE, c->demand, GROUPS);
     c->over.call(c->over.state, c->observation, c->over.parameter, c->demand);
 }
 
 static void keep_belief(const Cycle *c, double *row)
 {
-    if (c->mean) {
-        copy(row + c->believed_at, c->believed, BELIEVED);
-        copy(row + c->spread_at, c->spread, SPREAD);
-        copy(row + c->innovation_at, c->innovation, INNOVATION);
-    }
+    copy(row + c->estimates_at, c->estimate, c->estimates_count);
     if (c->reference_at >= 0)
-        copy(row + c->reference_at, c->reference, 1 + GROUPS);
-    if (c->estimates)
-        copy(row + c->estimates_at, c->estimates, c->estimates_count);
+        copy(row + c->reference_at, c->reference, REFERENCES);
 }
 
 /* Run until a part in Python is due, or the stop ends; return which. */
@@ -129,7 +123,7 @@ EXPORT int cycle(Cycle *c)
                     return ESTIMATOR_DUE;
                 if ((c->failure = c->advance(c->memory)))
                     return DIVERGED;
-            } else if (c->estimates && due(c->estimator_every, k)) {
+            } else if (!c->mean && c->estimates_count && due(c->estimator_every, k)) {
                 observe(c);
                 return ESTIMATOR_DUE;
             }

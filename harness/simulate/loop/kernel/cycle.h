@@ -18,8 +18,7 @@ enum { BLOCK_DUE, PLANT_DUE, SENSORS_DUE, ESTIMATOR_DUE, CONTROLLER_DUE, LIMITS_
 enum { STANDING = LIMITS_DUE + 1, AT_HORIZON, NOT_PLAUSIBLE, PLANT_FAILED, DIVERGED, NO_COMMAND };
 
 enum { NEGATIVE_VARIANCE = -1 };                 /* in addition to the failures of the filter */
-enum { BELIEVED = 1 + 3 * GROUPS, SPREAD = 2 * GROUPS, INNOVATION = 2, OBSERVATION = 2 + 6 * GROUPS };
-enum { OBSERVED_PRESSURE = OBSERVATION - GROUPS };
+enum { STATES = ESTIMATE_ADHESION_SD };          /* estimates that are states of a filter; standard deviations follow them */
 
 typedef struct {
     Call *call;                                  /* null: the part is not in C, or does not exist */
@@ -44,8 +43,7 @@ typedef struct {
     Advance *advance;
     double *memory, *held, *seen;
     const double *mean, *covariance, *squared, *used; /* of the last step: NIS, and 1 for every reading that it used */
-    const long long *seen_of, *believed_of;      /* positions in a reading; among the states */
-    const double *estimates;                     /* of an estimator in Python without states; null: no such estimator */
+    const long long *seen_of, *state_of;         /* positions in a reading; of estimates among the states */
     /* The law. A null function: the controller is in Python and writes `demand`. */
     Formula law, valves, free_wheel;
     Formula over;                                /* over a law in Python: its demands replace the pressures read */
@@ -62,10 +60,10 @@ typedef struct {
     double period, stop_speed;
     double *rows;
     double truth[OUTPUTS], inputs[INPUTS], reading[READINGS], latest[READINGS], fresh[READINGS];
-    double believed[BELIEVED], spread[SPREAD], innovation[INNOVATION];
-    double observation[OBSERVATION];             /* input of the controller, in the order of controllers/law.py */
-    double replaced[OBSERVATION];                /* values that replace it: estimates; NaN: the reading is kept */
-    double reference[1 + GROUPS];                /* speed for the filter; 1 for each group that is to be released */
+    double estimate[ESTIMATES];                  /* standard deviations as variances until the end of the stop */
+    double observation[OBSERVATIONS];
+    double replaced[OBSERVATIONS];               /* estimates in its place; NaN: the reading is kept */
+    double reference[REFERENCES];
     double command[GROUPS], demand[GROUPS], driver_demand[GROUPS];   /* driver_demand: at the last decision */
     long long present_count, seen_count, estimates_count, law_count;
     long long width, capacity;                   /* columns of a row; rows, of which the last serves all samples beyond */
@@ -74,7 +72,7 @@ typedef struct {
     Every estimator_every, controller_every;
     long long row;                               /* distance between rows of the covariance */
     long long true_at, sent_at, read_at, law_at; /* first columns */
-    long long believed_at, spread_at, innovation_at, reference_at, estimates_at, demand_at, driver_at, traction_at;   /* -1: absent */
+    long long reference_at, estimates_at, demand_at, driver_at, traction_at;   /* -1: absent */
     long long any, news;                         /* whether a reading has ever come; whether one has since the last filter step */
     long long crossed;                           /* steps of the plant that succeeded */
     long long stage, sample, written, failure;

@@ -1,6 +1,7 @@
 /* Single parts of a stop, as FMUs: a sample of a part computes its outputs from its inputs, and returns 1 on failure.
 
-   The generated file comes first: GIVEN, the positions of the part's inputs among the plant's outputs; DEVIATIONS, the standard
+   The generated file comes first: GIVEN, the positions of the part's inputs among the plant's outputs; SHOWN,
+   those of its outputs among inputs, observations or estimates; DEVIATIONS, the standard
    deviations of the sensors' noise; BINDING as in driver.h; LAW_PARAMETERS, the number of parameters that belong to the law. */
 
 #include <math.h>
@@ -19,6 +20,16 @@ static void take_truth(Cycle *c, const double *given)
     complete_slip(c);
 }
 
+/* Write the part's outputs from a vector; return the position behind them. */
+static double *write_outputs(double *outputs, const double *vector)
+{
+    static const int place[] = {SHOWN};
+
+    for (unsigned i = 0; i < sizeof place / sizeof *place; i++)
+        *outputs++ = vector[place[i]];
+    return outputs;
+}
+
 /* Track and driver: from the plant's outputs to the driver's demand and to all of the plant's inputs except the command. */
 static int sample_track(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
 {
@@ -30,8 +41,7 @@ static int sample_track(Cycle *c, long long sample, const double *given, const d
     write_rail_inputs(c->rail, c->inputs);
     if (c->driver)
         c->inputs[INPUT_TRACK_FORCE] += c->driver->force;
-    copy(shown, c->inputs + GROUPS, INPUTS - GROUPS);
-    copy(shown + INPUTS - GROUPS, c->driver ? c->driver->pressure : c->full, GROUPS);
+    copy(write_outputs(shown, c->inputs), c->driver ? c->driver->pressure : c->full, GROUPS);
     return 0;
 }
 
@@ -96,14 +106,11 @@ static int believe_readings(Cycle *c, long long sample, const double *given)
 /* Estimator: from readings to the inputs of a law, except for the driver's demand. */
 static int sample_estimator(Cycle *c, long long sample, const double *given, const double *parameter, double *shown)
 {
-    enum { BEFORE = 2 + 4 * GROUPS };
-
     (void)parameter;
     if (believe_readings(c, sample, given))
         return 1;
     observe(c);
-    copy(shown, c->observation, BEFORE);
-    copy(shown + BEFORE, c->observation + BEFORE + GROUPS, GROUPS);
+    write_outputs(shown, c->observation);
     return 0;
 }
 
@@ -127,6 +134,6 @@ static int sample_onboard(Cycle *c, long long sample, const double *given, const
     }
     copy(shown, c->command, GROUPS);
     if (c->mean)
-        copy(shown + GROUPS, c->believed, BELIEVED);
+        write_outputs(shown + GROUPS, c->estimate);
     return 0;
 }

@@ -66,24 +66,31 @@ int filters(const Cycle *c)
 void show_filter(Cycle *c)
 {
     if (c->free_wheel.call) {
-        double given[1 + 2 * GROUPS];
-        given[0] = c->fresh[READING_SPEED];
-        copy(given + 1, c->latest + READING_WHEELSET_SPEED, GROUPS);
-        copy(given + 1 + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
+        double given[REFERENCE_INPUTS];
+        given[REFERENCE_INPUT_SPEED] = c->fresh[READING_SPEED];
+        copy(given + REFERENCE_INPUT_WHEELSET_SPEED, c->latest + READING_WHEELSET_SPEED, GROUPS);
+        copy(given + REFERENCE_INPUT_PRESSURE, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
         c->free_wheel.call(c->free_wheel.state, given, c->free_wheel.parameter, c->reference);
-        c->fresh[READING_SPEED] = c->reference[0];
+        c->fresh[READING_SPEED] = c->reference[REFERENCE_SPEED];
     }
     for (long long i = 0; i < c->seen_count; i++)
         c->seen[i] = c->fresh[c->seen_of[i]];
 }
 
+static double variance(const Cycle *c, int estimate)
+{
+    const long long state = c->state_of[estimate];
+
+    return c->covariance[state * c->row + state];
+}
+
 void look(Cycle *c)
 {
-    for (int i = 0; i < BELIEVED; i++)
-        c->believed[i] = c->mean[c->believed_of[i]];
-    for (int i = 0; i < SPREAD; i++) {
-        const long long state = c->believed_of[1 + GROUPS + i];
-        c->spread[i] = c->covariance[state * c->row + state];
+    for (int i = 0; i < STATES; i++)
+        c->estimate[i] = c->mean[c->state_of[i]];
+    for (int g = 0; g < GROUPS; g++) {
+        c->estimate[ESTIMATE_ADHESION_SD + g] = variance(c, ESTIMATE_ADHESION + g);
+        c->estimate[ESTIMATE_PAD_FRICTION_SD + g] = variance(c, ESTIMATE_PAD_FRICTION + g);
     }
 }
 
@@ -94,12 +101,12 @@ int believe(Cycle *c)
     /* After the step: these pressures act during the next period. */
     copy(c->held, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
     look(c);
-    c->innovation[0] = *c->squared;
-    c->innovation[1] = 0.0;
+    c->estimate[ESTIMATE_NIS] = *c->squared;
+    c->estimate[ESTIMATE_READINGS] = 0.0;
     for (long long i = 0; i < c->seen_count; i++)
-        c->innovation[1] += c->used[i];
-    for (int i = 0; i < SPREAD; i++)
-        if (!(c->spread[i] >= 0.0))
+        c->estimate[ESTIMATE_READINGS] += c->used[i];
+    for (int g = 0; g < GROUPS; g++)
+        if (!(c->estimate[ESTIMATE_ADHESION_SD + g] >= 0.0 && c->estimate[ESTIMATE_PAD_FRICTION_SD + g] >= 0.0))
             return 0;
     return 1;
 }
@@ -108,63 +115,68 @@ int believe(Cycle *c)
 static int unknown(const Cycle *c, int g)
 {
     static const double UNKNOWN_SPEED = 1.0;     /* m/s: reached when the sensor is silent */
-    const double most = UNKNOWN_SPEED / c->radius[g];
-    const long long state = c->believed_of[1 + g];
+    const double limit = UNKNOWN_SPEED / c->radius[g];
 
-    return c->covariance[state * c->row + state] > most * most;
+    return variance(c, ESTIMATE_WHEELSET_SPEED + g) > limit * limit;
 }
 
 /* Write the observation: the filter's estimates if there is a filter, else the newest readings. */
 void observe(Cycle *c)
 {
-    const double speed = c->mean ? c->believed[0] : c->latest[READING_SPEED];
-    const double *wheel = c->mean ? c->believed + 1 : c->latest + READING_WHEELSET_SPEED;
-    double *shown = c->observation;
+    const double speed = c->mean ? c->estimate[ESTIMATE_SPEED] : c->latest[READING_SPEED];
+    const double *wheel = c->mean ? c->estimate + ESTIMATE_WHEELSET_SPEED : c->latest + READING_WHEELSET_SPEED;
+    double *observation = c->observation;
 
-    shown[0] = speed;
-    shown[1] = c->latest[READING_ACCELERATION];
+    observation[OBSERVATION_SPEED] = speed;
+    observation[OBSERVATION_ACCELERATION] = c->latest[READING_ACCELERATION];
     for (int g = 0; g < GROUPS; g++) {
-        shown[2 + g] = slip_of(speed, c->radius[g] * wheel[g]);
-        shown[2 + GROUPS + g] = c->mean ? c->believed[1 + GROUPS + g] : NOTHING;
-        shown[2 + 2 * GROUPS + g] = c->mean ? c->believed[1 + 2 * GROUPS + g] : NOTHING;
-        shown[2 + 3 * GROUPS + g] = c->mean && unknown(c, g) ? NOTHING : wheel[g];
-        shown[2 + 4 * GROUPS + g] = c->driver ? c->driver->pressure[g] : c->full[g];
-        shown[2 + 5 * GROUPS + g] = c->latest[READING_CYLINDER_PRESSURE + g];
+        observation[OBSERVATION_SLIP + g] = slip_of(speed, c->radius[g] * wheel[g]);
+        observation[OBSERVATION_ADHESION + g] = c->mean ? c->estimate[ESTIMATE_ADHESION + g] : NOTHING;
+        observation[OBSERVATION_PAD_FRICTION + g] = c->mean ? c->estimate[ESTIMATE_PAD_FRICTION + g] : NOTHING;
+        observation[OBSERVATION_WHEELSET_SPEED + g] = c->mean && unknown(c, g) ? NOTHING : wheel[g];
+        observation[OBSERVATION_DRIVER_DEMAND + g] = c->driver ? c->driver->pressure[g] : c->full[g];
+        observation[OBSERVATION_PRESSURE + g] = c->latest[READING_CYLINDER_PRESSURE + g];
     }
 }
 
 void observe_with_estimates(Cycle *c)
 {
     observe(c);
-    for (int i = 0; c->estimates && i < OBSERVATION; i++)
+    for (int i = 0; !c->mean && c->estimates_count && i < OBSERVATIONS; i++)
         if (!isnan(c->replaced[i]))
             c->observation[i] = c->replaced[i];
+}
+
+/* Whether the values of all groups are finite: the sum of finite pressures or commands does not overflow. */
+static int all_finite(const double *values)
+{
+    double sum = 0.0;
+
+    for (int g = 0; g < GROUPS; g++)
+        sum += values[g];
+    return isfinite(sum);
 }
 
 /* Convert demands to commands; return whether the commands are finite. */
 int command(Cycle *c)
 {
-    double given[2 * GROUPS], total = 0.0;
+    double given[VALVE_INPUTS], *limited = given + VALVE_INPUT_DEMAND;
 
     copy(c->command, c->demand, GROUPS);
-    for (int g = 0; g < GROUPS; g++)
-        total += c->demand[g];
-    if (!isfinite(total))                        /* the valve logic would treat NaN as a demand to hold */
+    if (!all_finite(c->demand))                      /* the valve logic would treat NaN as a demand to hold */
         return 0;
-    for (int g = 0; g < GROUPS; g++)
-        given[g] = c->free_wheel.call && c->reference[1 + g] != 0.0 ? 0.0 : c->demand[g];
-    if (c->driver) {
+    if (c->driver)
         copy(c->driver_demand, c->driver->pressure, GROUPS);
-        for (int g = 0; g < GROUPS && c->driver->binding; g++)
-            given[g] = given[g] > c->driver_demand[g] ? c->driver_demand[g] : given[g];
+    for (int g = 0; g < GROUPS; g++) {
+        limited[g] = c->free_wheel.call && c->reference[REFERENCE_TEST_RELEASE + g] != 0.0 ? 0.0 : c->demand[g];
+        if (c->driver && c->driver->binding && limited[g] > c->driver_demand[g])
+            limited[g] = c->driver_demand[g];
     }
-    copy(c->command, given, GROUPS);
     if (c->valves.call) {
-        copy(given + GROUPS, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
+        copy(given + VALVE_INPUT_PRESSURE, c->latest + READING_CYLINDER_PRESSURE, GROUPS);
         c->valves.call(c->valves.state, given, c->valves.parameter, c->command);
-        for (int g = 0; g < GROUPS; g++)
-            total += c->command[g];
-    }
-    copy(c->inputs, c->command, GROUPS);
-    return isfinite(total);
+    } else
+        copy(c->command, limited, GROUPS);
+    copy(c->inputs + INPUT_COMMAND, c->command, GROUPS);
+    return all_finite(c->command);
 }
