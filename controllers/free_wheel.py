@@ -5,7 +5,7 @@ from functools import cache
 from types import MappingProxyType
 
 from railgrip.controllers.brake import by_name
-from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose, either, every
+from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.signals import REFERENCE_INPUTS
 
@@ -55,13 +55,13 @@ def free_wheel(groups: int) -> Formula:
     one for `test_after`, one group after the other is, from the rear. Test releases for a reference speed are the
     practice of protection without radar (Pugi et al., Railway Engineering Science 31 (2023) 108).
     """
-    draft = Draft()
+    draft = FormulaBuilder()
     numbers = range(1, groups + 1)
     (speed,), wheels, pressures = draft.vector(REFERENCE_INPUTS, groups)
     t = {name: draft.parameter(name, unit, text) for name, (unit, text) in PARAMETERS.items()}
     period = t["period"]
     silent = draft.state("silent", "s", "since the last reading of the speed")
-    present = _known(speed)
+    present = _is_known(speed)
     silence = choose(present, 0.0, silent + period)
     draft.keep(silent, silence)
 
@@ -73,7 +73,7 @@ def free_wheel(groups: int) -> Formula:
         filtered = draft.state(f"rim[{g}]", "m/s", "filtered speed of the rim")
         released = draft.state(f"released[{g}]", "s", "for how long the brake has been off")
         change = period / (t["filter_time"] + period) * (rim - filtered)
-        draft.keep(filtered, filtered + choose(_known(rim), change, 0.0))
+        draft.keep(filtered, filtered + choose(_is_known(rim), change, 0.0))
         off = pressure * brake["piston_area"] < brake["spring_force"]
         duration = choose(off, released + period, 0.0)
         draft.keep(released, duration)
@@ -102,6 +102,6 @@ def free_wheel(groups: int) -> Formula:
     return draft.formula("FreeWheel", "Speed over ground from a wheel that rolls")
 
 
-def _known(reading: Expression) -> Expression:
+def _is_known(reading: Expression) -> Expression:
     """Return whether a reading [m/s] is a number."""
     return reading > -_ANY_SPEED

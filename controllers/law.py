@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Literal, get_type_hints
 from railgrip.controllers import tuned
 from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
-from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled
+from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import OBSERVED, Signal, places
@@ -93,7 +93,7 @@ class GroupObservation:
         return f"{name}[{self.index}]"
 
 
-Demand = Callable[[Draft, GroupObservation], Expression]
+Demand = Callable[[FormulaBuilder, GroupObservation], Expression]
 """Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
 
 
@@ -101,7 +101,7 @@ def law(
     name: str,
     description: str,
     groups: int,
-    demand_with: Callable[[Draft], Demand],
+    demand_with: Callable[[FormulaBuilder], Demand],
     observed: Sequence[Signal] = OBSERVED,
 ) -> Formula:
     """Return the formula of a law that treats every group by itself.
@@ -114,7 +114,7 @@ def law(
             one group.
         observed: Signals of the observation, the inputs of the law.
     """
-    draft = Draft()
+    draft = FormulaBuilder()
     inputs = dict(zip((signal.name for signal in observed), draft.vector(observed, groups), strict=True))
     demand = demand_with(draft)
     train: list[GroupObservation] = []
@@ -158,7 +158,7 @@ class Law(Sampled):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class TypeTestEntry:
     """How a law takes part in the type test.
 
     Attributes:
@@ -197,7 +197,7 @@ class GroupLaw(Law):
     description: ClassVar[str]
     tuning: ClassVar[type[Tuning]] = Tuning
     ranges: ClassVar[Ranges] = {}
-    entries: ClassVar[Mapping[str, Entry]] = {}
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {}
     brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
     valve_band: ClassVar[float | None] = None
 
@@ -206,7 +206,7 @@ class GroupLaw(Law):
         super().__init__(self.formula_for(len(groups)), groups, asdict(tuning))
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Declare states that all groups share in the draft, and return the demand of one group; see `law`."""
         raise NotImplementedError
 
@@ -215,14 +215,14 @@ class GroupLaw(Law):
     def formula_for(cls, groups: int) -> Formula:
         """Return the formula for a number of groups."""
 
-        def demand_with(draft: Draft) -> Demand:
+        def demand_with(draft: FormulaBuilder) -> Demand:
             symbols = {name: draft.parameter(name, *meaning) for name, meaning in cls.tuning.meanings().items()}
             return cls.demand_with(draft, symbols)
 
         return law(cls.__name__, cls.description, groups, demand_with)
 
     @classmethod
-    def tuned_for(cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, **others: float) -> Tuning:
+    def load_tuning(cls, actuation: str, slip: tuned.SlipSource, name: str = tuned.SEARCHED, **others: float) -> Tuning:
         """Return the parameters of one of the law's sets; without a file they are those of its type.
 
         Args:

@@ -61,7 +61,7 @@ class Formula:
     step: ca.Function
 
 
-class Draft:
+class FormulaBuilder:
     """A formula while it is written: symbols are created by name, results are assigned to names.
 
     draft = Draft()

@@ -34,8 +34,8 @@ def with_shared_valves(law: Law, groups: Sequence[Brake], groups_per_valve: Sequ
 
     Shares, because cylinders of a valve may differ in their highest pressures: the valve fills all or vents all.
     """
-    demands, following, symbols = _opened(law.formula)
-    parameters = {quantity.name: symbol for quantity, symbol in _named(law.formula.parameters, symbols[2])}
+    demands, following, symbols = _open_formula(law.formula)
+    parameters = {quantity.name: symbol for quantity, symbol in _pair_quantities(law.formula.parameters, symbols[2])}
     shared: list[Expression] = []
     for end, count in zip(accumulate(groups_per_valve), groups_per_valve, strict=True):
         full = [parameters[f"pressure_max[{g + 1}]"] for g in range(end - count, end)]
@@ -57,9 +57,9 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     share of its reserve, up to its highest pressure and to `adhesion_max` of its load. With full brake there is no
     reserve. The demands already respect the driver's limit.
     """
-    demands, following, symbols = _opened(law.formula)
+    demands, following, symbols = _open_formula(law.formula)
     inputs, parameters = (
-        {quantity.name: symbol for quantity, symbol in _named(quantities, symbol)}
+        {quantity.name: symbol for quantity, symbol in _pair_quantities(quantities, symbol)}
         for quantities, symbol in ((law.formula.inputs, symbols[1]), (law.formula.parameters, symbols[2]))
     )
     numbers = range(1, len(groups) + 1)
@@ -91,7 +91,7 @@ def with_redistribution(law: Law, groups: Sequence[Brake], *, period: float, adh
     return _law(law, groups, replace(formula, step=_step(widened, ca.vertcat(following, after), results)))
 
 
-def _opened(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
+def _open_formula(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expression, Expression, Expression]]:
     """Return demands, states after the call, and the symbols that both are of: states, inputs, parameters."""
     sizes = (len(formula.states), len(formula.inputs), len(formula.parameters))
     symbols = tuple(ca.SX.sym(name, size) for name, size in zip("xup", sizes, strict=True))
@@ -99,7 +99,7 @@ def _opened(formula: Formula) -> tuple[list[Expression], Expression, tuple[Expre
     return ca.vertsplit(demands), following, symbols  # pyright: ignore[reportReturnType]
 
 
-def _named(quantities: Sequence[Quantity], symbols: Expression) -> list[tuple[Quantity, Expression]]:
+def _pair_quantities(quantities: Sequence[Quantity], symbols: Expression) -> list[tuple[Quantity, Expression]]:
     return [(quantity, symbols[i]) for i, quantity in enumerate(quantities)]
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from railgrip.controllers.sampled import Draft, Expression, Formula, Sampled, choose
+from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose
 from railgrip.vehicle.signals import VALVE_INPUTS
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
@@ -63,7 +63,7 @@ class ValveLogic(Sampled):
 @cache
 def valve_logic(groups: int, delay: int) -> Formula:
     """Return the formula for a number of groups and a dead time in periods."""
-    draft, numbers = Draft(), range(1, groups + 1)
+    draft, numbers = FormulaBuilder(), range(1, groups + 1)
     demands, pressures = draft.vector(VALVE_INPUTS, groups)
     data = {name: hint.__metadata__ for name, hint in get_type_hints(ValveModel, include_extras=True).items()}
     period, fill_time, vent_time, band, pulse_min = (

@@ -27,11 +27,11 @@ from railgrip.scenario.campaign import CampaignFile
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import ONE_OR_EACH
 from railgrip.simulate.contact import compiled_contact
-from railgrip.simulate.files import lowered
+from railgrip.simulate.files import compile_class
 from railgrip.trace.metrics import meanings
 from railgrip.vehicle import signals
 
@@ -86,7 +86,7 @@ def collect(key: Key, annotation: Any, metadata: Sequence[Any], plural: str = ""
             key.tables |= tables_by_kind(entry)
             key.types.append(f"{plural}table")
             return
-        if isinstance(entry, Unit):
+        if isinstance(entry, UnitRange):
             key.units.append(entry.unit)
             key.limits.append(range_of(entry))
     bounds = [bound_of(entry) for entry in flat(metadata)]
@@ -140,7 +140,7 @@ def tables_by_kind(by_kind: ByKind) -> dict[str, type[BaseModel]]:
     return {", ".join(names): table for table, names in kinds.items()}
 
 
-def range_of(unit: Unit) -> str:
+def range_of(unit: UnitRange) -> str:
     signs = {"above": ">", "at least": "≥", "below": "<", "at most": "≤"}
     return ", ".join(f"{signs[words]} {limit:g}" for words, limit in unit.limits.items() if limit is not None)
 
@@ -378,7 +378,7 @@ def creep_curves() -> Iterator[tuple[str, str, Mapping[str, float], np.ndarray]]
     for name, path in registry.files(registry.CREEP_CURVES).items():
         curve = Polach.model_validate(name)
         shape = curve.plant_parameters()
-        contact = compiled_contact(lowered("RailBraking.FMUs.ContactPoint"), {}, shape)
+        contact = compiled_contact(compile_class("RailBraking.FMUs.ContactPoint"), {}, shape)
         adhesion = contact(SLIPS, np.full_like(SLIPS, SPEED), np.full_like(SLIPS, LOAD), np.full_like(SLIPS, MU0))
         yield name, tomllib.loads(path.read_text(encoding="utf-8"))["source"], shape, adhesion / MU0
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
-from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.design import FilterDesign, Gate
 from railgrip.estimators.discretisation import ORDER, Order
 from railgrip.estimators.generated import generate
@@ -153,8 +153,8 @@ class CompiledFilter(StepInC):
         self.parameters = part("PARAMETERS")
         self._nis = part("SQUARED")
         self.parameters[:] = prediction.parameters
-        self._spread, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
-        self._spread[:] = design.spread
+        self._process_noise, self._reading_noise = by_states("SPREAD"), part("READING_NOISE").reshape(m, m)
+        self._process_noise[:] = design.process_noise
         self._reading_noise[:] = design.reading_noise
         part("PERIOD")[:] = design.period
         part("THRESHOLD")[:] = design.gate_threshold
@@ -164,20 +164,20 @@ class CompiledFilter(StepInC):
         self._run.argtypes = [ctypes.c_void_p, *[ctypes.c_int] * 2, *[ctypes.c_void_p] * 10]
         self._run.restype = ctypes.c_int
         # The estimate that is also in `mean` and `covariance`, so that a step from it need not copy it there.
-        self._last: Estimate | None = None
+        self._last: GaussianEstimate | None = None
 
     def failure(self, outcome: int) -> str:
         """Return the error for a non-zero return value of a step."""
         return self._prediction.failure() if outcome == MODEL_FAILED else super().failure(outcome)
 
-    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return and hold the belief before the first step; see `ExtendedKalmanFilter.start`."""
         first = self.design.start(mean, covariance)
         self.hold(first)
         self._last = first
         return first
 
-    def hold(self, belief: Estimate) -> None:
+    def hold(self, belief: GaussianEstimate) -> None:
         """Make `belief` the one that `advance` goes on from."""
         self.mean[:] = belief.mean
         self.covariance[:] = belief.covariance
@@ -199,12 +199,12 @@ class CompiledFilter(StepInC):
             EstimatorError: They do not fit the model.
         """
         self.design = design = self.design.with_noises(process_noise, reading_noise)
-        self._spread[:] = design.spread
+        self._process_noise[:] = design.process_noise
         self._reading_noise[:] = design.reading_noise
 
     def follow(
         self,
-        prior: Estimate,
+        prior: GaussianEstimate,
         inputs: Matrix,
         readings: Matrix,
         *,
@@ -269,7 +269,7 @@ class CompiledFilter(StepInC):
             raise EstimatorError(f"follow: there is no input or state {unknown[0]}.")
         return [states.index(integrals[name]) if name in integrals else -1 for name in inputs]
 
-    def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:
+    def step(self, prior: GaussianEstimate, inputs: Vector, readings: Vector) -> GaussianEstimate:
         """Predict over one period, then condition on `readings`; see `ExtendedKalmanFilter.step`."""
         own_inputs, own_readings = self.inputs, self.readings
         if inputs.shape != own_inputs.shape or readings.shape != own_readings.shape:

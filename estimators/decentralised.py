@@ -68,7 +68,7 @@ class DecentralisedFilter(StepInC):
         """Check the parts, generate the step, compile it or find it compiled, and fill its memory."""
         self.consist = consist
         self.design = design = FilterDesign.of(consist, process_noise, reading_noise, period, gate, None, 4)
-        for what, matrix in (("process_noise", design.spread), ("reading_noise", design.reading_noise)):
+        for what, matrix in (("process_noise", design.process_noise), ("reading_noise", design.reading_noise)):
             if np.count_nonzero(matrix - np.diag(np.diag(matrix))):
                 raise EstimatorError(f"DecentralisedFilter: {what} is independent for each state or reading.")
         tables = _tables(consist, design)
@@ -83,11 +83,11 @@ class DecentralisedFilter(StepInC):
         self.mean, self.covariance = block[at["MEAN"]], block[at["COVARIANCE"]].reshape(n, n)
         self.inputs, self.readings, self.selection = (block[at[name]] for name in ("INPUT", "READING", "USED"))
         self._nis, self._common = block[at["SQUARED"]], block[at["COMMON"]]
-        self._spread = block[at["SPREAD"]].reshape(-1, width, width)
+        self._block_diagonal = block[at["SPREAD"]].reshape(-1, width, width)
         self._directions = block[at["SHARED"]].reshape(n, RANK)
         self._members = [slice(a, b) for a, b in pairwise(first)]
         block[at["PARAMETERS"]] = consist.parameters
-        block[at["NOISE"]] = np.diag(design.spread)
+        block[at["NOISE"]] = np.diag(design.process_noise)
         block[at["READING_NOISE"]] = np.diag(design.reading_noise)
         block[at["PERIOD"]], block[at["THRESHOLD"]] = design.period, design.gate_threshold
         numbers = {name: place.start for name, place in at.items()} | {
@@ -111,17 +111,17 @@ class DecentralisedFilter(StepInC):
         """
         first = self.design.start(mean, np.asarray(variances).reshape(-1))
         self.mean[:], self.covariance[:] = first.mean, first.covariance
-        self._spread[:], self._directions[:], self._common[:] = 0.0, 0.0, 0.0
+        self._block_diagonal[:], self._directions[:], self._common[:] = 0.0, 0.0, 0.0
         for part, members in enumerate(self._members):
             size = members.stop - members.start
-            self._spread[part, :size, :size] = first.covariance[members, members]
+            self._block_diagonal[part, :size, :size] = first.covariance[members, members]
 
     def joint(self) -> Matrix:
         """Return the covariance of all states, shape (n, n)."""
         covariance = (self._directions * self._common) @ self._directions.T
         for part, members in enumerate(self._members):
             size = members.stop - members.start
-            covariance[members, members] += self._spread[part, :size, :size]
+            covariance[members, members] += self._block_diagonal[part, :size, :size]
         return covariance
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.discretisation import Order
 from railgrip.estimators.prediction import FilterVariables
 
@@ -59,7 +59,7 @@ class FilterDesign:
         states: Names of the n states.
         inputs: Names of the held inputs.
         outputs: Names of the m readings.
-        spread: Process noise that one period adds, shape (n, n).
+        process_noise: Process noise that one period adds, shape (n, n).
         reading_noise: Covariance of the readings, shape (m, m).
         period: Seconds between two steps.
         gated_states: Index of every state that a gate may freeze.
@@ -73,7 +73,7 @@ class FilterDesign:
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
-    spread: Matrix
+    process_noise: Matrix
     reading_noise: Matrix
     period: float
     gated_states: tuple[int, ...]
@@ -134,7 +134,7 @@ class FilterDesign:
             states=states,
             inputs=inputs,
             outputs=outputs,
-            spread=_spread(process_noise, states, period),
+            process_noise=_process_noise(process_noise, states, period),
             reading_noise=reading,
             period=period,
             gated_states=() if gate is None else tuple(index("Gate", "state", n, states) for n in gate.states),
@@ -151,9 +151,11 @@ class FilterDesign:
             EstimatorError: They do not fit.
         """
         reading = self.reading_noise if reading_noise is None else _reading_covariance(reading_noise, self.outputs)
-        return replace(self, spread=_spread(process_noise, self.states, self.period), reading_noise=reading)
+        return replace(
+            self, process_noise=_process_noise(process_noise, self.states, self.period), reading_noise=reading
+        )
 
-    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return the belief before the first step.
 
         Args:
@@ -171,10 +173,10 @@ class FilterDesign:
         infinite = [name for name, value in zip(self.states, first, strict=True) if not math.isfinite(value)]
         if infinite:
             raise EstimatorError(f"start: the mean of {', '.join(infinite)} is not a finite number.")
-        spread = noise_matrix("covariance", covariance, self.states)
-        if not positive_definite(spread):
+        matrix = noise_matrix("covariance", covariance, self.states)
+        if not positive_definite(matrix):
             raise EstimatorError("start: covariance is not positive definite; give every state a variance above zero.")
-        return seal(first, spread)
+        return seal(first, matrix)
 
     def check(self, inputs: Vector, readings: Vector) -> None:
         """Refuse inputs or readings of the wrong length."""
@@ -200,7 +202,7 @@ def _reading_covariance(reading_noise: ArrayLike, outputs: tuple[str, ...]) -> M
     return reading
 
 
-def _spread(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
+def _process_noise(density: ArrayLike, states: tuple[str, ...], period: float) -> Matrix:
     """Return the process noise that one period adds."""
     matrix = noise_matrix("process_noise", density, states)
     if np.min(np.linalg.eigvalsh(matrix)) < -1e-12 * np.max(np.abs(matrix), initial=0.0):

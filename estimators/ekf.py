@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import get_lapack_funcs
 
 from railgrip.base.errors import FilterDiverged
-from railgrip.estimators.belief import Estimate, Matrix, Vector, seal
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector, seal
 from railgrip.estimators.design import FilterDesign, Gate
 from railgrip.estimators.discretisation import ORDER, Order, advance, transition
 from railgrip.estimators.prediction import Prediction
@@ -67,11 +67,11 @@ class ExtendedKalmanFilter:
         self.prediction = prediction
         self.design = FilterDesign.of(prediction, process_noise, reading_noise, period, gate, outlier_limit, order)
 
-    def start(self, mean: ArrayLike, covariance: ArrayLike) -> Estimate:
+    def start(self, mean: ArrayLike, covariance: ArrayLike) -> GaussianEstimate:
         """Return the belief before the first step: mean (n,), covariance (n,) of variances or (n, n)."""
         return self.design.start(mean, covariance)
 
-    def step(self, prior: Estimate, inputs: Vector, readings: Vector) -> Estimate:
+    def step(self, prior: GaussianEstimate, inputs: Vector, readings: Vector) -> GaussianEstimate:
         """Predict over one period, then condition on the readings at its end.
 
         Args:
@@ -89,7 +89,7 @@ class ExtendedKalmanFilter:
         forecast = self.predict(prior, inputs)
         return self.condition(forecast, inputs, self.innovation(forecast, inputs, readings))
 
-    def predict(self, prior: Estimate, inputs: Vector) -> Estimate:
+    def predict(self, prior: GaussianEstimate, inputs: Vector) -> GaussianEstimate:
         """Return the belief one period later, before anything is seen."""
         free = self._free(inputs)
         slope = self.prediction.derivative
@@ -102,10 +102,10 @@ class ExtendedKalmanFilter:
             )
         jacobian = self.prediction.derivative_jacobian(prior.mean, inputs) * free[:, np.newaxis]
         phi = transition(jacobian, self.design.period, self.design.order)
-        covariance = phi @ prior.covariance @ phi.T + self.design.spread * np.outer(free, free)
+        covariance = phi @ prior.covariance @ phi.T + self.design.process_noise * np.outer(free, free)
         return seal(mean, 0.5 * (covariance + covariance.T))
 
-    def innovation(self, forecast: Estimate, inputs: Vector, readings: Vector) -> Innovation:
+    def innovation(self, forecast: GaussianEstimate, inputs: Vector, readings: Vector) -> Innovation:
         """Return the innovation of the readings against `forecast`, without missing readings and outliers."""
         residual = readings - self.prediction.output(forecast.mean, inputs)
         jacobian = self.prediction.output_jacobian(forecast.mean, inputs)
@@ -124,7 +124,7 @@ class ExtendedKalmanFilter:
             )
         return Innovation(rows=rows, residual=residual, jacobian=jacobian, noise=noise, covariance=covariance)
 
-    def condition(self, forecast: Estimate, inputs: Vector, innovation: Innovation) -> Estimate:
+    def condition(self, forecast: GaussianEstimate, inputs: Vector, innovation: Innovation) -> GaussianEstimate:
         """Return the belief after the readings of `innovation`."""
         if innovation.rows.size == 0:
             return forecast
@@ -151,7 +151,7 @@ class ExtendedKalmanFilter:
         return free
 
 
-class Running:
+class NumpyFilter:
     """Holds the belief of a filter and moves it on, as `railgrip.estimators.compiled.CompiledFilter` does by itself.
 
     Attributes:
@@ -163,7 +163,7 @@ class Running:
         squared_innovation: Normalised innovation squared of the last step, 0 at first.
     """
 
-    def __init__(self, filter_: ExtendedKalmanFilter, first: Estimate) -> None:
+    def __init__(self, filter_: ExtendedKalmanFilter, first: GaussianEstimate) -> None:
         self._filter = filter_
         self._belief = first
         self.mean, self.covariance = first.mean.copy(), first.covariance.copy()

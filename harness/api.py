@@ -24,10 +24,10 @@ from railgrip.base.units import cut, place, short
 from railgrip.controllers.observation import Observation
 from railgrip.scenario import schema
 from railgrip.scenario.file import is_folder
-from railgrip.scenario.load import Tables, extended, read_scenario
-from railgrip.scenario.merge import merged, nested, parts_of, with_another_plant
+from railgrip.scenario.load import Tables, extend_tables, read_scenario
+from railgrip.scenario.merge import merge, nest, parts_of, with_another_plant
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sensors, foreign
+from railgrip.simulate.custom import Controller, Estimate, Estimator, Plant, Sensors, call_user_code
 from railgrip.vehicle.formation import Formation
 
 if TYPE_CHECKING:
@@ -100,14 +100,14 @@ class Scenario(schema.Scenario):
         if isinstance(source, Mapping):
             table = _plain(source, "scenario")
             origin = cut(table["name"]) if isinstance(table.get("name"), str) else "the scenario"
-            tables = extended(table, Path.cwd(), origin)
+            tables = extend_tables(table, Path.cwd(), origin)
         else:
             tables = read_scenario(_path(source, "scenario"))
-        return cls._of(tables.laid(tables.origin, nested(_changes(changes))))
+        return cls._of(tables.overlay(tables.origin, nest(_changes(changes))))
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
         """Return the scenario with other values; see `load`."""
-        table = merged(self.resolved(), nested(_changes(changes)))
+        table = merge(self.resolved(), nest(_changes(changes)))
         return self._of(Tables.of(table, self._directory, self.name))
 
     def with_plant(self, plant: str | Path | Mapping[str, Any]) -> Self:
@@ -160,11 +160,11 @@ def run(
         ScenarioError: The scenario requires something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
-    from railgrip.campaign.one_stop import with_maker
+    from railgrip.campaign.one_stop import add_versions
     from railgrip.simulate.run import run_stop
 
     changed, objects = _with_parts(scenario, controller=controller, estimator=estimator, sensors=sensors, plant=plant)
-    return with_maker(run_stop(changed, objects=_parts(import_from, **objects)))
+    return add_versions(run_stop(changed, objects=_parts(import_from, **objects)))
 
 
 def open(
@@ -215,7 +215,7 @@ def sweep(
 
     def variant(values: Mapping[str, Any]) -> "tuple[Scenario, CustomParts]":
         rest, parameters = _split(values, handed_over)
-        return base.changed(rest), _parts(import_from, parameters, **{n: _copied(n, p) for n, p in parts.items()})
+        return base.changed(rest), _parts(import_from, parameters, **{n: _copy(n, p) for n, p in parts.items()})
 
     return swept(base.name, variant, {key: _choices(key, axis) for key, axis in _axes(axes)}, workers)
 
@@ -270,7 +270,7 @@ def estimate(
         EstimationError: The recording does not fit it, or its signals contradict each other more than on any vehicle.
     """
     from railgrip.estimation.check import require_consistent
-    from railgrip.estimation.sources import completed, recording_of_estimation
+    from railgrip.estimation.sources import complete_trace, recording_of_estimation
     from railgrip.estimation.spec import estimate_of, load_specification
     from railgrip.report.estimates import as_estimates
 
@@ -283,7 +283,7 @@ def estimate(
             f"recording is {short(recording)}; wanted is a trace over time, such as stop.trace, or the path of a file"
         )
     require_consistent(specification)
-    return as_estimates(estimate_of(specification, completed(specification, recording)))
+    return as_estimates(estimate_of(specification, complete_trace(specification, recording)))
 
 
 def inspect(
@@ -331,7 +331,7 @@ _TABLES = {"controller": "controller", "estimator": "estimator", "sensors": "sen
 """Argument → table of the scenario that an object replaces."""
 
 _BESIDE = frozenset({("controller", "redistribute"), ("controller", "shared_valve"), ("vehicle", "formation")})
-"""Keys of these tables that also apply to an object; see `CustomParts.standing_for`."""
+"""Keys of these tables that also apply to an object; see `CustomParts.declare_in`."""
 
 
 def _parts(folders: Any, parameters: Mapping[str, Mapping[str, Any]] | None = None, /, **parts: Any) -> "CustomParts":
@@ -368,7 +368,7 @@ def _folders(folders: Any) -> tuple[Path, ...]:
     several = [folders] if isinstance(folders, str | Path) else folders
     if not isinstance(several, Iterable):
         raise ScenarioError(f"import_from is {short(folders)}; wanted are paths of folders")
-    entries = foreign(lambda: list(several), _unreadable("import_from"))
+    entries = call_user_code(lambda: list(several), _unreadable("import_from"))
     paths = [Path.cwd() / _path(entry, "import_from") for entry in entries]
     for path in paths:
         if not is_folder(path):
@@ -399,9 +399,9 @@ def _split(values: Mapping[str, Any], handed_over: Collection[str]) -> tuple[dic
     return rest, parameters
 
 
-def _copied(name: str, part: Any) -> Any:
+def _copy(name: str, part: Any) -> Any:
     """Return a copy of an object; a class is returned unchanged."""
-    return foreign(
+    return call_user_code(
         lambda: copy.deepcopy(part),
         lambda problem: ScenarioError(
             f"{name}: each stop of a sweep has a copy of an object, and there is none: {problem}; hand over its class"
@@ -412,13 +412,13 @@ def _copied(name: str, part: Any) -> Any:
 def _axes(axes: Any) -> list[tuple[str, Any]]:
     if not isinstance(axes, Mapping):
         raise ScenarioError(f'axes are {short(axes)}; wanted is key → values, as {{"start.speed": ["80 km/h"]}}')
-    return list(foreign(axes.items, _unreadable("axes")))
+    return list(call_user_code(axes.items, _unreadable("axes")))
 
 
 def _choices(key: Any, choices: Any) -> list[Any]:
     if not isinstance(choices, Iterable) or isinstance(choices, str | bytes | Mapping):
         raise ScenarioError(f"sweep: the axis {short(key)} is {short(choices)}; wanted are its values, in a list")
-    return [_plain(value, "axes") for value in foreign(lambda: list(choices), _unreadable("axes"))]
+    return [_plain(value, "axes") for value in call_user_code(lambda: list(choices), _unreadable("axes"))]
 
 
 def _is_over_time(recording: Any) -> bool:
@@ -451,7 +451,7 @@ def _plain(value: Any, name: str) -> Any:
     Raises:
         ScenarioError: The value is nested endlessly, or raises an exception; the message begins with `name`.
     """
-    return foreign(lambda: _as_in_files(value), _unreadable(name))
+    return call_user_code(lambda: _as_in_files(value), _unreadable(name))
 
 
 def _as_in_files(value: Any) -> Any:

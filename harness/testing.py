@@ -37,7 +37,7 @@ from railgrip.simulate.custom import (
     Estimator,
     Plant,
     Sensors,
-    foreign,
+    call_user_code,
 )
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant import NEEDED
@@ -89,7 +89,7 @@ def check_controller(factory: Callable[[], Controller], *, estimates: bool = Tru
                     demands = controller.decide(observation)
                     limits.require_finite(demands, observation)
                 except ControllerFailed as problem:
-                    raise ControllerFailed(f"{problem}{_blamed(factory, formation, shown)}") from problem
+                    raise ControllerFailed(f"{problem}{_blame_inputs(factory, formation, shown)}") from problem
                 _require_unchanged(law, before, observation)
                 _require_pressures(law, formation, demands)
                 yield tuple(limits.limit(demands, observation).tolist())
@@ -212,7 +212,7 @@ def _rolling(formation: Formation, *, estimated: bool) -> Observation:
     return Observation(0.0, speed, -1.0, wheels, slip, estimated, *estimates, half, formation.pressure_max)
 
 
-def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequence[Observation]) -> str:
+def _blame_inputs(factory: Callable[[], Controller], formation: Formation, shown: Sequence[Observation]) -> str:
     """Return a sentence on the inputs for which a law fails: it passes if they are replaced by those of a rolling
     train.
 
@@ -241,13 +241,13 @@ def _blamed(factory: Callable[[], Controller], formation: Formation, shown: Sequ
         others = [other for other in blamed if other != name]
         if passes(others):
             blamed = others
-    found = ", ".join(f"{name} = {_shown(getattr(failed, name))}" for name in blamed)
-    unread = any("nan" in _shown(getattr(failed, name)) for name in blamed)
+    found = ", ".join(f"{name} = {_format_value(getattr(failed, name))}" for name in blamed)
+    unread = any("nan" in _format_value(getattr(failed, name)) for name in blamed)
     remedy = " NaN is what no sensor has read yet; np.nan_to_num makes it 0." if unread else ""
     return f" It fails on {found}; it does not on the values of a rolling train.{remedy}"
 
 
-def _shown(value: float | NDArray[np.float64] | None) -> str:
+def _format_value(value: float | NDArray[np.float64] | None) -> str:
     return short(value.tolist() if isinstance(value, np.ndarray) else value)
 
 
@@ -298,7 +298,7 @@ def _require_repeatable(
         ContractBroken: The object does, or the factory raises an exception.
     """
     for vehicle in formations() if vehicles is None else vehicles:
-        part = foreign(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
+        part = call_user_code(factory, lambda problem: ContractBroken(f"{short(factory)} makes no object: {problem}"))
         try:
             first, second = list(rows(part, vehicle)), list(rows(part, vehicle))
         except (ControllerFailed, EstimatorFailed, PlantFailed, ScenarioError, SensorsFailed) as problem:

@@ -33,11 +33,11 @@ import pytest
 
 import railgrip
 from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import kept_result, write_description
+from railgrip.campaign.run import find_result, write_description
 from railgrip.report.baseline import compare, findings_of, load_baseline
 from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
 from railgrip.simulate.run import run_stop
 
@@ -246,7 +246,7 @@ def regression(place: Path, stops: str, *, only_first: bool) -> dict[str, str]:
     moved: dict[str, str] = {}
     # Stops with figures beside their distance notice most: with `only_first` the others are seldom needed.
     for stop in sorted(some.stops, key=lambda stop: -len(baseline.accepted[stop.name].figures)):
-        if kept_result(stop, folder / stop.name) is None:
+        if find_result(stop, folder / stop.name) is None:
             run(stop.scenario, folder / stop.name, run_stop, keep_trace=stop.keep_trace)
         names.add(stop.name)
         if only_first or len(names) == len(some.stops):
@@ -316,8 +316,8 @@ def write_page(results: Sequence[Result]) -> None:
     write_tables(
         PAGE,
         {
-            "mutants": Table.of(("mutant in", "mutants", "noticed", "not noticed"), [*rows, total]),
-            "checks": Table.of(("mutant", "function", "independent test", "fails"), checks, left=4),
+            "mutants": ReportTable.of(("mutant in", "mutants", "noticed", "not noticed"), [*rows, total]),
+            "checks": ReportTable.of(("mutant", "function", "independent test", "fails"), checks, left=4),
         },
     )
 

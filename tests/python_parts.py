@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from railgrip.simulate.loop.parts import StateEstimator
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 
 
@@ -37,7 +37,7 @@ def hidden(parts):
 
 def run_in_python(scenario):
     """Return the stop of a scenario, with its parts hidden."""
-    with assembled(scenario) as whole:
+    with assemble(scenario) as whole:
         whole = replace(whole, parts=hidden(whole.parts))
         return whole.stop(whole.run())
 

@@ -17,7 +17,7 @@ def test_sums_over_groups_are_those_of_a_count_by_membership(counts):
     formation = Formation(counts)
     values = np.random.default_rng(1).uniform(size=(3, formation.wheelsets))
     expected = [np.bincount(formation.group_of_wheelset, weights=row, minlength=formation.groups) for row in values]
-    assert formation.summed(values) == pytest.approx(np.array(expected), rel=1e-15)
+    assert formation.sum_by_group(values) == pytest.approx(np.array(expected), rel=1e-15)
     assert formation_of(formation.group_of_wheelset.tolist()) == formation
 
 

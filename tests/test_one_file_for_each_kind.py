@@ -48,8 +48,8 @@ SENSORS = '''
         kind: Literal["coarse"]
         step: float
 
-        def opened(self, scenario, layout, wheel_radius):
-            places, step = super().opened(scenario, layout, wheel_radius).places, self.step
+        def open(self, scenario, layout, wheel_radius):
+            places, step = super().open(scenario, layout, wheel_radius).places, self.step
 
             class Rounded:
                 def read(self, sample, truth):

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from railgrip.base.files import _remove_stale, locked, scratch
+from railgrip.base.files import _remove_stale, lock_folder, scratch
 from railgrip.campaign.workers import workers
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the locks are POSIX")
@@ -56,7 +56,7 @@ def test_what_a_killed_run_left_is_removed_by_the_next_at_once(temporary, purpos
     ]
     used = abandoned(temporary / f"railgrip-{purpose}-{os.getpid()}-12345678")
     _remove_stale.cache_clear()
-    with locked(used), scratch(purpose) as mine:
+    with lock_folder(used), scratch(purpose) as mine:
         assert sorted(temporary.iterdir()) == sorted([used, mine])
     assert list(temporary.iterdir()) == [used]
     assert not any(folder.exists() for folder in stale)

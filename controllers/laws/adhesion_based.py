@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, TypeTestEntry
 from railgrip.controllers.laws.adhesion_literal import Derivatives, SwitchingTuning, is_rolling
-from railgrip.controllers.sampled import Draft, Expression, choose, either, every
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,18 +90,18 @@ class AdhesionBased(GroupLaw):
             "adhesion_small": (5e-3, 3e-2),
         },
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "adhesion_based": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "adhesion_based": TypeTestEntry(
             description="adhesion-based control", role="entrant", slip="estimated", tuning="type_test"
         )
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         filters = Derivatives(draft, tuning)
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             brake, radius, inertia = group.brake, group.brake["wheel_radius"], group.brake["inertia"]
             slip, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
             adhesion, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)

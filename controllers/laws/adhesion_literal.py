@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose, either
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,18 +70,18 @@ class LiteralAdhesionBased(GroupLaw):
             "adhesion_small": (5e-3, 3e-2),
         },
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "adhesion_literal": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "adhesion_literal": TypeTestEntry(
             description="adhesion-based control, the law as printed", role="entrant", slip="estimated"
         )
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return what is done for one group."""
         filters = Derivatives(draft, tuning)
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]
             _, slip_rate = filters.follow(draft, group.label("seen_slip"), group.slip)
             _, adhesion_rate = filters.follow(draft, group.label("seen_adhesion"), group.adhesion)
@@ -110,14 +110,14 @@ def is_rolling(
 class Derivatives:
     """First-order filters and their rates: the filtered derivatives of sampled signals."""
 
-    def __init__(self, draft: Draft, tuning: Mapping[str, Expression]) -> None:
+    def __init__(self, draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> None:
         """Keep the states of the filters in a draft."""
         self._started = draft.state("started", "1", "1 once there is a sample before this one")
         self._share = tuning["period"] / (tuning["filter_time"] + tuning["period"])
         self._period = tuning["period"]
         draft.keep(self._started, 1.0)
 
-    def follow(self, draft: Draft, name: str, sample: Expression) -> tuple[Expression, Expression]:
+    def follow(self, draft: FormulaBuilder, name: str, sample: Expression) -> tuple[Expression, Expression]:
         """Return the filtered value of a sample and its rate."""
         before = draft.state(name, "1", "filtered value")
         step = self._share * (sample - before)

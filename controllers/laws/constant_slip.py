@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose, within
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,22 +49,22 @@ class ConstantSlip(GroupLaw):
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)}
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "constant_slip": Entry(description="PI control to a set slip, as read", role="baseline", slip="read")
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "constant_slip": TypeTestEntry(description="PI control to a set slip, as read", role="baseline", slip="read")
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             return slip_control(draft, group, tuning, tuning["slip"])
 
         return demand
 
 
 def slip_control(
-    draft: Draft, group: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
+    draft: FormulaBuilder, group: GroupObservation, tuning: Mapping[str, Expression], slip: Expression
 ) -> Expression:
     """Return the demanded pressure [Pa] of PI control to a slip, with those parameters of `ConstantSlipTuning`."""
     full, controlling = group.brake["pressure_max"], group.speed >= tuning["speed_min"]

@@ -6,9 +6,9 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
 from railgrip.controllers.laws.constant_slip import slip_control
-from railgrip.controllers.sampled import Draft, Expression, choose, within
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 from railgrip.vehicle.brake import Brake
 
 
@@ -87,8 +87,10 @@ class ExtremumSeeking(GroupLaw):
             "integral_time": (0.1, 2.0),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "extremum_seeking": Entry(description="extremum seeking with a dither", role="baseline", slip="estimated")
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "extremum_seeking": TypeTestEntry(
+            description="extremum seeking with a dither", role="baseline", slip="estimated"
+        )
     }
 
     def __init__(self, groups: Sequence[Brake], tuning: ExtremumSeekingTuning) -> None:
@@ -98,14 +100,14 @@ class ExtremumSeeking(GroupLaw):
         self.state[starts] = tuning.slip_start
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         turn = draft.state("turn", "1", "phase of the dither over a whole turn")
         onwards = turn + tuning["frequency"] * tuning["period"]
         draft.keep(turn, choose(onwards >= 1.0, onwards - 1.0, onwards))
         wave = ca.sin(2.0 * ca.pi * turn)
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             slip = draft.state(group.label("set_slip"), "1", "set slip without the dither")
             steady = draft.state(group.label("steady"), "1", "adhesion that the dither does not change")
             started = draft.state(group.label("started"), "1", "1 once there is an adhesion worth following")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose
 
 _SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
 """From below nearly all published peaks to beyond them; sensors do not resolve bands narrower than 10 % of a level."""
@@ -50,11 +50,11 @@ class SlipTwoState(GroupLaw):
     brake_data = FULL_PRESSURE
     tuning = SlipLevels
     ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "slip_two_state": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "slip_two_state": TypeTestEntry(
             description="two-state slip control, 10 and 15 %", role="baseline", slip="read", tuning="paper"
         ),
-        "slip_two_state_searched": Entry(
+        "slip_two_state_searched": TypeTestEntry(
             description="two-state slip control, searched levels, slip as read",
             role="baseline",
             slip="read",
@@ -63,11 +63,11 @@ class SlipTwoState(GroupLaw):
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         low, high, speed_min, hold = (tuning[name] for name in ("low", "high", "speed_min", "hold"))
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             applied = draft.state(
                 group.label("applied"), "1", "1 when the brake was applied, 0 when released", start=1.0
             )

@@ -19,8 +19,8 @@ from typing import Annotated, ClassVar
 import casadi as ca
 
 from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose, either, every, within
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 from railgrip.vehicle.brake import piston_force
 
 
@@ -136,15 +136,17 @@ class SlopeSeeking(GroupLaw):
             "creep_small": (0.03, 0.2),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "slope_seeking": Entry(description="slip control on the slope of adhesion", role="entrant", slip="estimated")
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "slope_seeking": TypeTestEntry(
+            description="slip control on the slope of adhesion", role="entrant", slip="estimated"
+        )
     }
     # A set point that moves all the time asks for a pulse at every decision; with 20 instead of 6 kPa a slide costs
     # half the strokes, and no distance.
     valve_band = 20e3
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         t = tuning
         started = draft.state("started", "1", "1 once there is a sample before this one")
@@ -152,7 +154,7 @@ class SlopeSeeking(GroupLaw):
         train: list[_Wheels] = []
         targets: list[tuple[Expression, Expression]] = []  # of each group, and its rate
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             if not train:
                 train.extend(_wheels(draft, each, t, started) for each in group.train)
                 targets.extend(_targets(draft, train, t))
@@ -278,11 +280,13 @@ def _mean(values: Sequence[tuple[Expression, Expression]], weights: Sequence[Exp
     return total / ca.fmax(sum(counted), 1e-9)
 
 
-def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> _Wheels:
+def _wheels(
+    draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression
+) -> _Wheels:
     """Return the signals of one group."""
     period, small = t["period"], t["slip_small"] + t["creep_small"] / group.speed
     pads_off = group.pressure * group.brake["piston_area"] < _UNBRAKED * group.brake["spring_force"]
-    slip = _corrected(draft, group, pads_off, period)
+    slip = _correct_slip(draft, group, pads_off, period)
 
     def filtered(name: str, sample: Expression) -> tuple[Expression, Expression]:
         """Return the filtered value before and now."""
@@ -320,7 +324,9 @@ def _wheels(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], 
     )
 
 
-def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expression], started: Expression) -> Expression:
+def _without_lag(
+    draft: FormulaBuilder, group: GroupObservation, t: Mapping[str, Expression], started: Expression
+) -> Expression:
     """Return the estimated adhesion without the error that the lag of the pressure reading leaves in it.
 
     What turns a wheel is adhesion less brake torque; a torque known too late leaves the lag times its rate in the
@@ -337,7 +343,11 @@ def _without_lag(draft: Draft, group: GroupObservation, t: Mapping[str, Expressi
 
 
 def _slope(
-    draft: Draft, train: Sequence[_Wheels], signs: Sequence[float], t: Mapping[str, Expression], rolling: Expression
+    draft: FormulaBuilder,
+    train: Sequence[_Wheels],
+    signs: Sequence[float],
+    t: Mapping[str, Expression],
+    rolling: Expression,
 ) -> tuple[Expression, Expression, Expression]:
     """Return the elasticity of adhesion over slip, and from 0 to 1 how well the rail fits it and how far slip moved.
 
@@ -371,7 +381,7 @@ def _slope(
 
 
 def _targets(
-    draft: Draft, train: Sequence[_Wheels], t: Mapping[str, Expression]
+    draft: FormulaBuilder, train: Sequence[_Wheels], t: Mapping[str, Expression]
 ) -> list[tuple[Expression, Expression]]:
     """Return the slip that is sought of each group, dither included, and its rate."""
     period, speed = t["period"], train[0].group.speed
@@ -402,7 +412,9 @@ def _targets(
     return targets
 
 
-def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, period: Expression) -> Expression:
+def _correct_slip(
+    draft: FormulaBuilder, group: GroupObservation, pads_off: Expression, period: Expression
+) -> Expression:
     """Return the slip less what the wheel showed when it surely rolled.
 
     That is so before it has been braked, and again when its pads have been off for long and it draws no adhesion: a
@@ -424,7 +436,7 @@ def _corrected(draft: Draft, group: GroupObservation, pads_off: Expression, peri
 
 
 def _regression(
-    draft: Draft, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
+    draft: FormulaBuilder, t: Mapping[str, Expression], changes: tuple[Expression, Expression], rolling: Expression
 ) -> tuple[Expression, Expression, Expression]:
     """Return the elasticity d(ln α)/d(ln s), its variance, and the share of the excitation above noise, from 0 to 1.
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, Entry, GroupLaw, GroupObservation, Ranges, Tuning
-from railgrip.controllers.sampled import Draft, Expression, choose, either, every
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,8 +79,8 @@ class WheelReference(GroupLaw):
             "test_after": (2.0, 15.0),
         }
     }
-    entries: ClassVar[Mapping[str, Entry]] = {
-        "wheel_reference": Entry(
+    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
+        "wheel_reference": TypeTestEntry(
             description="law of ours after published descriptions: reference from wheel speeds alone",
             role="baseline",
             slip="read",
@@ -88,7 +88,7 @@ class WheelReference(GroupLaw):
     }
 
     @staticmethod
-    def demand_with(draft: Draft, tuning: Mapping[str, Expression]) -> Demand:
+    def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:
         """Return the demand of one group."""
         period = tuning["period"]
         before = draft.state("reference", "m/s", "reference speed")
@@ -100,7 +100,7 @@ class WheelReference(GroupLaw):
         references: list[Expression] = []
         slides: list[Expression] = []
 
-        def demand(draft: Draft, group: GroupObservation) -> Expression:
+        def demand(draft: FormulaBuilder, group: GroupObservation) -> Expression:
             if not references:
                 least = before - tuning["deceleration_max"] * period
                 references.append(_reference(group.train, started, least))

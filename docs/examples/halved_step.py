@@ -10,7 +10,7 @@ import numpy as np
 
 import railgrip.scenario
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.merge import merge, read_overrides
 from railgrip.simulate.run import braking_distance
 
 SCENARIOS = Path(railgrip.scenario.__file__).parent
@@ -27,9 +27,9 @@ def distance(rail: str, law: str, lot: int, *changes: str) -> float:
     """Return the distance of a stop from 80 km/h with service sensors and ideal actuation [m], NaN if none."""
     service = read_toml(SCENARIOS / "equipment/service.toml")
     tables = {name: table for name, table in service.items() if name not in ("vehicle", "actuation")}
-    train = merged(read_toml(SCENARIOS / f"library/{rail}.toml"), tables)
+    train = merge(read_toml(SCENARIOS / f"library/{rail}.toml"), tables)
     overrides = [f"controller.kind={law}", f"estimator.kind={LAWS[law]}", f"seed={lot}", *changes]
-    scenario = scenario_of(merged(train, read_overrides(overrides)), directory=SCENARIOS / "library", origin=rail)
+    scenario = scenario_of(merge(train, read_overrides(overrides)), directory=SCENARIOS / "library", origin=rail)
     return braking_distance(scenario) or np.nan
 
 

@@ -1,6 +1,6 @@
 """The filter in numpy: the reference."""
 
-from railgrip.estimators.ekf import ExtendedKalmanFilter, Running
+from railgrip.estimators.ekf import ExtendedKalmanFilter, NumpyFilter
 from railgrip.estimators.kind import FilterContext, FilterKind
 
 
@@ -8,9 +8,9 @@ class Python(FilterKind):
     """An extended Kalman filter in numpy."""
 
     @classmethod
-    def start(cls, task: FilterContext) -> Running:
+    def start(cls, task: FilterContext) -> NumpyFilter:
         """Return the filter with its first belief."""
         filter_ = ExtendedKalmanFilter(
             task.prediction, task.process_noise, task.reading_noise, task.period, task.gate, task.outlier_limit
         )
-        return Running(filter_, filter_.start(task.mean, task.covariance))
+        return NumpyFilter(filter_, filter_.start(task.mean, task.covariance))

@@ -19,7 +19,7 @@ from railgrip.base.errors import EstimatorError
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.network import Network, train
 
-LEAST_SPREAD: Final = 0.03
+MIN_DEVIATION: Final = 0.03
 """Friction added to the disagreement: even when networks agree, friction varies at one slope."""
 QUANTILE: Final = 1.6449
 """Standard deviations from the middle of a Gaussian to either end of its 90 % interval."""
@@ -69,7 +69,7 @@ class Ensemble:
         """Return estimates for features of shape (n, features)."""
         first = np.stack([network(self.standardise(features)) for network in self.networks])
         friction = self.friction_of(first.mean(axis=0))
-        half = self.half_width * np.sqrt(self.friction_of(first).var(axis=0) + LEAST_SPREAD**2)
+        half = self.half_width * np.sqrt(self.friction_of(first).var(axis=0) + MIN_DEVIATION**2)
         return FrictionEstimates(
             friction=friction, lower=np.maximum(friction - half, 0.0), upper=np.minimum(friction + half, 1.0)
         )
@@ -123,7 +123,7 @@ def fit(
         )
     error = np.abs(ensemble.friction_of(mean) - friction[countable])
     disagreement = np.nanvar(ensemble.friction_of(opinions[:, countable]), axis=0)
-    ratio = error / np.sqrt(disagreement + LEAST_SPREAD**2)
+    ratio = error / np.sqrt(disagreement + MIN_DEVIATION**2)
     return replace(ensemble, half_width=float(np.quantile(ratio, confidence)))
 
 

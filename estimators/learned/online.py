@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from railgrip.estimators.belief import Array
-from railgrip.estimators.learned.ensemble import LEAST_SPREAD, SLOPE_CENTRE, SLOPE_HALF, Ensemble
+from railgrip.estimators.learned.ensemble import MIN_DEVIATION, SLOPE_CENTRE, SLOPE_HALF, Ensemble
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BOXES, AntiAlias, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import PRODUCTS, SLOWEST, TINY, Spectral, products, ratios
@@ -60,7 +60,7 @@ class _Memory:
         self.before[name] = SX.sym(name)
         return self.before[name]
 
-    def held(self, name: str, value: SX, new: SX) -> SX:
+    def hold(self, name: str, value: SX, new: SX) -> SX:
         """Return `value` while `new` is true, else the last value returned; both in a state."""
         previous = self.state(name)
         self.after[name] = ca.if_else(new, value, previous)
@@ -103,7 +103,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     full = counted + 1 >= chain.block
     means: list[SX] = []
     for k, channel in enumerate(motions(boxes, combination), start=1):
-        relative = channel - memory.held(f"zero[{k}]", channel, first)
+        relative = channel - memory.hold(f"zero[{k}]", channel, first)
         z = memory.state(f"high_pass[{k}]")
         high = gain * relative + z
         memory.after[f"high_pass[{k}]"] = -gain * relative + chain.remembers * high
@@ -115,7 +115,7 @@ def paper(chain: Chain, scale: Scale, networks: Sequence[Network], combination: 
     entries = scale(np.array(means, dtype=object))
     outputs = [_network(network, list(entries)) for network in networks]
     latest = sum(outputs[1:], outputs[0]) / len(networks)
-    friction, known = memory.held("held", latest, full), memory.held("blocks", SX(1), full)
+    friction, known = memory.hold("held", latest, full), memory.hold("blocks", SX(1), full)
     return memory.online(
         "Friction from axle boxes after Abduraxman", chain.rate, _boxes(), boxes, {_FRICTION: friction, _KNOWN: known}
     )
@@ -146,7 +146,7 @@ def general(slow: AntiAlias, spectral: Spectral, ensemble: Ensemble) -> Online:
             variable(name="direction", unit="1", start=1.0, description="+1 wheelset 1 leads, -1 wheelset 4 leads"),
         ),
         sample,
-        {output: memory.held(f"held_{output.name}", value, ready) for output, value in values.items()},
+        {output: memory.hold(f"held_{output.name}", value, ready) for output, value in values.items()},
     )
 
 
@@ -178,7 +178,7 @@ def _slow_signals(memory: _Memory, slow: AntiAlias, boxes: SX, ahead: SX) -> tup
     raw = [boxes[8 + k] for k in range(4)] + [boxes[4 + k] - boxes[k] for k in range(4)]
     signals: list[SX] = []
     for k, channel in enumerate(raw, start=1):
-        zero = memory.held(f"zero[{k}]", channel, first)
+        zero = memory.hold(f"zero[{k}]", channel, first)
         signals.append(_sections(memory, f"anti_alias{k}", slow.sections, channel - zero))
     counted = memory.state("count")
     tick = counted + 1 >= slow.keep
@@ -220,7 +220,7 @@ def _interval(ensemble: Ensemble, features: list[SX]) -> dict[Variable, SX]:
     first_stage = [_network(network, x) for network in ensemble.networks]
     each = [_friction(ensemble, state) for state in first_stage]
     mean, centre = _friction(ensemble, _mean(first_stage)), _mean(each)
-    half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + LEAST_SPREAD**2)
+    half = ensemble.half_width * ca.sqrt(sum((e - centre) ** 2 for e in each) / len(each) + MIN_DEVIATION**2)
     return {_FRICTION: mean, _LOWER: ca.fmax(mean - half, 0), _UPPER: ca.fmin(mean + half, 1)}
 
 

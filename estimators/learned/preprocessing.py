@@ -138,7 +138,7 @@ class Chain:
         """The low-pass as second-order sections, shape (sections, 6)."""
         return np.asarray(butter(self.order, self.low_pass, fs=self.rate, output="sos"), dtype=np.float64)
 
-    def filtered(self, raw: Array) -> Array:
+    def filter(self, raw: Array) -> Array:
         """Return high- and low-passed accelerations at the full rate, shape of `raw` (n, channels)."""
         zero = raw[0] if self.start == "first sample" else raw[: self.rate].mean(axis=0)
         gain = 1 / (1 + self._warped)
@@ -147,7 +147,7 @@ class Chain:
 
     def process(self, raw: Array) -> Array:
         """Return the input of the scaling: averaged absolute values, shape (n // block, channels)."""
-        size = np.abs(self.filtered(raw))
+        size = np.abs(self.filter(raw))
         count = len(size) // self.block
         return size[: count * self.block].reshape(count, self.block, -1).mean(axis=1)
 

@@ -112,13 +112,13 @@ class Struct:
         """
         for name, value in fields.items():
             self._fields[name] = value
-            setattr(self.pointer, name, self._converted(self._types[name], value))
+            setattr(self.pointer, name, self._convert(self._types[name], value))
 
     def view(self, name: str) -> NDArray[np.float64]:
         """Return a field that is an array of doubles, sharing its memory."""
         return np.frombuffer(self._ffi.buffer(getattr(self.pointer, name)), dtype=np.float64)
 
-    def copied(self, *names: str, **changes: Any) -> "Struct":
+    def copy_with(self, *names: str, **changes: Any) -> "Struct":
         """Return a struct of the same type with the same in these fields, or in all, but for changes."""
         fields = {name: value for name, value in self._fields.items() if name in names or not names}
         return Struct(self._ffi, self._name, fields | changes)
@@ -154,10 +154,10 @@ class Struct:
                 elif inner.kind in ("pointer", "function"):
                     yield place // WORD, f"{kind.cname}.{name}"
 
-    def _converted(self, kind: Any, value: Any) -> Any:
+    def _convert(self, kind: Any, value: Any) -> Any:
         if kind.kind not in ("pointer", "function"):
             if isinstance(value, list):
-                return [self._converted(kind.item, each) for each in value]
+                return [self._convert(kind.item, each) for each in value]
             if isinstance(value, Struct):
                 return value.pointer[0]
             return value.ravel().tolist() if isinstance(value, np.ndarray) else value

@@ -72,7 +72,7 @@ def call(task: str, class_name: str, library: Path, **arguments: Any) -> Any:
     except subprocess.TimeoutExpired:
         raise _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate") from None
     if done.returncode:
-        raise _ended(class_name, done.returncode, done.stderr.decode(errors="replace"))
+        raise _process_failure(class_name, done.returncode, done.stderr.decode(errors="replace"))
     sys.stderr.write(done.stderr.decode(errors="replace"))  # warnings
     answer = json.loads(done.stdout)
     if "refusal" in answer:
@@ -84,7 +84,7 @@ def _beyond(class_name: str, what: str) -> TranslationError:
     return TranslationError(f"{class_name} {what}; {_ADVICE}.")
 
 
-def _ended(class_name: str, code: int, words: str) -> TranslationError:
+def _process_failure(class_name: str, code: int, words: str) -> TranslationError:
     """Return the sentence for a process that ended without an answer."""
     if code in _AT_A_LIMIT:
         return _beyond(class_name, f"takes more than {LIMITS.seconds} s to translate, or too much memory")

@@ -11,7 +11,7 @@ from itertools import product
 
 from railgrip.fmus.native.ctext import in_parts
 
-MOST_ENTRIES, MOST_PRODUCTS = 10_000, 10_000
+MAX_ENTRIES, MAX_PRODUCTS = 10_000, 10_000
 """Entries of LU, and products that factoring takes, above which they compile too long; then elimination is dense."""
 
 LONGEST = 100
@@ -47,7 +47,7 @@ def eliminate(n: int, pattern: list[tuple[int, int]]) -> Elimination:
     for k in order:
         for place in ((k, k), *((k, j) for j in right[k]), *((i, k) for i in below[k])):
             at[place] = len(at)
-    if len(at) > MOST_ENTRIES or sum(len(below[k]) * len(right[k]) for k in order) > MOST_PRODUCTS:
+    if len(at) > MAX_ENTRIES or sum(len(below[k]) * len(right[k]) for k in order) > MAX_PRODUCTS:
         order, at, pattern = [], {}, []
     sums = {(i, j): "c" if i == j else "0" for i, j in at}
     for m, place in enumerate(pattern):

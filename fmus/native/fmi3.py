@@ -25,12 +25,12 @@ def as_fmi_3(source: Source) -> Source:
         "fmi3.c": (RUNTIME / "fmi3.c").read_text(encoding="utf-8"),
         "model.c": source.files["model.c"] + '#include "fmi3.c"\n',
     }
-    made = Source.of(source.identifier, files, _described(ET.fromstring(source.xml)), source.units)
+    made = Source.of(source.identifier, files, _convert_description(ET.fromstring(source.xml)), source.units)
     build = _build_description(made.identifier, made.units)
     return replace(made, files=made.files | {"buildDescription.xml": build}, is_fmi_3=True)
 
 
-def _described(root: ET.Element) -> str:
+def _convert_description(root: ET.Element) -> str:
     head = dict(root.attrib) | {"fmiVersion": "3.0", "guid": ""}
     head = {name: text for name, text in head.items() if name not in ("guid", "numberOfEventIndicators")}
     interface = root.find("CoSimulation")

@@ -71,7 +71,7 @@ def reduce_index(
     symbols, derivative_of = system.symbols, system.derivative_of
     own_cost = [*cost, *[0.001] * (len(symbols) - n)]
     price = [1.0 + own_cost[i] if i in derivative_of else 0.5 for i in range(len(symbols))]
-    unknown_places = _solved_for(system.contains, symbols, price, derivative_of.keys(), owner)
+    unknown_places = _select_unknowns(system.contains, symbols, price, derivative_of.keys(), owner)
     state_places = [v for v in range(len(symbols)) if v not in unknown_places]
     return IndexOne(
         equations=system.equations,
@@ -185,7 +185,7 @@ class _Pantelides:
         return found
 
 
-def _solved_for(
+def _select_unknowns(
     contains: Sequence[set[int]], symbols: Sequence[SX], price: Sequence[float], differentiated: Set[int], owner: str
 ) -> set[int]:
     """Return the places of the symbols to solve for: all without a derivative, of the others the cheapest.

@@ -67,7 +67,7 @@ def require_values(class_name: str, variables: Mapping[str, Node], sources: Sour
         TranslationError: A parameter without a value is not an array of size zero.
     """
     unset = (
-        _located({"span": variable["source_span"]}, f"parameter {name} has no value", sources)
+        _locate({"span": variable["source_span"]}, f"parameter {name} has no value", sources)
         for name, variable in variables.items()
         if "." in name
         and "Parameter" in variable["variability"]
@@ -202,13 +202,13 @@ class _Checker:
             if base is None:
                 continue
             if base.definition["is_replaceable"] and not class_.definition["is_redeclare"]:
-                yield self._located(clause, f"{base.name} is replaceable and can be no base class (7.1.4)")
+                yield self._locate(clause, f"{base.name} is replaceable and can be no base class (7.1.4)")
             yield from self._modifiers(class_, _extends_modifiers(clause), base, rank=0, outside=False, depth=0)
             inherited |= self.elements(base)
         for name in class_.components.keys() & inherited.keys():
             mine, theirs = self.elements(class_)[name], inherited[name]
             if not mine.node["is_redeclare"] and _shape(mine.node) != _shape(theirs.node):
-                yield self._located(
+                yield self._locate(
                     mine.node, f"{name} is inherited from {theirs.owner.name} and declared again, differently (7.1)"
                 )
 
@@ -223,7 +223,7 @@ class _Checker:
                 yield from self._attributes(class_, modifiers, f"{name}", element.rank)
             return
         if modifiers and element.type.definition["is_final"]:
-            yield self._located(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
+            yield self._locate(node, f"{name} modifies the class {element.type.name}, which is final (7.2.6)")
         yield from self._modifiers(class_, modifiers, element.type, rank=element.rank, outside=True, depth=0)
         yield from self._unread(node, name, element.type, modifiers)
 
@@ -231,27 +231,27 @@ class _Checker:
         definition = inner.definition
         short = inner.name.rpartition(".")[2]
         if definition["constrainedby"] and re.search(r"\bconstrainedby\s+[\w.]+\s*\(", self._declaration(definition)):
-            yield self._located(
+            yield self._locate(
                 definition,
                 f"modifiers in the constraining clause of the class {short} are lost in the built-in compiler (7.3.2); "
                 f"write them on components of type {short}",
             )
         if definition["is_redeclare"]:
-            original = self._inherited(class_).get(short)
+            original = self._inherit(class_).get(short)
             if original is None:
-                yield self._located(definition, f"{short} is redeclared, but {class_.name} does not inherit it (7.3)")
+                yield self._locate(definition, f"{short} is redeclared, but {class_.name} does not inherit it (7.3)")
             elif not original.replaceable:
-                yield self._located(definition, f"{short} is redeclared, but is not replaceable (7.3.3)")
+                yield self._locate(definition, f"{short} is redeclared, but is not replaceable (7.3.3)")
 
     def _constraint(self, class_: _Class, name: str, element: _Element) -> Iterator[str]:
         named = element.node["constrainedby"]
-        constraint = self.resolve(_dotted(named), class_) if named else None
+        constraint = self.resolve(_join_name(named), class_) if named else None
         if constraint is None:
             return
         allowed = self.elements(constraint)
         for modified in element.clause or {}:
             if modified not in allowed:
-                yield self._located(
+                yield self._locate(
                     element.node, f"the constraining clause of {name} modifies '{modified}', which {constraint.name} "
                     "does not have (7.3.2)"
                 )  # fmt: skip
@@ -265,22 +265,22 @@ class _Checker:
             n for n, e in self.elements(constraint).items() if not e.protected and (n not in has or has[n].protected)
         )
         if missing:
-            yield self._located(
+            yield self._locate(
                 node, f"{name} is of {new.name}, which lacks {', '.join(missing)} of {constraint.name} (7.3.2)"
             )
 
     def _element_redeclaration(self, class_: _Class, name: str, element: _Element) -> Iterator[str]:
-        original = self._inherited(class_).get(name)
+        original = self._inherit(class_).get(name)
         if original is None:
-            yield self._located(element.node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
+            yield self._locate(element.node, f"{name} is redeclared, but {class_.name} does not inherit it (7.3)")
             return
         if not original.replaceable:
-            yield self._located(element.node, f"{name} is redeclared, but is not replaceable (7.3.3)")
+            yield self._locate(element.node, f"{name} is redeclared, but is not replaceable (7.3.3)")
         constraint = original.node["constrainedby"]
-        bound = self.resolve(_dotted(constraint), original.owner) if constraint else original.type
+        bound = self.resolve(_join_name(constraint), original.owner) if constraint else original.type
         yield from self._subtype(element.node, name, element.type, bound)
         if original.clause or (original.clause is None and original.modifiers):
-            yield self._located(
+            yield self._locate(
                 element.node,
                 f"the redeclaration of {name} would lose the modifiers of its constraining type in the built-in "
                 f"compiler (7.3.2); redeclare it in the extends clause",
@@ -302,10 +302,10 @@ class _Checker:
         for modifier in modifiers:
             name, element = modifier.name, elements.get(modifier.name)
             if element is None:
-                yield self._located(modifier.node, f"'{name}' is modified, which {target.name} does not have (7.2)")
+                yield self._locate(modifier.node, f"'{name}' is modified, which {target.name} does not have (7.2)")
                 continue
             if outside and element.protected:
-                yield self._located(modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)")
+                yield self._locate(modifier.node, f"'{name}' is modified, which is protected in {target.name} (4.1)")
             around = 0 if modifier.each else rank
             if modifier.type:
                 yield from self._redeclaration(scope, modifier, element, depth)
@@ -316,7 +316,7 @@ class _Checker:
                     yield from self._attributes(scope, modifier.inner, name, around + element.rank)
                 continue
             if element.node.get("binding") is not None and any(m.value is not None for m in modifier.inner):
-                yield self._located(
+                yield self._locate(
                     modifier.node, f"a part of '{name}' is modified, which has a value as a whole (7.2.3)"
                 )
             yield from self._modifiers(
@@ -326,15 +326,15 @@ class _Checker:
     def _redeclaration(self, scope: _Class, modifier: _Modifier, element: _Element, depth: int) -> Iterator[str]:
         name, new = modifier.name, self.resolve(modifier.type, scope)
         if depth:
-            yield self._located(
+            yield self._locate(
                 modifier.node,
                 f"the redeclaration of '{name}' inside the modifiers of a component is lost in the built-in compiler; "
                 "make a class replaceable at each level and redeclare that",
             )
         if not element.replaceable:
-            yield self._located(modifier.node, f"'{name}' is redeclared, but is not replaceable (7.3.3)")
+            yield self._locate(modifier.node, f"'{name}' is redeclared, but is not replaceable (7.3.3)")
         if element.is_class and element.modifiers:
-            yield self._located(
+            yield self._locate(
                 modifier.node,
                 f"the redeclaration of '{name}' would lose the modifiers of its declaration in the built-in compiler "
                 f"(7.3.2); write them on components of type {name}",
@@ -343,7 +343,7 @@ class _Checker:
             for m in element.modifiers:
                 written = m.value if m.value is not None and not m.inner else m.node
                 if _plain(written) != _plain(element.clause.get(m.name)):
-                    yield self._located(
+                    yield self._locate(
                         element.node,
                         f"'{m.name}' is modified on the declaration of {name} and not, or otherwise, in its "
                         f"constraining clause: redeclared, {name} loses it (7.3.2); write "
@@ -358,7 +358,7 @@ class _Checker:
         redeclared = {m.name for m in modifiers if m.type}
         for part, element in self.elements(used).items():
             if element.unread_clause and part not in redeclared:
-                yield self._located(
+                yield self._locate(
                     node,
                     f"{name} does not redeclare '{part}' of {used.name}: the built-in compiler would lose the "
                     f"modifiers of its constraining clause, {', '.join(element.unread_clause)} (7.3.2); redeclare it, "
@@ -369,7 +369,7 @@ class _Checker:
         yield from self._duplicates(modifiers)
         for modifier in modifiers:
             if modifier.name not in _ATTRIBUTES:
-                yield self._located(modifier.node, f"'{modifier.name}' is no attribute of {name} (4.9)")
+                yield self._locate(modifier.node, f"'{modifier.name}' is no attribute of {name} (4.9)")
             yield from self._rank(scope, modifier, 0 if modifier.each else rank)
 
     def _rank(self, scope: _Class, modifier: _Modifier, wanted: int) -> Iterator[str]:
@@ -377,7 +377,7 @@ class _Checker:
         if found is not None and found != wanted:
             what = ("a scalar", "a vector", "a matrix")[min(found, 2)]
             hint = "; write `each`" if found < wanted and not modifier.each else ""
-            yield self._located(
+            yield self._locate(
                 modifier.node, f"'{modifier.name}' is given {what} where {wanted} dimensions are wanted (7.2.5){hint}"
             )
 
@@ -386,13 +386,13 @@ class _Checker:
         for modifier in modifiers:
             for leaf in modifier.leaves():
                 if counts[leaf] > 1:
-                    yield self._located(modifier.node, f"'{leaf}' is modified twice (7.2.4)")
+                    yield self._locate(modifier.node, f"'{leaf}' is modified twice (7.2.4)")
 
     def elements(self, class_: _Class) -> dict[str, _Element]:
         """Return the elements of a class by name, inherited ones first."""
         if class_.name not in self._elements:
             self._elements[class_.name] = {}  # where classes extend each other, which rumoca refuses
-            self._elements[class_.name] = self._inherited(class_) | {
+            self._elements[class_.name] = self._inherit(class_) | {
                 **{name: self._element(class_, node) for name, node in class_.components.items()},
                 **{
                     inner.name.rpartition(".")[2]: self._class_element(inner, class_)
@@ -401,7 +401,7 @@ class _Checker:
             }
         return self._elements[class_.name]
 
-    def _inherited(self, class_: _Class) -> dict[str, _Element]:
+    def _inherit(self, class_: _Class) -> dict[str, _Element]:
         found: dict[str, _Element] = {}
         for clause in class_.definition["extends"]:
             base = self.by_id.get(clause["base_def_id"])
@@ -425,7 +425,7 @@ class _Checker:
     def _element(self, owner: _Class, node: Node) -> _Element:
         declared = self.by_id.get(node["type_def_id"] or -1)
         simple, rank = self._simple(declared)
-        simple = simple or (declared is None and _dotted(node["type_name"]) in _SIMPLE)
+        simple = simple or (declared is None and _join_name(node["type_name"]) in _SIMPLE)
         named = {
             path.removeprefix("__constrainedby__.").partition(".")[0]: value[0]
             for path, value in node["clause"].items()
@@ -469,7 +469,7 @@ class _Checker:
             return True, 0
         rank = len(class_.definition["array_subscripts"] or ())
         for clause in class_.definition["extends"]:
-            if _dotted(clause["base_name"]) in _SIMPLE:
+            if _join_name(clause["base_name"]) in _SIMPLE:
                 return True, rank
             simple, more = self._simple(self.by_id.get(clause["base_def_id"]))
             if simple:
@@ -543,11 +543,11 @@ class _Checker:
         _, text = self.sources.get(place["source"], ("", b""))
         return text[place["start"] :].partition(b";")[0].decode(errors="replace")
 
-    def _located(self, node: Node, sentence: str) -> str:
-        return _located(node, sentence, self.sources)
+    def _locate(self, node: Node, sentence: str) -> str:
+        return _locate(node, sentence, self.sources)
 
 
-def _located(node: Node, sentence: str, sources: Sources) -> str:
+def _locate(node: Node, sentence: str, sources: Sources) -> str:
     place = node.get("location") or node["span"]
     name, text = sources.get(place["source"], ("?", b""))
     line = text.count(b"\n", 0, place["start"]) + 1
@@ -610,7 +610,7 @@ def _path(reference: Node) -> str:
     return ".".join(part["ident"]["text"] for part in reference["parts"])
 
 
-def _dotted(name: Node | None) -> str:
+def _join_name(name: Node | None) -> str:
     return ".".join(part["text"] for part in name["name"]) if name else ""
 
 

@@ -71,7 +71,7 @@ def in_c(root: Struct, headers: Iterable[str]) -> str:
         f"    aim({places[number]} + {word}, (const char *)({places[target]}) + {offset});"
         for number, word, _, target, offset in arrows
     ]
-    return "\n".join([*tables, *_laid(np.concatenate(words)), _POINTING, *lines, "}", ""])
+    return "\n".join([*tables, *_write_words(np.concatenate(words)), _POINTING, *lines, "}", ""])
 
 
 def _regions(struct: Struct, known: set[int]) -> Iterator[_Region]:
@@ -110,7 +110,7 @@ def _constants(headers: Iterable[str]) -> set[str]:
     return fields
 
 
-def _laid(words: NDArray[np.uint64]) -> list[str]:
+def _write_words(words: NDArray[np.uint64]) -> list[str]:
     """Return C that writes words, of which long runs are zero."""
     used = np.flatnonzero(words)
     runs = np.split(used, np.flatnonzero(np.diff(used) > _LONGEST_GAP) + 1)

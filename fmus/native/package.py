@@ -144,10 +144,10 @@ def archive_bytes(source: Source, *, flags: tuple[str, ...] = FMU_FLAGS, platfor
     members = {"modelDescription.xml": source.xml.encode()}
     members |= {f"binaries/{folder}/{source.identifier}{suffix}": content for folder, suffix, content in libraries}
     members |= {f"sources/{name}": text.encode() for name, text in source.files.items()}
-    return zipped(members)
+    return zip_files(members)
 
 
-def zipped(members: Mapping[str, bytes]) -> bytes:
+def zip_files(members: Mapping[str, bytes]) -> bytes:
     """Return an archive of files by name; the same files give the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:

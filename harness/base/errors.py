@@ -64,7 +64,7 @@ class BuildFailed(RailgripError):
     """A tool failed that should have worked."""
 
 
-class Unwritten(RailgripError):
+class WriteFailed(RailgripError):
     """A result could not be written; there are no partial files, and previous files are unchanged."""
 
 
@@ -181,5 +181,5 @@ def for_user(problem: BaseException) -> RailgripError | None:
     if isinstance(problem, RailgripError):
         return problem
     if isinstance(problem, OSError) and problem.errno in _DISK:
-        return Unwritten(f"{problem.filename or 'a file or the standard output'}: {problem.strerror}")
+        return WriteFailed(f"{problem.filename or 'a file or the standard output'}: {problem.strerror}")
     return None

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, BinaryIO, Final, Literal
 
-from railgrip.base.errors import InputError, Unwritten
+from railgrip.base.errors import InputError, WriteFailed
 from railgrip.base.units import place
 
 PARTIAL = ".*.partial"
@@ -30,7 +30,7 @@ def replacing(path: Path) -> Generator[Path]:
     Ctrl-C counts as a failure: a file at `path` is always complete.
 
     Raises:
-        Unwritten: The disk is full, or the folder is not writable.
+        WriteFailed: The disk is full, or the folder is not writable.
     """
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
@@ -41,7 +41,7 @@ def replacing(path: Path) -> Generator[Path]:
         finally:
             partial.unlink(missing_ok=True)
     except OSError as problem:
-        raise Unwritten(f"{path}: cannot be written: {problem.strerror or problem}") from problem
+        raise WriteFailed(f"{path}: cannot be written: {problem.strerror or problem}") from problem
 
 
 def write_text(path: Path, text: str) -> None:
@@ -145,13 +145,13 @@ def remove(folder: Path, *names: str) -> None:
     """Remove files from a folder; missing ones are ignored.
 
     Raises:
-        Unwritten: The folder is not writable.
+        WriteFailed: The folder is not writable.
     """
     for name in names:
         try:
             (folder / name).unlink(missing_ok=True)
         except OSError as problem:
-            raise Unwritten(f"{folder / name}: cannot be removed: {problem.strerror}") from problem
+            raise WriteFailed(f"{folder / name}: cannot be removed: {problem.strerror}") from problem
 
 
 def finite(value: Any) -> Any:
@@ -174,20 +174,20 @@ def scratch(purpose: Purpose) -> Generator[Path]:
     """Yield a temporary folder, removed at the end; `purpose` is part of its name.
 
     Raises:
-        Unwritten: No temporary folder is writable.
+        WriteFailed: No temporary folder is writable.
     """
     try:
         temporary = Path(tempfile.gettempdir()).absolute()
         _remove_stale(temporary)
         folder = Path(tempfile.mkdtemp(prefix=f"{_PREFIX}{purpose}-{os.getpid()}-", dir=temporary))
     except OSError as problem:
-        raise Unwritten(
+        raise WriteFailed(
             f"no temporary folder can be written ({problem.strerror}); make room, lift the limit of file sizes, or "
             "name another folder in TMPDIR"
         ) from problem
     try:
         # The marker is written under the lock: a marked folder without a lock belongs to a dead process.
-        with locked(folder):
+        with lock_folder(folder):
             (folder / _MARK).touch()
             yield folder
     finally:
@@ -196,7 +196,7 @@ def scratch(purpose: Purpose) -> Generator[Path]:
 
 
 @contextmanager
-def locked(folder: Path) -> Generator[bool]:
+def lock_folder(folder: Path) -> Generator[bool]:
     """Hold the lock of a folder, which the system releases when this process ends; yield whether it was free."""
     if os.name != "posix":
         yield False  # such locks exist on POSIX only; on other systems no folder is removed
@@ -225,6 +225,6 @@ def _remove_stale(temporary: Path) -> None:
             mark = (folder / _MARK).lstat()
             is_marked = stat.S_ISREG(mark.st_mode) and {mark.st_uid, folder.lstat().st_uid} == {os.geteuid()}
             if is_marked:
-                with locked(folder) as free:
+                with lock_folder(folder) as free:
                     if free:
                         shutil.rmtree(folder, ignore_errors=True)

@@ -38,7 +38,7 @@ def stop_listening() -> None:
 
 
 _queues: list[list[int]] = []
-"""Signals received in each open `postponed` block, the innermost last."""
+"""Signals received in each open `postpone_interrupts` block, the innermost last."""
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
@@ -60,7 +60,7 @@ def ignore_sigint() -> Generator[None]:
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    with postponed():
+    with postpone_interrupts():
         try:
             yield
         finally:
@@ -68,7 +68,7 @@ def ignore_sigint() -> Generator[None]:
 
 
 @contextmanager
-def postponed() -> Generator[None]:
+def postpone_interrupts() -> Generator[None]:
     """Delay `Interrupted` to the end of the block, because some libraries catch every exception."""
     numbers: list[int] = []
     is_main = threading.current_thread() is threading.main_thread()  # Python runs handlers only there

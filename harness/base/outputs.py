@@ -64,11 +64,11 @@ def claim(directory: Path, *files: str) -> None:
 
     Raises:
         RecordError: See `make_folder` and `require_free`.
-        Unwritten: The record cannot be written.
+        WriteFailed: The record cannot be written.
     """
     require_free(directory, *files)
     make_folder(directory, *files)
-    recorded = _recorded(directory)
+    recorded = _read_record(directory)
     if recorded is None or not recorded.issuperset(files):
         _record(directory, (*(recorded or ()), *files))
 
@@ -77,10 +77,10 @@ def adopt(directory: Path, *files: str) -> None:
     """Record files with names that railgrip uses: release 0.1.0 wrote them without a record.
 
     Raises:
-        Unwritten: The record cannot be written.
+        WriteFailed: The record cannot be written.
     """
     present = [name for name in files if (directory / name).is_file()]
-    if present and _recorded(directory) is None:
+    if present and _read_record(directory) is None:
         _record(directory, present)
 
 
@@ -88,25 +88,25 @@ def discard(directory: Path, files: Iterable[str]) -> None:
     """Remove those of the files from a folder that railgrip has written.
 
     Raises:
-        Unwritten: The folder is not writable.
+        WriteFailed: The folder is not writable.
     """
     own = {name for name in files if os.path.lexists(inside(directory, name)) and _is_own(directory, name)}
     if own:
         remove(directory, *own)
-        if (recorded := _recorded(directory)) is not None:
+        if (recorded := _read_record(directory)) is not None:
             _record(directory, recorded - own)
 
 
-def written(directory: Path) -> frozenset[str]:
+def recorded_files(directory: Path) -> frozenset[str]:
     """Return the names of the files that railgrip has recorded in a folder."""
-    return _recorded(directory) or frozenset()
+    return _read_record(directory) or frozenset()
 
 
 def _record(directory: Path, names: Iterable[str]) -> None:
     write_json(directory / RECORD, {_KEY: sorted(set(names))})
 
 
-def _recorded(directory: Path) -> frozenset[str] | None:
+def _read_record(directory: Path) -> frozenset[str] | None:
     """Return the names in the record of a folder; None without a valid record."""
     try:
         names = read_json(directory, RECORD).get(_KEY)
@@ -116,7 +116,7 @@ def _recorded(directory: Path) -> frozenset[str] | None:
 
 
 def _is_own(directory: Path, name: str) -> bool:
-    recorded = _recorded(directory)
+    recorded = _read_record(directory)
     if recorded is not None:
         return name in recorded
     # Release 0.1.0 wrote no records: its results are identified by their content.

@@ -103,7 +103,7 @@ def names(kind: str) -> list[str]:
     if kind in get_args(Shelf):
         return list(files(package))
     shipped = [name for name in modules(package) if name not in _SHARED]
-    return [*shipped, *_WITHOUT_MODULE.get(kind, ()), *_installed(kind)]
+    return [*shipped, *_WITHOUT_MODULE.get(kind, ()), *_read_installed(kind)]
 
 
 def meanings(kind: str) -> dict[str, str]:
@@ -111,11 +111,13 @@ def meanings(kind: str) -> dict[str, str]:
     package = SECTIONS[kind].package
     if kind in get_args(Shelf):
         return {name: _description(path) for name, path in files(package).items()}
-    known = {name: f"Installed: {place}" for name, place in _installed(kind).items()} | _WITHOUT_MODULE.get(kind, {})
+    known = {name: f"Installed: {place}" for name, place in _read_installed(kind).items()} | _WITHOUT_MODULE.get(
+        kind, {}
+    )
     return {name: known.get(name) or summary(package, name) for name in names(kind)}
 
 
-def _installed(kind: str) -> Mapping[str, str]:
+def _read_installed(kind: str) -> Mapping[str, str]:
     return next((installed_names(role) for role in get_args(Role) if role == kind), {})
 
 

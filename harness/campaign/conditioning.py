@@ -12,11 +12,11 @@ from railgrip.base import registry
 from railgrip.campaign.work import Work
 from railgrip.fmus.build import choose, fmu
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.conditioning import Conditioning, Repeated
+from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
-from railgrip.scenario.vehicle import Nudge, Recipe
+from railgrip.scenario.vehicle import Nudge, RecipePlant
 from railgrip.simulate.run import braking_distance
 from railgrip.trace.stop import StopRecord, read_stop
 
@@ -75,19 +75,21 @@ def campaign_of(campaign: Campaign, repeats: dict[str, Repeats]) -> Campaign:
     )
 
 
-def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: Path, relative: float) -> Conditioning:
+def conditioning_of(
+    campaign: Campaign, repeats: dict[str, Repeats], directory: Path, relative: float
+) -> ConditioningFile:
     """Return the conditioning of a campaign from the results of the repeats in a folder.
 
     Raises:
         RecordError: A repeat has no result.
     """
-    stops: dict[str, Repeated] = {}
+    stops: dict[str, RepeatedDistances] = {}
     for stop in campaign.stops:
         repeated = repeats[stop.name]
         records = [read_stop(directory / perturbed.name) for perturbed in repeated.perturbed]
         distances = [_distance(record) for record in records]
         figures = [record.metrics.beside_distance() for record in records]
-        stops[stop.name] = Repeated(
+        stops[stop.name] = RepeatedDistances(
             digest=stop.scenario.digest(),
             distances=tuple(sorted(distances, key=lambda distance: (distance is None, distance))),
             lots=tuple(_distance(read_stop(directory / lot.name)) for lot in repeated.lots),
@@ -100,7 +102,7 @@ def conditioning_of(campaign: Campaign, repeats: dict[str, Repeats], directory: 
                 if all(name in each for each in figures)
             },
         )
-    return Conditioning(relative=relative, stops=stops)
+    return ConditioningFile(relative=relative, stops=stops)
 
 
 DIVISORS = (2, 4)
@@ -111,8 +113,8 @@ The changes with half and a quarter of it show the error of time discretisation.
 
 
 def with_divided_steps(
-    campaign: Campaign, before: Conditioning, work: Work, *, count: int
-) -> tuple[dict[str, Repeated], dict[str, str]]:
+    campaign: Campaign, before: ConditioningFile, work: Work, *, count: int
+) -> tuple[dict[str, RepeatedDistances], dict[str, str]]:
     """Return the repeats of stops with their distances at divided communication steps, and the stops without them.
 
     Each stop is repeated up to `count` times at each step, with the first of the perturbed parameters; only once if its
@@ -132,7 +134,7 @@ def with_divided_steps(
         else:
             seeds = range(1, 1 + (1 if repeated.is_smooth else count))
             cases += [
-                (stop.name, divisor, _divided(stop.scenario, divisor, Nudge(relative=before.relative, seed=seed)))
+                (stop.name, divisor, _divide_step(stop.scenario, divisor, Nudge(relative=before.relative, seed=seed)))
                 for divisor in DIVISORS
                 for seed in seeds
             ]
@@ -146,7 +148,7 @@ def with_divided_steps(
     }, without
 
 
-def _divided(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
+def _divide_step(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
     periods = scenario.periods.model_copy(update={"communication": scenario.periods.communication / divisor})
     vehicle = scenario.vehicle.model_copy(update={"nudge": nudge})
     return scenario.model_copy(update={"periods": periods, "vehicle": vehicle})
@@ -154,7 +156,7 @@ def _divided(scenario: Scenario, divisor: int, nudge: Nudge) -> Scenario:
 
 def _other_compiler(stop: PlannedStop) -> dict[str, PlannedStop]:
     source = stop.scenario.vehicle.source
-    if choose("auto") == _OTHER or not isinstance(source, Recipe):
+    if choose("auto") == _OTHER or not isinstance(source, RecipePlant):
         return {}
     path = fmu(source.name, _OTHER)
     plant = NamedFile(entry=str(path), path=path)

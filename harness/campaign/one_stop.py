@@ -7,7 +7,7 @@ from typing import Protocol
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.outputs import make_folder
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.sources import input_versions
 from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
 from railgrip.trace.stop import FILES, require_place, write_stop
@@ -55,7 +55,7 @@ def run(
     Raises:
         RecordError: Results cannot be written to the folder, files of the user would be overwritten, or the folder is
             that of a campaign; nothing was run.
-        Unwritten: The result could not be written.
+        WriteFailed: The result could not be written.
         ScenarioError: The scenario requires something that its parts cannot do; the message names the scenario.
     """
     require_place(directory)
@@ -65,11 +65,11 @@ def run(
     except ScenarioError as problem:
         # Parts know the table and the key, but not the name of the scenario.
         raise ScenarioError(f"{scenario.name}: {problem}") if str(problem).startswith("[") else problem from None
-    stop = with_maker(stop)
+    stop = add_versions(stop)
     write_stop(stop, directory, keep_trace=keep_trace)
     return stop
 
 
-def with_maker(stop: Stop) -> Stop:
-    """Return a stop whose versions include those of the program that ran it; see `made_by`."""
-    return replace(stop, versions={**stop.versions, **made_by()})
+def add_versions(stop: Stop) -> Stop:
+    """Return a stop whose versions include those of the program that ran it; see `input_versions`."""
+    return replace(stop, versions={**stop.versions, **input_versions()})

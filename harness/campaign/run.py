@@ -11,11 +11,11 @@ from railgrip.base.files import PARTIAL, scratch, write_bytes, write_json
 from railgrip.base.outputs import RECORD, claim, discard, make_folder, require_free
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import Runner, run
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.sources import input_versions
 from railgrip.fmus.build import choose
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import remark
-from railgrip.report.results import OURS, makers, require_campaign
+from railgrip.report.results import OURS, fmu_tools, require_campaign
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.conditioning import read_conditioning
 from railgrip.scenario.kinds import Custom
@@ -101,7 +101,7 @@ def run_campaigns(
     for number, planned in enumerate(campaigns):
         for stop in planned.campaign.stops:
             folder = planned.directory / stop.name
-            if not fresh and (record := kept_result(stop, folder)) is not None:
+            if not fresh and (record := find_result(stop, folder)) is not None:
                 reports[number][stop.name] = report = _report(stop, "found", record.outcome, record.reason)
                 notify(report)
             else:
@@ -146,8 +146,13 @@ def _running(
             perform = _perform if scheduler is None else _perform_far
             running = {pool.submit(perform, order, runner): order for order in orders}
             yield (
-                (order, _failed(order, result) if isinstance(result, RailgripError) else _fetched(order, *result))
-                for order, result in processes.ended(running, check)
+                (
+                    order,
+                    _failure_report(order, result)
+                    if isinstance(result, RailgripError)
+                    else _store_report(order, *result),
+                )
+                for order, result in processes.collect(running, check)
             )
     finally:
         # Partial files of a process that was ended or crashed.
@@ -162,7 +167,7 @@ def _perform(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, by
         lambda: run(planned_stop.scenario, order.folder, runner, keep_trace=planned_stop.keep_trace)
     )
     if isinstance(stop, RailgripError):
-        return _failed(order, stop), {}
+        return _failure_report(order, stop), {}
     return _report(planned_stop, "done", stop.outcome, stop.reason), {}
 
 
@@ -182,7 +187,7 @@ def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str
     return report, files
 
 
-def _fetched(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
+def _store_report(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> Report:
     """Write the files of a stop that was run elsewhere, stop.json last, which marks a complete result.
 
     Return the report.
@@ -196,13 +201,13 @@ def _fetched(order: _StopOrder, report: Report, files: Mapping[str, bytes]) -> R
     return report
 
 
-def _failed(order: _StopOrder, problem: RailgripError) -> Report:
+def _failure_report(order: _StopOrder, problem: RailgripError) -> Report:
     return Report(
         stop=order.stop, state="refused" if isinstance(problem, InputError) else "failed", sentence=str(problem)
     )
 
 
-def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
+def find_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
     """Return the result of this stop in a folder, if the present program, packages and compilers would reproduce it.
 
     A message names a file of such a result that has changed since.
@@ -215,7 +220,7 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
         return None  # the imports of a user's class are unknown
     try:
         record = read_stop(directory)
-        if record.digest != scenario.digest() or not made_by().items() <= record.versions.items():
+        if record.digest != scenario.digest() or not input_versions().items() <= record.versions.items():
             return None
         if stop.keep_trace:
             if record.trace_digest is None:  # the samples could not be stored, or were not requested
@@ -224,7 +229,7 @@ def kept_result(stop: PlannedStop, directory: Path) -> StopRecord | None:
     except RecordError as problem:
         remark(f"{stop.name}: is run again, for {problem}")
         return None
-    compilers = [tool for name, tool in makers(record.versions).items() if Path(name).stem in read_recipes().recipes]
+    compilers = [tool for name, tool in fmu_tools(record.versions).items() if Path(name).stem in read_recipes().recipes]
     return record if all(tool.startswith(OURS) == (choose("auto") == "native") for tool in compilers) else None
 
 

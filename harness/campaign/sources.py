@@ -48,7 +48,7 @@ def sources_digest(study: str | None = None) -> str:
     return digest.hexdigest()
 
 
-def made_by(study: str | None = None) -> dict[str, str]:
+def input_versions(study: str | None = None) -> dict[str, str]:
     """Return name → version of all inputs of a result besides its scenario.
 
     These are the sources, by their digest as `SOURCES`, Python, packages, machine, and the compilers of C and FMUs.

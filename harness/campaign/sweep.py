@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import InputError, RailgripError, ScenarioError
 from railgrip.base.units import short
-from railgrip.campaign.workers import answer, ended
+from railgrip.campaign.workers import answer, collect
 from railgrip.campaign.workers import workers as processes
 from railgrip.report.console import progress
 from railgrip.scenario.schema import Scenario
@@ -202,8 +202,8 @@ def _here(stops: Sequence[tuple[Scenario, CustomParts]]) -> Iterator[tuple[int, 
 def _in_processes(stops: Sequence[tuple[Scenario, CustomParts]], workers: int) -> Iterator[tuple[int, Result]]:
     with processes(min(workers, len(stops)), main=False) as pool:
         running = {pool.submit(_result, *stop): number for number, stop in enumerate(stops)}
-        for number, result in ended(running):
-            yield number, _failed(result) if isinstance(result, RailgripError) else result
+        for number, result in collect(running):
+            yield number, _failure_result(result) if isinstance(result, RailgripError) else result
 
 
 def _portable(objects: CustomParts) -> bool:
@@ -220,10 +220,14 @@ def _portable(objects: CustomParts) -> bool:
 
 def _result(scenario: Scenario, objects: CustomParts) -> Result:
     stop = answer(lambda: run_stop(scenario, objects=objects))
-    return _failed(stop) if isinstance(stop, RailgripError) else Result(stop.outcome.value, stop.reason, stop.metrics)
+    return (
+        _failure_result(stop)
+        if isinstance(stop, RailgripError)
+        else Result(stop.outcome.value, stop.reason, stop.metrics)
+    )
 
 
-def _failed(problem: RailgripError) -> Result:
+def _failure_result(problem: RailgripError) -> Result:
     return Result("refused" if isinstance(problem, InputError) else "failed", str(problem), None)
 
 

@@ -26,7 +26,7 @@ from railgrip.controllers.law import Ranges as LawRanges
 from railgrip.controllers.tuned import SEARCHED, TYPE_TEST, SlipSource, file_of
 from railgrip.controllers.tuned import values as tuned_values
 from railgrip.scenario.campaign import PlannedStop, load_campaign
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance
 
@@ -148,7 +148,7 @@ def search(
     reference = list(pool.map(_distance, [_under(REFERENCE, "read", scenario) for scenario in scenarios]))
     reference_mean = float(np.mean(np.log(reference)))
     effort = _effort(len(ranges), sets, budget)
-    best = _evolved(
+    best = _evolve(
         objective, ranges, start, effort, pool, lambda n, mean: notify(n, math.expm1(mean - reference_mean)),
         evenly=budget is not None,
     )  # fmt: skip
@@ -163,7 +163,7 @@ def search(
     )
 
 
-def _evolved(
+def _evolve(
     objective: Callable[[Vector], float],
     ranges: Ranges,
     start: Mapping[str, float],
@@ -183,7 +183,7 @@ def _evolved(
     """
     population, generations = effort
     bounds = np.log(np.array(list(ranges.values())).T)
-    spread = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
+    unit_points = Sobol(len(ranges), rng=_SEED).random_base2(math.ceil(math.log2(population)))[:population]
     generation = 0
 
     def mapped(function: Callable[[Vector], float], points: Iterable[Vector]) -> list[float]:
@@ -198,7 +198,7 @@ def _evolved(
         objective,
         Bounds(*bounds),
         x0=point_of(ranges, start),
-        init=bounds[0] + spread * (bounds[1] - bounds[0]) if evenly else "sobol",
+        init=bounds[0] + unit_points * (bounds[1] - bounds[0]) if evenly else "sobol",
         popsize=population // len(ranges),
         maxiter=generations,
         tol=0.0,
@@ -216,7 +216,7 @@ def _effort(parameters: int, sets: int, budget: int | None) -> tuple[int, int]:
     # Sobol points come in powers of two; a population of twice the number of parameters is small, but sufficient.
     population = 1 << max(3, math.ceil(math.log2(2 * parameters)))
     if budget is not None and budget < 2 * population:
-        population = budget  # too few to evolve: the best of points spread evenly over the ranges
+        population = budget  # too few to evolve: the best of points spaced evenly over the ranges
     return population, max(0, math.ceil((sets * parameters if budget is None else budget) / population) - 1)
 
 
@@ -242,11 +242,11 @@ def text_of(law: str, results: Mapping[tuple[str, SlipSource], Optimum], command
 def _under(law: str, slip: str, scenario: Scenario) -> Scenario:
     """Return a scenario with another law, which uses the slip as read or as estimated by the scenario's estimator."""
     change: dict[str, Any] = {"controller": {"kind": law}} | ({"estimator": {"kind": "none"}} if slip == "read" else {})
-    return Scenario.model_validate(merged(scenario.resolved(), change))
+    return Scenario.model_validate(merge(scenario.resolved(), change))
 
 
 def _with(values: Mapping[str, float], scenario: Scenario) -> Scenario:
-    return Scenario.model_validate(merged(scenario.resolved(), {"controller": {"parameters": dict(values)}}))
+    return Scenario.model_validate(merge(scenario.resolved(), {"controller": {"parameters": dict(values)}}))
 
 
 def _distance(scenario: Scenario) -> float:

@@ -21,7 +21,7 @@ from railgrip.base.errors import InputError, RailgripError
 from railgrip.campaign import workers as processes
 from railgrip.campaign.one_stop import Runner
 from railgrip.campaign.run import CampaignRun, Report, State, run_campaigns
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.sources import input_versions
 from railgrip.report.console import Progress, complain, progress
 from railgrip.scenario.schema import Scenario
 
@@ -81,7 +81,7 @@ class Work:
             RailgripError: The first error of a case.
         """
         order = list(cases)
-        maker = made_by(self._study)
+        maker = input_versions(self._study)
         keys = [hashlib.sha256(_text([maker, function, case]).encode()).hexdigest() for case in order]
         case_of = dict(zip(keys, order, strict=True))
         self.expect(len(case_of))
@@ -97,7 +97,7 @@ class Work:
             self._pool = self._stack.enter_context(processes.pool(self.count, self.scheduler))
         pool, check = self._pool or (None, lambda: None)
         running = {pool.submit(function, case_of[key]): key for key in missing} if pool else {}
-        for key, result in processes.ended(running, check):
+        for key, result in processes.collect(running, check):
             if isinstance(result, RailgripError):
                 raise result
             if keep:
@@ -107,7 +107,7 @@ class Work:
             self.advance()
         return [results[key] for key in keys]
 
-    def timed(self, function: Callable[[C], R], cases: Sequence[C]) -> list[R]:
+    def measure_times(self, function: Callable[[C], R], cases: Sequence[C]) -> list[R]:
         """Return the result of each case with measured times: one by one, in this process, and never cached."""
         self.expect(len(cases))
         results: list[R] = []

@@ -85,7 +85,7 @@ def require_address(scheduler: str) -> None:
 
 @contextmanager
 def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
-    """Yield the workers of a Dask cluster, such as "tcp://host:8786", and a check for `ended` that workers exist.
+    """Yield the workers of a Dask cluster, such as "tcp://host:8786", and a check for `collect` that workers exist.
 
     A task of a lost worker is run again by another; a task that loses several workers fails. Workers must have one
     thread each and the same version of this program. An exception cancels all tasks.
@@ -150,7 +150,7 @@ def shared_pool(count: int) -> Generator[None]:
 
 @contextmanager
 def pool(count: int, scheduler: str | None) -> Generator[tuple[Executor, Callable[[], None]]]:
-    """Yield `count` local processes, or the workers of a Dask cluster, and a check for `ended`."""
+    """Yield `count` local processes, or the workers of a Dask cluster, and a check for `collect`."""
     if scheduler is not None:
         with cluster(scheduler) as far:
             yield far
@@ -193,7 +193,7 @@ class _Pool(Executor):
                 raise RailgripError(f"worker processes cannot be started: {problem}") from problem
 
 
-def ended(
+def collect(
     running: Mapping[Future[T], K], check: Callable[[], None] = lambda: None
 ) -> Iterator[tuple[K, T | RailgripError]]:
     """Yield each task and its result when it ends; an error if its process was lost.

@@ -30,10 +30,10 @@ from railgrip.report.baseline import accept as accept_numbers
 from railgrip.report.console import complain, say, show_table
 from railgrip.report.marked import write_tables
 from railgrip.report.results import read_results
-from railgrip.report.table import Table, yes_no
+from railgrip.report.table import ReportTable, yes_no
 from railgrip.report.validation import TABLES
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.conditioning import Repeated, read_conditioning, text_of
+from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning, text_of
 from railgrip.studies.study import headlines
 
 BASELINES = Path("tests/baselines")
@@ -148,7 +148,7 @@ def conditioning(
     selection = loaded.only(lambda stop: fnmatch(stop.name, stops))
     if not selection.stops:
         raise ScenarioError(f"--stops {stops}: {file.name} has no such stop; it has {loaded.stops[0].name} and others")
-    others = {} if stops == "*" else _repeated_before(loaded.conditioning, relative)
+    others = {} if stops == "*" else _previous_repeats(loaded.conditioning, relative)
     repetitions = {stop.name: repeats_of(stop, count=repeats, lots=lots, relative=relative) for stop in selection.stops}
     directory = out / loaded.name
     problem = run_campaigns(
@@ -167,7 +167,7 @@ def conditioning(
         for name, stop in results.stops.items()
     ]
     metres = dict.fromkeys(("shortest", "median", "longest"), "{:.2f} m")
-    show_table(Table(rows, {**metres, "spreads": yes_no}))
+    show_table(ReportTable(rows, {**metres, "spreads": yes_no}))
     say(str(loaded.conditioning))
     if problem:
         raise typer.Exit(problem)
@@ -199,7 +199,7 @@ def discretisation(
     say(str(loaded.conditioning))
 
 
-def _repeated_before(path: Path, relative: float) -> dict[str, Repeated]:
+def _previous_repeats(path: Path, relative: float) -> dict[str, RepeatedDistances]:
     before = read_conditioning(path)
     if before.relative != relative:
         raise ScenarioError(

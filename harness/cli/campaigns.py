@@ -13,17 +13,17 @@ from railgrip.campaign.work import work
 from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
 from railgrip.cli.output import AsJson, print_json
 from railgrip.cli.runs import runner
-from railgrip.report.baseline import beyond_accepted
+from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
 from railgrip.report.console import complain, progress, say, show_all
-from railgrip.report.distances import documented, rows_of, shown
+from railgrip.report.distances import documentation_tables, reader_tables, rows_of
 from railgrip.report.headline import headline
 from railgrip.report.index import reference_of, write_report
 from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results
 from railgrip.report.row import Row
-from railgrip.report.variants import Reference, change_table, changes_against
+from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign
 from railgrip.trace.stop import require_no_result
 
@@ -62,7 +62,7 @@ def campaign(
     campaigns = [load_campaign(file, overrides or []) for file in files]
     if against is not None:
         for loaded in campaigns:
-            Reference.named(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
+            ReferenceVariant.find(against, [stop.variants for stop in loaded.stops])  # refused before hours of stops
     # Accepted distances apply to the campaign as its file defines it.
     baselines = [None if overrides else BASELINES / file.name for file in files]
     folder = out if out is not None and len(files) == 1 else None
@@ -88,11 +88,11 @@ def campaign(
     for run, baseline in zip(runs, baselines, strict=True):
         results = read_results(run.directory)
         rows = rows_of(results)
-        show_all(shown(rows, hidden=_NOT_ON_SCREEN) or ["no results"])
+        show_all(reader_tables(rows, hidden=_NOT_ON_SCREEN) or ["no results"])
         _show_result(results, rows, against)
         for sentence in by_compiler(results.stops):
             say(sentence)
-        for sentence in [] if baseline is None else beyond_accepted(results, baseline):
+        for sentence in [] if baseline is None else baseline_deviations(results, baseline):
             complain(sentence)
         say(f"{run.directory}/index.html")
     if problem:
@@ -115,7 +115,7 @@ def report(
     formats = formats_of(figure_formats)
     if write is not None:
         rows = rows_of(read_results(directory))
-        tables = {f"{directory.name}, {name}": table for name, table in documented(rows).items()}
+        tables = {f"{directory.name}, {name}": table for name, table in documentation_tables(rows).items()}
         wanted = names_in(page_text(write))
         chosen = {name: table for name, table in tables.items() if name in wanted} or tables
         write_tables(write, chosen)

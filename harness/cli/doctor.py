@@ -22,11 +22,11 @@ from railgrip.base.errors import RailgripError
 from railgrip.base.programs import find_program
 from railgrip.base.registry import Role, installed_names
 from railgrip.report.console import complain, say, show_table
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class CheckResult:
     """Result of a check.
 
     Attributes:
@@ -50,7 +50,7 @@ def doctor() -> None:
         {"": "PROBLEM" if finding.remedy else "ok", "check": finding.what, "found": finding.found}
         for finding in findings
     ]
-    show_table(Table(rows, left=("", "check", "found")))
+    show_table(ReportTable(rows, left=("", "check", "found")))
     problems = [finding for finding in findings if finding.remedy]
     for problem in problems:
         complain(f"{problem.what}: {problem.found}: {problem.remedy}")
@@ -59,72 +59,74 @@ def doctor() -> None:
     say("No problems.")
 
 
-def _findings_of(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:
+def _findings_of(name: str, check: Callable[[], Iterator[CheckResult]]) -> list[CheckResult]:
     """Return the findings of a check; an exception is reported as a problem."""
     try:
         return list(check())
     except RailgripError as problem:
-        return [Finding(name, "fails", str(problem))]
+        return [CheckResult(name, "fails", str(problem))]
     except Exception as problem:  # a compiled package that does not load may raise any exception
         words = f"{type(problem).__name__}: {problem}"
-        return [Finding(name, words, "install railgrip anew: python -m pip install --force-reinstall railgrip")]
+        return [CheckResult(name, words, "install railgrip anew: python -m pip install --force-reinstall railgrip")]
 
 
-def _versions() -> Iterator[Finding]:
-    yield Finding("railgrip", f"{railgrip.__version__} in {Path(railgrip.__file__).parent}")
-    yield Finding("Python", f"{platform.python_version()} on {platform.platform()}, {sys.executable}")
+def _versions() -> Iterator[CheckResult]:
+    yield CheckResult("railgrip", f"{railgrip.__version__} in {Path(railgrip.__file__).parent}")
+    yield CheckResult("Python", f"{platform.python_version()} on {platform.platform()}, {sys.executable}")
     required = [requirement for requirement in distribution("railgrip").requires or () if "extra ==" not in requirement]
     found: list[str] = []
     for name in [re.split(r"[^A-Za-z0-9._-]", name, maxsplit=1)[0] for name in required]:
         try:
             found.append(f"{name} {version(name)}")
         except PackageNotFoundError:
-            yield Finding(name, "is not installed", f"python -m pip install '{next(o for o in required if name in o)}'")
-    yield Finding("packages", ", ".join(found))
+            yield CheckResult(
+                name, "is not installed", f"python -m pip install '{next(o for o in required if name in o)}'"
+            )
+    yield CheckResult("packages", ", ".join(found))
 
 
-def _files_of_the_package() -> Iterator[Finding]:
+def _files_of_the_package() -> Iterator[CheckResult]:
     files = distribution("railgrip").files or []
     package_files = [file for file in files if file.parts[0] == "railgrip" and file.suffix != ".pyc"]
     missing = [str(file) for file in package_files if not Path(str(file.locate())).is_file()]
     if missing:
         words = f"{len(missing)} of {len(package_files)} files are missing, {missing[0]} among them"
-        yield Finding("files of the package", words, "python -m pip install --force-reinstall --no-deps railgrip")
+        yield CheckResult("files of the package", words, "python -m pip install --force-reinstall --no-deps railgrip")
     else:
-        yield Finding(
+        yield CheckResult(
             "files of the package",
             f"{len(package_files)}, all there" if package_files else "used from a folder of sources",
         )
 
 
-def _compiler() -> Iterator[Finding]:
+def _compiler() -> Iterator[CheckResult]:
     from railgrip.fmus.native.toolchain import binary, compiler
 
     cc = compiler()
     size = len(binary({"doctor.c": "double half(double x) { return 0.5 * x; }\n"}, "doctor"))
-    yield Finding("C compiler", f"{' '.join(cc.command)} ({cc.version}), compiles a library of {size} bytes")
+    yield CheckResult("C compiler", f"{' '.join(cc.command)} ({cc.version}), compiles a library of {size} bytes")
 
 
-def _openmodelica() -> Iterator[Finding]:
+def _openmodelica() -> Iterator[CheckResult]:
     omc = find_program("omc")
-    yield Finding("OpenModelica", omc or "not found; the built-in compiler makes the FMUs")
+    yield CheckResult("OpenModelica", omc or "not found; the built-in compiler makes the FMUs")
 
 
-def _fmus() -> Iterator[Finding]:
+def _fmus() -> Iterator[CheckResult]:
     from railgrip.fmi.description import PLATFORM
 
-    yield Finding("FMUs", f"FMPy {version('fmpy')} loads those with binaries for {PLATFORM}")
+    yield CheckResult("FMUs", f"FMPy {version('fmpy')} loads those with binaries for {PLATFORM}")
 
 
-def _cache() -> Iterator[Finding]:
+def _cache() -> Iterator[CheckResult]:
     folder = cache.folder()
     cache.keep("doctor", "writable", "written", b"by railgrip doctor")
     size = sum(file.lstat().st_size for file in folder.rglob("*") if not file.is_dir())
     most = f"{cache.LARGEST / 1e9:.0f} GB at most"
-    yield Finding("cache", f"{folder}, {size / 1e6:.0f} MB, {most}; {cache.VARIABLE} names another")
+    yield CheckResult("cache", f"{folder}, {size / 1e6:.0f} MB, {most}; {cache.VARIABLE} names another")
 
 
-def _folders() -> Iterator[Finding]:
+def _folders() -> Iterator[CheckResult]:
     for what, folder, remedy in (
         ("temporary folder", Path(gettempdir()), "name one that you may write in TMPDIR, or make room"),
         ("current folder", Path.cwd(), "results go to build below it: change to another folder, or use --out"),
@@ -133,13 +135,13 @@ def _folders() -> Iterator[Finding]:
             with TemporaryFile(dir=folder) as file:
                 file.write(b"railgrip doctor")
         except OSError as problem:
-            yield Finding(what, f"{folder} cannot be written: {problem.strerror}", remedy)
+            yield CheckResult(what, f"{folder} cannot be written: {problem.strerror}", remedy)
         else:
             room = shutil.disk_usage(folder).free
-            yield Finding(what, f"{folder}, {room / 1e9:.1f} GB free")
+            yield CheckResult(what, f"{folder}, {room / 1e9:.1f} GB free")
 
 
-def _parts_of_other_packages() -> Iterator[Finding]:
+def _parts_of_other_packages() -> Iterator[CheckResult]:
     from railgrip.scenario.kinds import Custom
     from railgrip.simulate.importing import class_of
 
@@ -149,14 +151,14 @@ def _parts_of_other_packages() -> Iterator[Finding]:
         try:
             class_of(Custom(kind=name), role)
         except RailgripError as problem:
-            yield Finding(what, str(problem), f"correct or remove the package with the entry point railgrip.{role}")
+            yield CheckResult(what, str(problem), f"correct or remove the package with the entry point railgrip.{role}")
         else:
-            yield Finding(what, installed_names(role)[name])
+            yield CheckResult(what, installed_names(role)[name])
     if not names:
-        yield Finding("parts of other packages", f"none; entry points are railgrip.{', '.join(get_args(Role))}")
+        yield CheckResult("parts of other packages", f"none; entry points are railgrip.{', '.join(get_args(Role))}")
 
 
-CHECKS: Mapping[str, Callable[[], Iterator[Finding]]] = {
+CHECKS: Mapping[str, Callable[[], Iterator[CheckResult]]] = {
     "versions": _versions,
     "files of the package": _files_of_the_package,
     "C compiler": _compiler,

@@ -19,7 +19,7 @@ from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth
-from railgrip.estimation.plausible import strange_estimates, strange_signals
+from railgrip.estimation.plausible import check_estimates, check_signals
 from railgrip.estimation.run import units_of
 from railgrip.estimation.sources import recording_of_estimation
 from railgrip.estimation.spec import (
@@ -31,8 +31,8 @@ from railgrip.estimation.spec import (
     prediction_for,
 )
 from railgrip.report.console import complain, progress, remark, say, show_table
-from railgrip.report.estimation import estimated, information
-from railgrip.report.table import Form, Table, share
+from railgrip.report.estimation import information, write_estimates_figure
+from railgrip.report.table import Form, ReportTable, share
 from railgrip.trace.samples import knows
 
 OUT = Path("build/estimate")
@@ -91,7 +91,7 @@ def observability(
         }
         for what, time, result in points
     ]
-    show_table(Table(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
+    show_table(ReportTable(ranks, left=("at", "not determined"), title="Rank of the readings and their derivatives"))
     claim(folder, *files)
     _write_windows(windows, folder / "observability.csv")
     gate = specification.gate
@@ -123,12 +123,12 @@ def estimate(
         estimates = estimate_of(specification, recording)
     claim(folder, *files)
     write_bytes(folder / "estimates.nc", bytes(estimates.to_netcdf(engine="h5netcdf")))
-    strange = strange_signals(recording, (*prediction.inputs, *prediction.outputs)) + strange_estimates(estimates)
+    strange = check_signals(recording, (*prediction.inputs, *prediction.outputs)) + check_estimates(estimates)
     problems = [*strange, *([estimates.attrs["ended"]] if estimates.attrs["ended"] else [])]
     parameters = model_parameters(specification)
     judgements = {state: judge(recording, estimates, state) for state in _known_states(recording, estimates)}
     with progress(f"{specification.name}: figure"):
-        picture = estimated(recording, estimates, prediction.inputs, folder / "estimates.png")
+        picture = write_estimates_figure(recording, estimates, prediction.inputs, folder / "estimates.png")
     if as_json:
         print_json(
             {
@@ -222,7 +222,7 @@ def inspect(
     ]
     forms: dict[str, Form] = dict.fromkeys(("period [ms]", "least", "largest", "longest [s]"), "{:.4g}")
     forms |= dict.fromkeys(("from [s]", "to [s]"), "{:.3f}")
-    show_table(Table(rows, forms, left=("column", "signal", "unit"), title=run.name))
+    show_table(ReportTable(rows, forms, left=("column", "signal", "unit"), title=run.name))
     if inspection.texts:
         say(f"Not numbers: {', '.join(inspection.texts)}.")
     if out is None:
@@ -263,7 +263,7 @@ def _show_parameters(specification: Specification, parameters: Sequence[ModelPar
         for (name, origin), elements in rows.items()
     ]
     title = f"Parameters of {specification.model.class_}"
-    show_table(Table(table, left=("parameter", "value", "unit", "origin", "meaning"), title=title))
+    show_table(ReportTable(table, left=("parameter", "value", "unit", "origin", "meaning"), title=title))
     defaults = sum(each.is_default for each in parameters)
     if defaults and is_users:
         remark(
@@ -317,7 +317,7 @@ def _print_errors(recording: xarray.Dataset, estimates: xarray.Dataset, judgemen
         "NEES": "{:.3g}",
         "within 2 sd": share,
     }
-    show_table(Table(rows, forms, title=f"{recording.attrs['name']}: estimate minus truth"))
+    show_table(ReportTable(rows, forms, title=f"{recording.attrs['name']}: estimate minus truth"))
 
 
 def _write_windows(windows: xarray.Dataset, path: Path) -> None:
@@ -326,4 +326,4 @@ def _write_windows(windows: xarray.Dataset, path: Path) -> None:
     columns = ["time_s", "smallest", *(f"singular_{s}" for s in states), *(f"deviation_{s}" for s in states)]
     parts = (windows[name].values for name in ("time", "smallest", "singular", "deviation"))
     rows = [[f"{value:.6g}" for part in row for value in part.ravel()] for row in zip(*parts, strict=True)]
-    Table.of(columns, rows).write_csv(path)
+    ReportTable.of(columns, rows).write_csv(path)

@@ -17,7 +17,7 @@ from railgrip.fmus.native.toolchain import TARGETS
 from railgrip.report.console import remark, say
 from railgrip.scenario.load import load
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.mapped import controller_lines, mapped
+from railgrip.simulate.mapped import controller_lines, find_mapping
 from railgrip.simulate.parts_in_c import part_fmu, write_library
 from railgrip.simulate.plant_fmu import plant_fmu
 from railgrip.simulate.roles import require_role, role_of
@@ -135,7 +135,7 @@ def map_(
         return
     require_role(description, "plant", "railgrip map")
     try:
-        draft = mapped(
+        draft = find_mapping(
             description, wheelsets_per_group=tuple(per_group or ()), speed=speed, period=period, notify=remark
         )
     except PlantFailed as failed:

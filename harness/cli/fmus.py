@@ -12,13 +12,13 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.cli.app import fail
 from railgrip.fmi.comparison import validation_problems
-from railgrip.fmi.survey import Surveyed, survey
+from railgrip.fmi.survey import SurveyResult, survey
 from railgrip.fmus.build import OUTPUT, Compiler, build, build_class, translate
 from railgrip.fmus.lock import LOCK, Entry, differences, read_lock, write_lock
 from railgrip.fmus.recipe import read_recipes
 from railgrip.report.console import progress, say, show_table
 from railgrip.report.marked import write_tables
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 
 def build_command(
@@ -78,7 +78,7 @@ def _list() -> None:
         }
         for name, recipe in read_recipes().recipes.items()
     ]
-    show_table(Table(rows, left=list(rows[0])))
+    show_table(ReportTable(rows, left=list(rows[0])))
 
 
 PAGE = Path("docs/foreign_fmus.md")
@@ -99,14 +99,16 @@ def survey_command(
         raise InputError(f"{folder}: there is no file *.fmu in it or below it.")
     out.parent.mkdir(parents=True, exist_ok=True)
     lines = ("file", "tool", "FMI", "reason", "sentence")
-    Table.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(out)
-    table = _surveyed_table(rows)
+    ReportTable.of(lines, [(str(r.file), r.tool, r.interface, r.reason, r.sentence) for r in rows], left=5).write_csv(
+        out
+    )
+    table = _survey_table(rows)
     show_table(table)
     if write:
         write_tables(PAGE, {"fmus": table})
 
 
-def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
+def _survey_table(rows: Sequence[SurveyResult]) -> ReportTable:
     """Return a table of the FMUs that step, by tool and interface, with the reasons of the others."""
     kinds = dict.fromkeys(sorted((row.tool.lower(), row.tool, row.interface) for row in rows))
     lines: list[tuple[str, str, int, int, str]] = []
@@ -118,7 +120,7 @@ def _surveyed_table(rows: Sequence[Surveyed]) -> Table:
     stepping = {row.file for row in rows if not row.reason}
     lines.append(("all, each counted once", "", len({row.file for row in rows}), len(stepping), ""))
     return replace(
-        Table.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
+        ReportTable.of(("tool", "FMI", "FMUs", "step", "refused or failed, why"), lines, left=2),
         left=("tool", "FMI", "refused or failed, why"),
     )
 

@@ -13,7 +13,7 @@ from railgrip.base.registry import SECTIONS, Kind, meanings
 from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.json_schema import campaign_schema, extending_schema, scenario_schema, schema_of
 
@@ -31,7 +31,7 @@ def list_(
         return
     for kind_ in kinds:
         rows = [{"name": name, "meaning": meaning} for name, meaning in meanings(kind_).items()]
-        show_table(Table(rows, left=("name", "meaning"), title=kind_.capitalize()))
+        show_table(ReportTable(rows, left=("name", "meaning"), title=kind_.capitalize()))
 
 
 def schema(
@@ -100,7 +100,7 @@ def new(
     if file.exists():
         raise InputError(f"{file} is already there; name another file")
     name_of_class = "".join(part[:1].upper() + part[1:] for part in file.stem.split("_")) or "Own"
-    text = template.read_text(encoding="utf-8").replace("CLASS", name_of_class).replace("NAME", file.stem)
+    text = template.read_text(encoding="utf-8").replace(kind.upper(), name_of_class).replace("NAME", file.stem)
     write_text(file, text)
     if kind in ("scenario", "train", "campaign"):
         write_schema(kind, file)

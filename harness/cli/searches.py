@@ -21,7 +21,7 @@ from railgrip.campaign.workers import workers as processes
 from railgrip.cli.app import ImportFrom, Workers
 from railgrip.controllers.tuned import SlipSource, file_of
 from railgrip.report.console import progress, say
-from railgrip.studies.field_test.filtering import equations, filter_of, follow, lost, save_noise, task_of
+from railgrip.studies.field_test.filtering import divergence_time, equations, filter_of, follow, save_noise, task_of
 from railgrip.studies.field_test.runs import TUNING, runs
 from railgrip.studies.field_test.runs import cases as field_cases
 from railgrip.studies.field_test.tune import DIVERGED, Search
@@ -145,7 +145,7 @@ def tune(
     say(f"{kind}: {value:.6f} m/s after {len(history)} generations")
     filter_ = filter_of(model, tasks[0].data.period)
     for case, task in zip(field_runs, tasks, strict=True) if value < DIVERGED else ():
-        instant = lost(task, follow(task, filter_, noise))
+        instant = divergence_time(task, follow(task, filter_, noise))
         if instant is not None:
             say(f"Case {case}: the filter is lost from {instant:.2f} s on, its innovations are far beyond its claims.")
     say(str(out))

@@ -20,7 +20,7 @@ from railgrip.rolling_stock.tables import (
     table_of_axles,
     table_of_distributors,
 )
-from railgrip.scenario.file import located
+from railgrip.scenario.file import locate
 
 trains = typer.Typer(
     help="Draw and check trains in files.",
@@ -77,7 +77,7 @@ def check(file: TrainFile, as_json: AsJson = False) -> None:
         if is_wrong:
             raise typer.Exit(InputError.exit_code)
         return
-    name = located(file, "trains").name
+    name = locate(file, "trains").name
     for result in results:
         if not result.wrong:
             remark(f"{name}: {result}")

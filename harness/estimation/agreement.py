@@ -136,14 +136,14 @@ def disagreements(
 
     Comparisons without the necessary signals or parameters are omitted.
     """
-    comparison = _Comparison(specification, run)
+    comparison = _RecordingComparison(specification, run)
     found = comparison.scales()
     if not any(each.is_impossible for each in found):
         found += comparison.delays()
-    return found + _Comparison(specification, run if braking is None else braking).forces()
+    return found + _RecordingComparison(specification, run if braking is None else braking).forces()
 
 
-class _Comparison:
+class _RecordingComparison:
     """The signals of a recording, and the parameters of the model for the comparisons."""
 
     def __init__(self, specification: Specification, recording: xarray.Dataset) -> None:
@@ -182,7 +182,7 @@ class _Comparison:
     def _is_long(self, where: Mask) -> bool:
         return bool(where.sum() * self._period >= ENOUGH and where.sum() >= 10)
 
-    def _applied(self) -> Mask:
+    def _brake_mask(self) -> Mask:
         """Return a mask of the samples at which a brake is applied."""
         gate = self._specification.gate
         applied = np.zeros(self._time.size, dtype=np.bool_)
@@ -193,12 +193,12 @@ class _Comparison:
             applied |= values > max(released, APPLIED * float(values.max()))
         return applied
 
-    def _released(self) -> Mask:
+    def _release_mask(self) -> Mask:
         """Return a mask of the samples before which no brake has been applied for `SETTLING`."""
         count = round(SETTLING / self._period)
         kernel = np.zeros(2 * count + 1, dtype=np.bool_)
         kernel[count:] = True  # a true sample reaches to the samples after it
-        return np.logical_not(binary_dilation(self._applied(), kernel))
+        return np.logical_not(binary_dilation(self._brake_mask(), kernel))
 
     # ---- scale --------------------------------------------------------------------------------------------------
 
@@ -209,7 +209,7 @@ class _Comparison:
         top = float(np.quantile(np.abs(self._speed), 0.99))
         fastest = max(float(np.quantile(np.abs(self._rim(name)), 0.99)) for name in self._wheels)
         moving = np.abs(self._speed) > 0.15 * top
-        rolling = moving & self._released()
+        rolling = moving & self._release_mask()
         if max(top, fastest) < SLOWEST or not self._is_long(moving):
             return []
         found: dict[str, float] = {}
@@ -230,8 +230,8 @@ class _Comparison:
         first = names[0]
         when = "while nothing brakes" if is_rolling else "where slip is smallest"
         what = (
-            f"{self._described(names)} times r_wheel ({self._radius(first):g} m) is {ratio:.3g} times "
-            f"{self._described(['speed'])} {when}; expected is 1"
+            f"{self._describe(names)} times r_wheel ({self._radius(first):g} m) is {ratio:.3g} times "
+            f"{self._describe(['speed'])} {when}; expected is 1"
         )
         is_impossible = not (NO_RADIUS if is_rolling else SLIDING)[0] <= ratio <= NO_RADIUS[1]
         if abs(ratio) < STANDING and len(names) < len(self._wheels):
@@ -291,7 +291,7 @@ class _Comparison:
         time = self._time[usable]
         begin, end = _line(time, shifts[names[0]])
         direction = "behind" if delay > 0.0 else "ahead of"
-        what = f"{self._described(names)} is about {abs(delay):.2g} s {direction} {self._described(['speed'])}"
+        what = f"{self._describe(names)} is about {abs(delay):.2g} s {direction} {self._describe(['speed'])}"
         elapsed = float(time[-1] - self._time[0])
         if elapsed > 0.0 and abs(end - begin) > 0.5 * abs(delay) and abs(end) > abs(begin):
             what += f", {abs(begin):.2g} s at {time[0]:.1f} s and {abs(end):.2g} s at {time[-1]:.1f} s"
@@ -314,7 +314,7 @@ class _Comparison:
         if self._speed is None or not self._wheels or mass is None or inertias is None or not self._brakes:
             return []
         rims = np.stack([self._rim(name) for name in self._wheels], axis=1)
-        applied = self._applied()
+        applied = self._brake_mask()
         is_braked = self._is_long(applied)
         if not is_braked:  # which other force slows the train?
             applied = self._slowing() > 2.0 * GRADIENT * GRAVITY
@@ -347,8 +347,8 @@ class _Comparison:
         ratio = expected / observed if observed > 0.0 else np.inf
         text = f"{ratio:.3g} times" if np.isfinite(ratio) else "far more than"
         sentence = (
-            f"the brake force computed from {self._described(names)}, {expected / 1e3:.3g} kN on average, is {text} "
-            f"the {observed / 1e3:.3g} kN that slow {mass / 1e3:.3g} t in {self._described(['speed'])}. "
+            f"the brake force computed from {self._describe(names)}, {expected / 1e3:.3g} kN on average, is {text} "
+            f"the {observed / 1e3:.3g} kN that slow {mass / 1e3:.3g} t in {self._describe(['speed'])}. "
             f"{self._units_for({names[0]: 1.0 / ratio if ratio else np.inf}, ratio, 0.5)}"
         )
         return [
@@ -416,7 +416,7 @@ class _Comparison:
 
     # ---- words --------------------------------------------------------------------------------------------------
 
-    def _described(self, names: Sequence[str]) -> str:
+    def _describe(self, names: Sequence[str]) -> str:
         """Return the name of a signal, or of all elements of an array, with their columns."""
         elements = [name for name in self._units if _base(name) == _base(names[0])]
         name = _base(names[0]) if len(names) == len(elements) else ", ".join(names)

@@ -40,7 +40,8 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
 
     Args:
         run: Readings `speed`, `acceleration_along[i]`, `latitude`, `longitude`, `height` (NaN between the samples of
-            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and the signals of `driven` and `braked`.
+            the receiver), `wheelset_speed[i]`, `cylinder_pressure[i]`, and the signals of `traction_mask` and
+            `brake_mask`.
 
     Raises:
         EstimationError: A reading is missing, the train did not brake, or it was driven until it braked.
@@ -50,11 +51,11 @@ def braking_of(run: xarray.Dataset, course: CourseTable) -> Braking:
     track = motion.course
     slope, curvature = (np.interp(motion.distance, track.distance, of) for of in (track.slope, track.curvature))
     force = force_along(slope, curvature, course.mass, course.curve_law)
-    brakes, period = braked(run), period_of(run)
+    brakes, period = brake_mask(run), period_of(run)
     if not brakes.any():
         raise EstimationError(f"{who}: the train did not brake.")
     onset = int(np.argmax(brakes))
-    last = int(np.flatnonzero(np.append(True, driven(run)[:onset]))[-1])  # number of samples until driving ended
+    last = int(np.flatnonzero(np.append(True, traction_mask(run)[:onset]))[-1])  # number of samples until driving ended
     first = last + round(COASTING / period) if last else 0
     if first >= onset:
         raise EstimationError(
@@ -87,7 +88,7 @@ def _motion(run: xarray.Dataset, course: CourseTable, who: str) -> Motion:
     )
 
 
-def driven(run: xarray.Dataset) -> NDArray[np.bool_]:
+def traction_mask(run: xarray.Dataset) -> NDArray[np.bool_]:
     """Return a mask of the samples with driving, shape (k,): from `driving` of a user's file or the traction of a stop.
 
     Raises:
@@ -98,7 +99,7 @@ def driven(run: xarray.Dataset) -> NDArray[np.bool_]:
     return samples(run, ("driving",), ("1",))[:, 0] > 0.5
 
 
-def braked(run: xarray.Dataset) -> NDArray[np.bool_]:
+def brake_mask(run: xarray.Dataset) -> NDArray[np.bool_]:
     """Return a mask of the samples with braking, shape (k,): from `braking` of a user's file or the demand of a stop.
 
     Without either signal, the samples at which a cylinder pressure exceeds `FILLED`.

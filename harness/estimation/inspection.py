@@ -61,14 +61,14 @@ _MAY_REST = {"speed", "wheelset_speed", "latitude", "longitude", "height"}
 _LEAST = 0.6
 """Similarity of names below which a column is not recognised."""
 _DEGREES = ("latitude", "longitude")
-_MOST_ACCELEROMETERS = 16
+_MAX_ACCELEROMETERS = 16
 _BRIDGED = 1.0
 """Longest gap of an input that a proposal interpolates over [s]."""
 _GAP = 2.5
 """Number of periods without a sample that counts as a gap."""
 
 
-_Wanted = tuple[str, bool]
+_RequiredSignal = tuple[str, bool]
 """Unit of a signal of the model, and whether the model requires the signal."""
 
 _UNKNOWN = "?"
@@ -76,7 +76,7 @@ _UNKNOWN = "?"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class ColumnMatch:
     """A column of a recording.
 
     Attributes:
@@ -115,7 +115,7 @@ class Inspection:
         parameters: Vehicle data that the model needs, with their defaults.
     """
 
-    findings: tuple[Finding, ...]
+    findings: tuple[ColumnMatch, ...]
     texts: tuple[str, ...]
     signals: Mapping[str, str]
     proposal: str
@@ -145,8 +145,8 @@ def inspect_recording(
     findings = [finding for name, column in series.items() for finding in _findings(name, column)]
     if not findings:
         raise EstimationError(f"{path.name}: has no column with two numbers beside its time; name another recording.")
-    wanted = _wanted(specification)
-    recognised = _recognised(findings, wanted)
+    wanted = _required_signals(specification)
+    recognised = _recognise(findings, wanted)
     period = min(finding.period for finding in recognised.values() or findings)
     lines, unrecognised = _columns(wanted, recognised)
     parameters = tuple(model_parameters(specification))
@@ -254,7 +254,7 @@ def _clock_line(clock: TimeColumn, path: Path) -> str:
     return f"time = {{ column = {_toml(clock.column)}, unit = {_toml(unit_of_time)} }}{remark}"
 
 
-def _findings(name: str, series: Series) -> Iterator[Finding]:
+def _findings(name: str, series: Series) -> Iterator[ColumnMatch]:
     """Yield the description of a column, if it has two samples or more."""
     there = np.isfinite(series.values) & np.isfinite(series.time)
     time, values = series.time[there], series.values[there]
@@ -262,7 +262,7 @@ def _findings(name: str, series: Series) -> Iterator[Finding]:
     if not (steps > 0.0).any():
         return
     period = float(np.median(steps[steps > 0.0]))
-    yield Finding(
+    yield ColumnMatch(
         name=name,
         unit=series.unit,
         samples=int(values.size),
@@ -275,7 +275,7 @@ def _findings(name: str, series: Series) -> Iterator[Finding]:
     )
 
 
-def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
+def _gap_lines(inputs: Sequence[ColumnMatch], period: float) -> Iterator[str]:
     """Yield lines on gaps of inputs: short ones are bridged, and the part beyond a long one is cut off."""
     gaps = sorted(gap for finding in inputs for gap in finding.gaps)
     longest = max((length for _, length in gaps if length <= _BRIDGED), default=0.0)
@@ -290,7 +290,9 @@ def _gap_lines(inputs: Sequence[Finding], period: float) -> Iterator[str]:
         yield f'end = "{end:.6g} s"'
 
 
-def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapping[str, _Wanted]) -> Finding:
+def _with_unit(
+    finding: ColumnMatch, recognised: Mapping[str, ColumnMatch], wanted: Mapping[str, _RequiredSignal]
+) -> ColumnMatch:
     """Return a column with its unit as the signal that it was recognised as."""
     target = next((wanted[signal][0] for signal, other in recognised.items() if other is finding), "")
     return replace(finding, unit=(_unit_of(finding, target) if target else "") or finding.unit)
@@ -299,19 +301,19 @@ def _with_unit(finding: Finding, recognised: Mapping[str, Finding], wanted: Mapp
 # ---- signals of the model -----------------------------------------------------------------------------------------
 
 
-def _wanted(specification: Specification) -> dict[str, _Wanted]:
+def _required_signals(specification: Specification) -> dict[str, _RequiredSignal]:
     """Return the signals that an estimation may read, by name, with several accelerometers along the track."""
     units, inputs, outputs = signals_of(specification.model_copy(update={"data": None}))
-    wanted: dict[str, _Wanted] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
+    wanted: dict[str, _RequiredSignal] = {name: (units[name], name in inputs) for name in (*inputs, *outputs)}
     if specification.course is not None:
         wanted |= {name: (text, name != "braking") for name, text in UNITS_OF_RUN.items()}
-        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MOST_ACCELEROMETERS + 1)}
+        wanted |= {f"{ACCELERATION}[{i}]": ("m/s2", i == 1) for i in range(1, _MAX_ACCELEROMETERS + 1)}
         wanted["speed"] = "m/s", True
         wanted.pop("acceleration", None)  # the filter uses the mean of those along the track
     return wanted
 
 
-def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> dict[str, Finding]:
+def _recognise(findings: Sequence[ColumnMatch], wanted: Mapping[str, _RequiredSignal]) -> dict[str, ColumnMatch]:
     """Return signal → column, matched by names, numbers in names and dimensions; each column is used once."""
     signals, stems = list(wanted), [_stem(finding.name) for finding in findings]
     from_zero = {stem for stem, number in stems if number == 0}
@@ -326,7 +328,7 @@ def _recognised(findings: Sequence[Finding], wanted: Mapping[str, _Wanted]) -> d
     return {signals[i]: findings[j] for i, j in pairs if scores[i, j] >= _LEAST}
 
 
-def _score(signal: str, target: str, stem: str, number: int | None, finding: Finding) -> float:
+def _score(signal: str, target: str, stem: str, number: int | None, finding: ColumnMatch) -> float:
     """Return the score of a column for a signal, 0 to 1; 0 for another dimension or another element of an array."""
     base, _, index = signal.partition("[")
     numbers = (int(index[:-1]),) if index else (None, 1)
@@ -347,7 +349,7 @@ def _stem(name: str) -> tuple[str, int | None]:
     return bare_name(re.sub(r"\d+", "_", text)), int(numbers[-1]) if numbers else None
 
 
-def _may_be(finding: Finding, target: str) -> bool:
+def _may_be(finding: ColumnMatch, target: str) -> bool:
     """Return whether the unit of a column is compatible with a signal."""
     if finding.unit is None:
         return True
@@ -358,7 +360,7 @@ def _may_be(finding: Finding, target: str) -> bool:
     return stated.exponents == unit(target).exponents or _unit_of(finding, target) != ""
 
 
-def _unit_of(finding: Finding, target: str) -> str:
+def _unit_of(finding: ColumnMatch, target: str) -> str:
     """Return the unit of a column in the notation of [data]; empty if the file does not give one."""
     with suppress(UnitError):
         if finding.unit is not None:
@@ -370,7 +372,9 @@ def _unit_of(finding: Finding, target: str) -> str:
     return unit_at_end(finding.name, target) or ("1" if target == "1" else "")
 
 
-def _columns(wanted: Mapping[str, _Wanted], recognised: Mapping[str, Finding]) -> tuple[list[str], list[str]]:
+def _columns(
+    wanted: Mapping[str, _RequiredSignal], recognised: Mapping[str, ColumnMatch]
+) -> tuple[list[str], list[str]]:
     """Return the lines of [data.columns], and the signals that the reader has to complete."""
     lines: list[str] = []
     unrecognised: list[str] = []

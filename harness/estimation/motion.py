@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import make_smoothing_spline
 
 from railgrip.base.errors import EstimationError
-from railgrip.estimation.spec import LowPass, Trust
+from railgrip.estimation.spec import LowPass, SensorDeviations
 from railgrip.estimators.belief import Array
 
 GRID = 1.0
@@ -37,7 +37,7 @@ FEWEST = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
+class ReconstructedTrack:
     """The reconstructed track, on an even grid of distance.
 
     Attributes:
@@ -68,7 +68,7 @@ class Course:
         return (horizontal[:, 0] - north) * np.cos(heading) + (horizontal[:, 1] - east) * np.sin(heading)
 
 
-def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPass) -> Course:
+def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPass) -> ReconstructedTrack:
     """Return the course of a track from positions along it.
 
     Args:
@@ -100,7 +100,7 @@ def course_of(distance: Array, horizontal: Array, height: Array, low_pass: LowPa
         return np.unwrap(np.arctan2(east(s, nu=1), north(s, nu=1)))
 
     turn = (heading(before) - heading(behind) + np.pi) % (2.0 * np.pi) - np.pi
-    return Course(
+    return ReconstructedTrack(
         distance=grid,
         horizontal=np.column_stack([north(grid), east(grid)]),
         height=up(grid),
@@ -131,7 +131,7 @@ class Motion:
     distance: Array
     speed: Array
     scale: float
-    course: Course
+    course: ReconstructedTrack
 
 
 def motion_of(
@@ -141,7 +141,7 @@ def motion_of(
     accelerations: Array,
     horizontal: Array,
     height: Array,
-    trust: Trust,
+    trust: SensorDeviations,
     low_pass: LowPass,
 ) -> Motion:
     """Return motion and course from readings on one even grid.
@@ -176,7 +176,7 @@ def motion_of(
     )
 
 
-def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: Trust) -> Array:
+def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust: SensorDeviations) -> Array:
     """Return smoothed states, shape (k, 5).
 
     Their covariance is not returned: the receiver's error is correlated, but the smoother assumes it to be white.
@@ -206,7 +206,7 @@ def _pass(period: float, speed: Array, acceleration: Array, along: Array, trust:
         readings=np.column_stack([speed, acceleration, along]),
         start=np.array([0.0, float(speed[np.isfinite(speed)][0]), 0.0, 0.0, 0.0]),
         # The distance at the first sample is zero by definition, here within a millimetre.
-        spread=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
+        start_covariance=np.diag([1e-3, 1.0, 1.0, trust.bias, trust.scale]) ** 2,
     )
 
 
@@ -218,7 +218,7 @@ def smooth(
     reading_noise: Array,
     readings: Array,
     start: Array,
-    spread: Array,
+    start_covariance: Array,
 ) -> Array:
     """Return the means of the states of x[j+1] = F x[j] + q, y[j] = H[j] x[j] + r given all readings, shape (k, n).
 
@@ -231,26 +231,26 @@ def smooth(
         reading_noise: Variances of independent r, shape (m,).
         readings: y, shape (k, m); NaN where missing.
         start: Mean at the first instant before its readings, shape (n,).
-        spread: Its covariance, shape (n, n), positive definite.
+        start_covariance: Its covariance, shape (n, n), positive definite.
 
     Source: Särkkä, Bayesian Filtering and Smoothing (2013), theorems 4.2 and 8.2.
     """
     count, n = len(readings), start.size
     mean, covariance = np.empty((count, n)), np.empty((count, n, n))
     expected_mean, expected = np.empty((count, n)), np.empty((count, n, n))
-    m, spread_now = start, spread
+    m, covariance_now = start, start_covariance
     for j in range(count):
         if j > 0:
-            m, spread_now = transition @ m, transition @ spread_now @ transition.T + noise
-        expected_mean[j], expected[j] = m, spread_now
+            m, covariance_now = transition @ m, transition @ covariance_now @ transition.T + noise
+        expected_mean[j], expected[j] = m, covariance_now
         there = np.isfinite(readings[j])
         if there.any():
             H, R = observation[j][there], np.diag(reading_noise[there])
-            gain = np.linalg.solve(H @ spread_now @ H.T + R, H @ spread_now).T
+            gain = np.linalg.solve(H @ covariance_now @ H.T + R, H @ covariance_now).T
             remainder = np.eye(n) - gain @ H
             m = m + gain @ (readings[j][there] - H @ m)
-            spread_now = remainder @ spread_now @ remainder.T + gain @ R @ gain.T
-        mean[j], covariance[j] = m, spread_now
+            covariance_now = remainder @ covariance_now @ remainder.T + gain @ R @ gain.T
+        mean[j], covariance[j] = m, covariance_now
     for j in range(count - 2, -1, -1):
         G = np.linalg.solve(expected[j + 1], transition @ covariance[j]).T
         mean[j] = mean[j] + G @ (mean[j + 1] - expected_mean[j + 1])

@@ -50,7 +50,7 @@ TOLERATED: Final = 0.01
 """Share of samples outside the bounds that outliers of a sensor may explain."""
 
 
-def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str]:
+def check_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str]:
     """Return a sentence for each signal that is outside its bounds in more than `TOLERATED` of its samples."""
     sentences: list[str] = []
     for name in names:
@@ -64,7 +64,7 @@ def strange_signals(recording: xarray.Dataset, names: Iterable[str]) -> list[str
     return sentences
 
 
-def strange_estimates(estimates: xarray.Dataset) -> list[str]:
+def check_estimates(estimates: xarray.Dataset) -> list[str]:
     """Return a sentence for each state that is outside its bounds by 2σ in more than `TOLERATED` of its samples."""
     sentences: list[str] = []
     for state in map(str, estimates["state"].values):

@@ -12,7 +12,7 @@ import xarray
 
 from railgrip.base.errors import EstimationError, FilterDiverged
 from railgrip.base.names import did_you_mean
-from railgrip.estimators.belief import Estimate, Matrix, Vector
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import FAR, loss_step, nis_ratio
 from railgrip.estimators.design import Gate
@@ -87,7 +87,7 @@ def prediction_of(
         states=equations.states,
         inputs=equations.inputs,
         outputs=equations.outputs,
-    ).opened()
+    ).open()
 
 
 def equations_of(
@@ -256,7 +256,7 @@ def estimate(
     )
 
 
-def _follow(filter_: CompiledFilter, first: Estimate, data: FilterData) -> tuple[FilterRecord, str]:
+def _follow(filter_: CompiledFilter, first: GaussianEstimate, data: FilterData) -> tuple[FilterRecord, str]:
     """Return the estimates from `first` on, and the reason if the filter diverged after the last of them, else ''."""
     try:
         return filter_.follow(first, data.inputs, data.readings), ""

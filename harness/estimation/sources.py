@@ -27,8 +27,8 @@ from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator
 from railgrip.simulate.run import trace_of
 from railgrip.trace.netcdf import FILE_NAME, read_trace
-from railgrip.trace.read import FileRecording, recorded
-from railgrip.trace.recorder import thinned
+from railgrip.trace.read import FileRecording, read_recording
+from railgrip.trace.recorder import thin
 from railgrip.trace.samples import evenly, recording_of, with_signals
 
 
@@ -60,18 +60,18 @@ def recording_of_estimation(
         require_consistent(specification)
         recording = recording_for(specification, data).recording
     else:
-        source = specification.simulated()
+        source = specification.source_scenario()
         scenario = scenario or source.scenario
         require_consistent(specification, scenario)
         recording = recording_of_stop(scenario, source.seed if seed is None else seed, source.noise, import_from)
-    run = completed(specification, recording)
+    run = complete_trace(specification, recording)
     recording = run if specification.course is None else braking_of(run, specification.course).recording
     if data is None or data.suffix == ".nc":  # a trace has its units and one clock
         return recording
     return recording.assign_attrs(warnings=require_agreement(specification, run, recording, data.name))
 
 
-def completed(specification: Specification, trace: xarray.Dataset) -> xarray.Dataset:
+def complete_trace(specification: Specification, trace: xarray.Dataset) -> xarray.Dataset:
     """Return a trace on its even grid, with the constant inputs of the estimation.
 
     Raises:
@@ -103,7 +103,7 @@ def recording_for(specification: Specification, path: Path) -> FileRecording:
             f"`railgrip inspect {cut(path.name)} --for {specification.name}` proposes it."
         )
     units, inputs, outputs = signals_of(specification)
-    return recorded(path, specification.data, units, inputs, outputs)
+    return read_recording(path, specification.data, units, inputs, outputs)
 
 
 def stop_read(scenario: Scenario, name: str = "", import_from: Sequence[Path] = ()) -> xarray.Dataset:
@@ -114,7 +114,7 @@ def stop_read(scenario: Scenario, name: str = "", import_from: Sequence[Path] = 
     Raises:
         ScenarioError: The stop fails.
     """
-    return evenly(thinned(trace_of(scenario, import_from), int(scenario.periods.every("trace"))), name or scenario.name)
+    return evenly(thin(trace_of(scenario, import_from), int(scenario.periods.every("trace"))), name or scenario.name)
 
 
 def recording_of_stop(

@@ -48,11 +48,11 @@ from railgrip.base.names import did_you_mean
 from railgrip.estimation.run import Kind, Settings, equations_of, estimate, model_of, prediction_of, units_of
 from railgrip.estimators.design import Gate
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.scenario.file import located
-from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validated
-from railgrip.scenario.merge import nested, read_overrides
-from railgrip.scenario.quantity import Magnitude, NotNegative, Number, Unit, in_units
-from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, broken
+from railgrip.scenario.file import locate
+from railgrip.scenario.load import Tables, read_toml, require_kind, require_straight, validate_table
+from railgrip.scenario.merge import nest, read_overrides
+from railgrip.scenario.quantity import Magnitude, NotNegative, Number, UnitRange, in_units
+from railgrip.scenario.table import Duration, Length, Mass, Name, Parameters, Seed, Table, table_error
 from railgrip.scenario.track.table import CurveLaw
 from railgrip.trace.samples import period_of
 from railgrip.trace.table import DataTable
@@ -68,16 +68,18 @@ class LowPass(Table):
     base: Length = Field(description="Δs of the differences")
 
 
-class Trust(Table):
+class SensorDeviations(Table):
     """Standard deviations of the sensors of motion."""
 
-    speed: Annotated[float, Unit("m/s", above=0)] = Field(description="of the speed sensor")
-    scale: Annotated[float, Unit("1", above=0)] = Field(description="of its scale")
-    acceleration: Annotated[float, Unit("m/s**2", above=0)] = Field(description="of the mean of the accelerometers")
-    bias: Annotated[float, Unit("m/s**2", above=0)] = Field(description="of their bias and gradient at the start")
+    speed: Annotated[float, UnitRange("m/s", above=0)] = Field(description="of the speed sensor")
+    scale: Annotated[float, UnitRange("1", above=0)] = Field(description="of its scale")
+    acceleration: Annotated[float, UnitRange("m/s**2", above=0)] = Field(
+        description="of the mean of the accelerometers"
+    )
+    bias: Annotated[float, UnitRange("m/s**2", above=0)] = Field(description="of their bias and gradient at the start")
     drift: Positive = Field(description="of these, per √s [m/s2/√s]")
     jerk: Positive = Field(description="change of acceleration, per √s [m/s2/√s]")
-    position: Annotated[float, Unit("m", above=0)] = Field(description="of GNSS along the track")
+    position: Annotated[float, UnitRange("m", above=0)] = Field(description="of GNSS along the track")
 
 
 LOW_PASS = LowPass(plan=100.0, height=150.0, base=10.0)
@@ -87,7 +89,9 @@ long, shorter waves are noise of the receiver.
 The values are estimates, not fitted to any case.
 """
 
-TRUST = Trust(speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3)
+SENSOR_DEVIATIONS = SensorDeviations(
+    speed=0.03, scale=2e-3, acceleration=0.05, bias=0.15, drift=0.02, jerk=0.7, position=0.3
+)
 """Class of the sensors (optical 0.1 %, four accelerometers, receiver wandering by 0.2 m); `drift` is a gradient that
 changes by 5 ‰ in 5 s, `jerk` a brake applied within a second."""
 
@@ -148,7 +152,7 @@ class CourseTable(Table):
     mass: Mass = Field(description="of the train")
     curve_law: CurveLaw = Field(description="formula of the resistance in curves")
     low_pass: LowPass = LOW_PASS
-    trust: Trust = TRUST
+    trust: SensorDeviations = SENSOR_DEVIATIONS
 
 
 class SourceTable(Table):
@@ -193,10 +197,10 @@ class Specification(Table):
     @model_validator(mode="after")
     def _has_one_track_force(self) -> Self:
         if self.course is not None and self.data is not None and "track_force" in self.data.columns:
-            raise broken("has track_force in [data.columns] and [course], which computes it; remove one of them")
+            raise table_error("has track_force in [data.columns] and [course], which computes it; remove one of them")
         return self
 
-    def simulated(self) -> SourceTable:
+    def source_scenario(self) -> SourceTable:
         """Return the scenario from which the recording is simulated.
 
         Raises:
@@ -223,11 +227,11 @@ def load_specification(path: Path, overrides: Sequence[str] | Mapping[str, Any] 
     Raises:
         ScenarioError: The file is missing, not TOML, or not an estimation; one sentence per problem.
     """
-    path = located(path, "estimations")
+    path = locate(path, "estimations")
     tables = _tables_in(path, ())
     files = [(f"given in {name}", table) for name, table in tables.layers]
-    tables = tables.laid(path.name, nested(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
-    specification = validated(
+    tables = tables.overlay(path.name, nest(overrides) if isinstance(overrides, Mapping) else read_overrides(overrides))
+    specification = validate_table(
         Specification, tables.table, directory=path.parent, origin=path.name, layers=tables.layers
     )
     # The uppermost layer takes precedence, so it is written last.
@@ -248,14 +252,14 @@ def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
     tables = Tables.of({key: value for key, value in table.items() if key != "extends"}, path.parent, path.name)
     if "extends" not in table:
         return tables
-    base = located(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
+    base = locate(str(table["extends"]), "estimations", path.parent, f"{path.name}: extends: ")
     require_straight(base, (*chain, path), path.name)
     below = _tables_in(base, (*chain, path))
     # A map of columns applies to one recording only.
     inherited = {
         key: value for key, value in below.table.items() if key not in ("data" if "data" in table else "", "name")
     }
-    return replace(below, table={"name": path.stem} | inherited).laid(path.name, tables.table)
+    return replace(below, table={"name": path.stem} | inherited).overlay(path.name, tables.table)
 
 
 def _noise_elsewhere(path: Path, noise: dict[str, Any]) -> object:

@@ -9,7 +9,7 @@ from railgrip.fmi.cosimulation import CoSimulation
 from railgrip.fmi.description import Description, Variable, describe
 from railgrip.fmi.exchange import FmuPrediction
 from railgrip.fmi.isolation import IsolatedCoSimulation, open_plant, shared_budget
-from railgrip.fmi.mapping import Binding, Side, Signal, bind
+from railgrip.fmi.mapping import Binding, Signal, SignalVector, bind
 
 __all__ = [
     "Binding",
@@ -17,8 +17,8 @@ __all__ = [
     "Description",
     "FmuPrediction",
     "IsolatedCoSimulation",
-    "Side",
     "Signal",
+    "SignalVector",
     "Variable",
     "bind",
     "describe",

@@ -23,7 +23,7 @@ Vector = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-6
 """Relative error of a step of CVODE, as in the built-in plants; the absolute error is that times nominal values."""
-_MOST_STEPS: Final = 5000  # of CVODE between two communication points
+_MAX_STEPS: Final = 5000  # of CVODE between two communication points
 _DISCARD: Final = 2  # status of FMI
 
 
@@ -49,7 +49,7 @@ class _Block:
         return [self._as_type(value) for value in np.rint(self.values).tolist()]
 
 
-class _ByFmpy(LoadedPlant):
+class _FmpyPlant(LoadedPlant):
     """Common base of the plants that are stepped through FMPy."""
 
     def _prepare(self, instance: Instance) -> None:
@@ -98,7 +98,7 @@ class _ByFmpy(LoadedPlant):
         """Hold the inputs over one period."""
 
 
-class SlaveOfFmi3(_ByFmpy):
+class SlaveOfFmi3(_FmpyPlant):
     """A co-simulation FMU 3.0 in this process, without event mode and early return: it handles events inside a step."""
 
     def _advance(self, instance: Instance, inputs: Vector) -> None:
@@ -112,7 +112,7 @@ class SlaveOfFmi3(_ByFmpy):
             raise PlantFailed(instance.failure("not_integrated", "fmi3DoStep", self.time, doing=doing))
 
 
-class IntegratedModel(_ByFmpy):
+class IntegratedModel(_FmpyPlant):
     """A Model Exchange FMU in this process, integrated by CVODE, with state, time and step events.
 
     A change of the inputs is an event: they are set in event mode, and CVODE restarts.
@@ -135,7 +135,7 @@ class IntegratedModel(_ByFmpy):
         while time < end and not isclose(time, end):
             until = end if self._next_event is None else min(end, self._next_event)
             with instance.calling(time) as fmu:
-                is_event, time = self._integrated(instance, time, until)
+                is_event, time = self._integrate(instance, time, until)
                 fmu.setTime(time)
                 if interface is not None and interface.completed_steps:
                     is_step_event, ended = fmu.completedIntegratorStep()
@@ -146,7 +146,7 @@ class IntegratedModel(_ByFmpy):
             if is_event or is_due:
                 self._event(instance, time)
 
-    def _integrated(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
+    def _integrate(self, instance: Instance, time: float, until: float) -> tuple[bool, float]:
         """Return whether a state event ended the integration, and its time."""
         self._solver.failure = None
         try:
@@ -252,7 +252,7 @@ def _solver(instance: Instance, period: float, begin: float) -> Any:
             # State events are searched for at least once in each period.
             maxStep=period,
             relativeTolerance=TOLERANCE,
-            maxNumSteps=_MOST_STEPS,
+            maxNumSteps=_MAX_STEPS,
         )
 
 

@@ -14,7 +14,7 @@ from fmpy.model_description import ModelDescription, ValidationError, read_model
 
 from railgrip.base.errors import FmuError, InputError, UnitError
 from railgrip.base.files import require_regular, scratch
-from railgrip.base.interrupted import postponed
+from railgrip.base.interrupted import postpone_interrupts
 from railgrip.base.limits import FMU_LIMITS, MIB, FmuLimits
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import BASE, Exponents, Unit, unit
@@ -226,7 +226,7 @@ def _read(path: Path, fmi: Version) -> tuple[str, ModelDescription]:
 
     FMPy gets that file alone: from an archive it would read further XML, which has not been checked.
     """
-    with scratch("fmu") as folder, postponed():
+    with scratch("fmu") as folder, postpone_interrupts():
         file = str(copy_of_description(path, folder))
         try:
             return "", read_model_description(file, validate=True)

@@ -66,7 +66,7 @@ class Array:
     is_scalar: bool = False
 
 
-def drafted(
+def draft_mapping(
     description: Description, signals: Mapping[str, tuple[Signal, Causality]]
 ) -> dict[str, str | tuple[str, ...]]:
     """Return signal → variable, pattern or list of an FMU, each of which is used once; signals without a match are
@@ -86,7 +86,7 @@ def drafted(
         present = {variable.name for variable in arrays[j].variables}
         if score[i, j] >= _LEAST and not present & used:
             used |= present
-            table[names[i]] = _signed(arrays[j], names[i])
+            table[names[i]] = _add_sign(arrays[j], names[i])
     return {name: table[name] for name in names if name in table}
 
 
@@ -98,7 +98,7 @@ def sizes_of(description: Description, causality: Causality) -> tuple[int, ...]:
     return tuple(sorted(set(sizes), key=lambda size: -sizes.count(size)))
 
 
-def _signed(array: Array, signal: str) -> str | tuple[str, ...]:
+def _add_sign(array: Array, signal: str) -> str | tuple[str, ...]:
     sign = "-" if any(word in array.name and word not in signal for word in _OPPOSITE) else ""
     return f"{sign}{array.entry}" if isinstance(array.entry, str) else tuple(f"{sign}{name}" for name in array.entry)
 
@@ -122,7 +122,7 @@ def arrays_of(description: Description) -> Iterator[Array]:
             if key != f"{{place}}.{rest}":
                 placed.setdefault(key, []).append((name[word.start() : word.end()], variable))
     for pattern, elements in numbered.items():
-        yield from _numbered(pattern, elements)
+        yield from _split_array(pattern, elements)
     for key, elements in placed.items():
         if len(elements) > 1:
             ranks = [_RANK.get(word.lower()) for word, _ in elements]
@@ -133,7 +133,7 @@ def arrays_of(description: Description) -> Iterator[Array]:
             yield Array(tuple(order), tuple(v.name for v in order), bare_name(key.replace("{place}", "")))
 
 
-def _numbered(pattern: str, elements: Mapping[int, Variable]) -> Iterator[Array]:
+def _split_array(pattern: str, elements: Mapping[int, Variable]) -> Iterator[Array]:
     indices = sorted(elements)
     variables = tuple(elements[index] for index in indices)
     if indices == list(range(1, len(indices) + 1)) and (len(indices) > 1 or "[{i}]" in pattern):

@@ -163,7 +163,7 @@ class FmuPrediction:
             self._stack = stack.pop_all()
         return self
 
-    def opened(self) -> Self:
+    def open(self) -> Self:
         """Open the FMU without `with`; it is closed with the last reference to this object, or at exit."""
         self.__enter__()
         finalize(self, self._stack.close)
@@ -295,30 +295,30 @@ class FmuPrediction:
         Raises:
             PlantFailed: The FMU cannot be evaluated there, or the result is not finite.
         """
-        return self._evaluated("derivative", x, u, None)
+        return self._evaluate("derivative", x, u, None)
 
     def output(self, x: Vector, u: Vector) -> Vector:
         """Return y at (x, u), shape (m,); raise `PlantFailed` if it cannot be evaluated."""
-        return self._evaluated("output", x, u, None)
+        return self._evaluate("output", x, u, None)
 
     def derivative_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return d(dx/dt)/dx at (x, u), shape (n, n); raise `PlantFailed` if it cannot be evaluated."""
-        return self._differentiated("derivative", x, u, self._derivative_pattern)
+        return self._differentiate("derivative", x, u, self._derivative_pattern)
 
     def output_jacobian(self, x: Vector, u: Vector) -> Matrix:
         """Return dy/dx at (x, u), shape (m, n); raise `PlantFailed` if it cannot be evaluated."""
-        return self._differentiated("output", x, u, self._output_pattern)
+        return self._differentiate("output", x, u, self._output_pattern)
 
-    def _differentiated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, pattern: Pattern) -> Matrix:
+    def _differentiate(self, what: Literal["derivative", "output"], x: Vector, u: Vector, pattern: Pattern) -> Matrix:
         entries = np.zeros(sum(map(len, pattern)))
-        self._evaluated(what, x, u, entries)
+        self._evaluate(what, x, u, entries)
         matrix, entry = np.zeros((len(pattern), len(self.states))), 0
         for row, columns in enumerate(pattern):
             matrix[row, list(columns)] = entries[entry : entry + len(columns)]
             entry += len(columns)
         return matrix
 
-    def _evaluated(self, what: Literal["derivative", "output"], x: Vector, u: Vector, entries: Vector | None) -> Vector:
+    def _evaluate(self, what: Literal["derivative", "output"], x: Vector, u: Vector, entries: Vector | None) -> Vector:
         self._open()
         if x.shape != (len(self.states),) or u.shape != (len(self.inputs),):
             raise ValueError(

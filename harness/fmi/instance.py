@@ -49,7 +49,7 @@ _REASONS: Final[dict[int, Reason]] = {2: "discard", 3: "error", 4: "fatal", 5: "
 _STATUS_NAMES: Final = ("info", "warning", "discard", "error", "fatal", "pending")
 _LAST_SUCCESSFUL_TIME: Final = 2  # fmi2StatusKind
 _TERMINATED: Final = 3  # fmi2StatusKind
-_MOST_ITERATIONS: Final = 100  # of an event; far more than any model needs
+_MAX_ITERATIONS: Final = 100  # of an event; far more than any model needs
 
 Log = deque[tuple[int, str]]
 _logs: dict[int, Log] = {}
@@ -313,7 +313,7 @@ class Instance:
         """
         with self.calling(time, "at an event") as fmu:
             update = fmu.newDiscreteStates if self.description.fmi == 2 else fmu.updateDiscreteStates
-            for _ in range(_MOST_ITERATIONS):
+            for _ in range(_MAX_ITERATIONS):
                 goes_on, ended, _, _, is_defined, next_time = update()
                 if ended:
                     raise PlantFailed(self.failure("ended", "", time))

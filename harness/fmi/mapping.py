@@ -76,7 +76,7 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Side:
+class SignalVector:
     """All signals of one direction, laid out in one vector.
 
     The layout does not depend on the FMU: outputs that an FMU lacks are NaN, and inputs that it lacks are ignored.
@@ -120,8 +120,8 @@ class Binding:
         parameters: Parameter name in the harness → FMU variable, gain and shift towards it.
     """
 
-    inputs: Side
-    outputs: Side
+    inputs: SignalVector
+    outputs: SignalVector
     unused: tuple[str, ...]
     parameters: Mapping[str, tuple[str, float, float]]
 
@@ -201,7 +201,7 @@ def _side(
     causality: Causality,
     *,
     into_fmu: bool,
-) -> Side:
+) -> SignalVector:
     layout: dict[str, slice] = {}
     elements: list[str] = []
     absent: list[str] = []
@@ -229,7 +229,7 @@ def _side(
             rows.setdefault(row[0].carrier, []).append((position, *row))
     if missing:
         raise FmuError(_all_missing(description, missing, causality, where))
-    return Side(
+    return SignalVector(
         layout=layout,
         elements=tuple(elements),
         absent=tuple(absent),
@@ -247,12 +247,12 @@ def _spellings(signal: Signal) -> Iterator[tuple[str, ...]]:
         yield tuple(f"{signal.name}{i}" for i in numbers)
 
 
-def side_of(variables: Sequence[Variable]) -> Side:
+def side_of(variables: Sequence[Variable]) -> SignalVector:
     """Return variables of an FMU as a side with their names and units in the FMU."""
     rows: dict[str, list[tuple[int, Variable, float, float]]] = {}
     for position, variable in enumerate(variables):
         rows.setdefault(variable.carrier, []).append((position, variable, 1.0, 0.0))
-    return Side(
+    return SignalVector(
         layout={v.name: slice(i, i + 1) for i, v in enumerate(variables)},
         elements=tuple(v.name for v in variables),
         absent=(),

@@ -34,7 +34,7 @@ _AFTER_NAME: Final = re.compile(r"\s*(?:Version|\(|:|,|\s-\s|\bv?\d+\.\d|(?<=[a-
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surveyed:
+class SurveyResult:
     """Result for one interface of an FMU.
 
     Attributes:
@@ -52,13 +52,13 @@ class Surveyed:
     sentence: str
 
 
-def survey(folder: Path) -> Iterator[Surveyed]:
+def survey(folder: Path) -> Iterator[SurveyResult]:
     """Open each FMU of a folder without setting parameters, step it by each of its interfaces and yield the results."""
     for file in sorted(folder.rglob("*.fmu")):
-        yield from _surveyed(file, file.relative_to(folder))
+        yield from _survey_file(file, file.relative_to(folder))
 
 
-def _surveyed(file: Path, name: Path) -> Iterator[Surveyed]:
+def _survey_file(file: Path, name: Path) -> Iterator[SurveyResult]:
     tool, version, step = "unknown", "", ""
     try:
         first = outline(file, _LIMITS)
@@ -68,7 +68,9 @@ def _surveyed(file: Path, name: Path) -> Iterator[Surveyed]:
     try:
         description = describe(file, _LIMITS)
     except FmuError as error:
-        yield Surveyed(file=name, tool=tool, interface=version, reason=_reason(error), sentence=_without(file, error))
+        yield SurveyResult(
+            file=name, tool=tool, interface=version, reason=_reason(error), sentence=_without(file, error)
+        )
         return
     ways = {"CS": replace(description, model_exchange=None), "ME": replace(description, co_simulation=None)}
     for way, interface in ways.items():
@@ -82,7 +84,9 @@ def _surveyed(file: Path, name: Path) -> Iterator[Surveyed]:
         except PlantFailed as failed:
             reason = failed.failure.reason.replace("_", " ") if isinstance(failed.failure, Failure) else "other"
             sentence = str(failed)
-        yield Surveyed(file=name, tool=tool, interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence)
+        yield SurveyResult(
+            file=name, tool=tool, interface=f"{description.fmi}.0 {way}", reason=reason, sentence=sentence
+        )
 
 
 def _reason(error: FmuError) -> str:

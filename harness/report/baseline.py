@@ -47,10 +47,10 @@ from railgrip.report import table
 from railgrip.report.distances import rows_of
 from railgrip.report.results import Results, from_elsewhere
 from railgrip.scenario.campaign import Campaign
-from railgrip.scenario.conditioning import CERTAINTY, LOOSEST, SMOOTH, Repeated
-from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.quantity import Number, Unit
-from railgrip.scenario.table import Table, broken
+from railgrip.scenario.conditioning import CERTAINTY, LOOSEST, SMOOTH, RepeatedDistances
+from railgrip.scenario.load import read_toml, validate_table
+from railgrip.scenario.quantity import Number, UnitRange
+from railgrip.scenario.table import Table, table_error
 
 FINDINGS_FILE = "figures.json"
 
@@ -75,14 +75,14 @@ A wrong model changes the distance by more.
 """
 
 
-class Beside(Table):
+class AcceptedFigure(Table):
     """Accepted value of a further figure of a stop, in the unit of `railgrip.trace.metrics`."""
 
     value: Number
     tolerance: Annotated[Number, Field(gt=0.0)]
 
 
-class Accepted(Table):
+class AcceptedValue(Table):
     """Accepted value of one stop or one figure."""
 
     value: Number
@@ -91,18 +91,18 @@ class Accepted(Table):
     lowest: Number | None = None
     highest: Number | None = None
     adhesion_peak: Number | None = None
-    longest_lock: Annotated[float, Unit("s", at_least=0)] | None = None
+    longest_lock: Annotated[float, UnitRange("s", at_least=0)] | None = None
     valve_strokes: Annotated[StrictInt, Field(ge=0)] | None = None
     reason: Annotated[str, Field(min_length=1)]
     compilers: dict[str, Number] = Field(default={}, description="compiler → value with its plant, where it differs")
-    figures: dict[str, Beside] = Field(default={}, description="figure beside the distance → accepted value")
+    figures: dict[str, AcceptedFigure] = Field(default={}, description="figure beside the distance → accepted value")
 
     @model_validator(mode="after")
     def _whole_range(self) -> Self:
         if (self.lowest is None) != (self.highest is None):
-            raise broken("has one end of a range; give both lowest and highest, or neither")
+            raise table_error("has one end of a range; give both lowest and highest, or neither")
         if not self.ends[0] <= self.value <= self.ends[1]:
-            raise broken(f"value {self.value:g} is not within lowest and highest")
+            raise table_error(f"value {self.value:g} is not within lowest and highest")
         return self
 
     @property
@@ -125,12 +125,12 @@ class Baseline(Table):
     campaign: str | None = Field(default=None, description="campaign file, relative to the folder of this file")
     stops: tuple[str, ...] = Field(default=(), description="patterns of the stops of the campaign; all without it")
     study: str | None = Field(default=None, description="name of a study of railgrip.studies")
-    accepted: dict[str, Accepted] = Field(default={}, description="name of a stop or figure → accepted value")
+    accepted: dict[str, AcceptedValue] = Field(default={}, description="name of a stop or figure → accepted value")
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
         if (self.campaign is None) == (self.study is None):
-            raise broken("must have either campaign, the file of one, or study, the name of one")
+            raise table_error("must have either campaign, the file of one, or study, the name of one")
         return self
 
     def selection(self, campaign: Campaign) -> Campaign:
@@ -143,7 +143,7 @@ class Baseline(Table):
         A stop whose distance is known to differ between compilers may have any distance between the known ones. Figures
         are not compared: their tolerances apply to the built-in compiler's plant.
         """
-        wide: dict[str, Accepted] = {}
+        wide: dict[str, AcceptedValue] = {}
         for name, accepted in self.accepted.items():
             low, high = (choose((*accepted.ends, *accepted.compilers.values())) for choose in (min, max))
             middle, half = (low + high) / 2, (high - low) / 2
@@ -174,7 +174,7 @@ class Finding:
     value: float | None
     unit: str
     tolerance: float | None = None
-    repeated: Repeated | None = None
+    repeated: RepeatedDistances | None = None
     adhesion_peak: float | None = None
     longest_lock: float | None = None
     valve_strokes: int | None = None
@@ -203,7 +203,7 @@ State = Literal["kept", "moved", "new", "gone", "no value"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Comparison:
+class BaselineComparison:
     """One number and its baseline.
 
     Attributes:
@@ -216,7 +216,7 @@ class Comparison:
 
     name: str
     state: State
-    accepted: Accepted | None
+    accepted: AcceptedValue | None
     current: Finding | None
 
     @property
@@ -246,7 +246,7 @@ def load_baseline(path: Path) -> Baseline:
     Raises:
         ScenarioError: The file is missing, or is not a baseline.
     """
-    return validated(Baseline, read_toml(path), directory=path.parent, origin=path.name)
+    return validate_table(Baseline, read_toml(path), directory=path.parent, origin=path.name)
 
 
 def findings_of(results: Results) -> Findings:
@@ -269,7 +269,7 @@ def findings_of(results: Results) -> Findings:
     )
 
 
-def beyond_accepted(results: Results, path: Path) -> list[str]:
+def baseline_deviations(results: Results, path: Path) -> list[str]:
     """Return a sentence for each distance with FMUs of other compilers that differs by more than `ACROSS_COMPILERS`.
 
     The list is empty if all FMUs are from the built-in compiler, whose distances `railgrip maintain regress` compares,
@@ -311,11 +311,11 @@ def read_findings(directory: Path) -> Findings:
     return Findings(values=values)
 
 
-def compare(baseline: Baseline, findings: Findings) -> tuple[Comparison, ...]:
+def compare(baseline: Baseline, findings: Findings) -> tuple[BaselineComparison, ...]:
     """Return every number of baseline and findings, starting with those that require attention."""
     current = {finding.name: finding for finding in findings.values}
     comparisons = [
-        Comparison(
+        BaselineComparison(
             name=name,
             state=_state(baseline.accepted.get(name), current.get(name)),
             accepted=baseline.accepted.get(name),
@@ -337,7 +337,7 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     """
     if not reason.strip():
         raise ScenarioError("accept: --reason is empty; say what changed and why the new numbers are right")
-    after: dict[str, Accepted] = {}
+    after: dict[str, AcceptedValue] = {}
     for comparison in compare(baseline, findings):
         name, before, finding = comparison.name, comparison.accepted, comparison.current
         if finding is None:
@@ -349,7 +349,7 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
         # A number that has become a range, or the reverse, is accepted anew.
         is_same_kind = before is not None and (finding.repeated is None or before.is_range == finding.repeated.spreads)
         if before is None or comparison.state != "kept" or not is_same_kind:
-            before = _accepted_anew(finding, finding.value, before, reason.strip())
+            before = _accept_finding(finding, finding.value, before, reason.strip())
         shown = {"adhesion_peak": finding.adhesion_peak, "longest_lock": finding.longest_lock}
         update: dict[str, object] = {key: None if value is None else round(value, 3) for key, value in shown.items()}
         update["valve_strokes"] = finding.valve_strokes
@@ -362,7 +362,7 @@ def accept(baseline: Baseline, findings: Findings, reason: str) -> Baseline:
     return baseline.model_copy(update={"accepted": after})
 
 
-def _figures_beside(finding: Finding, repeated: Repeated) -> dict[str, Beside]:
+def _figures_beside(finding: Finding, repeated: RepeatedDistances) -> dict[str, AcceptedFigure]:
     """Return the figures that the repeats determine well; else those that they determine less well."""
     tolerances: dict[str, float | None] = {}
     for certainty, loosest in ((CERTAINTY, LOOSEST), (CERTAINTY_OF_SCATTER, LOOSEST_OF_SCATTER)):
@@ -373,13 +373,13 @@ def _figures_beside(finding: Finding, repeated: Repeated) -> dict[str, Beside]:
         if any(tolerance is not None and finding.figures[name] for name, tolerance in tolerances.items()):
             break
     return {
-        name: Beside(value=value, tolerance=float(f"{tolerance:.2g}"))
+        name: AcceptedFigure(value=value, tolerance=float(f"{tolerance:.2g}"))
         for name, value in finding.figures.items()
         if (tolerance := tolerances[name]) is not None
     }
 
 
-def _accepted_anew(finding: Finding, value: float, before: Accepted | None, reason: str) -> Accepted:
+def _accept_finding(finding: Finding, value: float, before: AcceptedValue | None, reason: str) -> AcceptedValue:
     lowest = highest = None
     if finding.repeated is not None and finding.repeated.spreads:
         value, tolerance = finding.repeated.median, finding.repeated.margin
@@ -389,7 +389,7 @@ def _accepted_anew(finding: Finding, value: float, before: Accepted | None, reas
     else:
         scales = before is not None and not before.is_range and before.value != 0.0
         tolerance = abs(value) * (before.tolerance / abs(before.value) if before and scales else TOLERANCE)
-    return Accepted(
+    return AcceptedValue(
         # Distances are rounded to the millimetre, small figures to a hundredth of their tolerance.
         value=round(value, max(3, 2 - _magnitude(tolerance))),
         tolerance=round(tolerance, 1 - _magnitude(tolerance)),
@@ -423,7 +423,7 @@ def write_baseline(baseline: Baseline, path: Path) -> None:
     write_text(path, "\n".join(lines) + "\n")
 
 
-def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> table.Table:
+def comparison_table(comparisons: Sequence[BaselineComparison], title: str = "") -> table.ReportTable:
     """Return the comparison; in metres if all numbers are distances, otherwise with a column of units."""
     are_metres = {comparison.unit for comparison in comparisons} <= {"m"}
     form, change, behind = ("{:.2f}", "{:+.3f}", " [m]") if are_metres else ("{:.4g}", "{:+.2g}", "")
@@ -440,17 +440,17 @@ def comparison_table(comparisons: Sequence[Comparison], title: str = "") -> tabl
         for comparison in comparisons
     ]
     forms = {f"found{behind}": form, f"tolerance{behind}": form, f"change{behind}": change}
-    return table.Table(rows, forms, title=title)
+    return table.ReportTable(rows, forms, title=title)
 
 
-def _value_and_range(before: Accepted | None, form: str) -> str:
+def _value_and_range(before: AcceptedValue | None, form: str) -> str:
     if before is None:
         return ""
     ends = f" ({form.format(before.lowest)} – {form.format(before.highest)})" if before.is_range else ""
     return form.format(before.value) + ends
 
 
-def _state(before: Accepted | None, finding: Finding | None) -> State:
+def _state(before: AcceptedValue | None, finding: Finding | None) -> State:
     if finding is None:
         return "gone"
     if finding.value is None:
@@ -462,7 +462,7 @@ def _state(before: Accepted | None, finding: Finding | None) -> State:
     return "kept" if is_within and not _moved_figures(before, finding) else "moved"
 
 
-def _moved_figures(before: Accepted | None, finding: Finding | None) -> tuple[str, ...]:
+def _moved_figures(before: AcceptedValue | None, finding: Finding | None) -> tuple[str, ...]:
     if before is None or finding is None:
         return ()
     return tuple(

@@ -11,7 +11,7 @@ from matplotlib.ticker import NullLocator
 from railgrip.report import palette, style
 from railgrip.report.row import Row
 
-MOST_CASES = 60
+MAX_CASES = 60
 """Maximum number of lines in a figure."""
 
 _MARKERS = "osD^v<>P*X"

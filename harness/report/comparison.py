@@ -14,7 +14,7 @@ from railgrip.base.errors import RecordError
 from railgrip.base.units import cut, short
 from railgrip.report.page import Page
 from railgrip.report.results import Results, provenance, read_results
-from railgrip.report.table import Form, Table, percent, text
+from railgrip.report.table import Form, ReportTable, percent, text
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.loss import Loss, SectionLoss, course_of, loss
@@ -36,13 +36,13 @@ KMH = 3.6
 _ALIKE = "several"
 _MISSING = "–"
 _LONGEST_TEXT = 40
-_MOST_DIGESTS = 20
+_MAX_DIGESTS = 20
 """Maximum number of stops of campaigns whose digests the page lists."""
 _FIGURE = "figures/comparison.png"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Side:
+class ComparisonSide:
     """A stop to compare.
 
     Attributes:
@@ -91,9 +91,9 @@ class Comparison:
 
     names: Sequence[str]
     headlines: Sequence[str]
-    question: Table
-    answer: Table
-    overview: Table
+    question: ReportTable
+    answer: ReportTable
+    overview: ReportTable
     along: Mapping[str, Loss] = field(default_factory=dict[str, Loss])
     sentences: Sequence[str] = ()
     differences: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -105,7 +105,7 @@ class Comparison:
         return ascii_uppercase[: len(self.names)]
 
     @property
-    def sections(self) -> dict[str, Table]:
+    def sections(self) -> dict[str, ReportTable]:
         """Letter → table of the distance lost in each section of the track."""
         return {letter: _sections(letter, lost) for letter, lost in self.along.items()}
 
@@ -143,7 +143,7 @@ class Comparison:
     def page(self) -> Page:
         """Return the page of the comparison."""
         rows = zip(self.letters, self.names, self.headlines, strict=True)
-        results = Table.of(("", "result", "outcome"), rows, left=3)
+        results = ReportTable.of(("", "result", "outcome"), rows, left=3)
         names = [Path(name).name for name in self.names]
         if len(set(names)) < len(names):
             names = list(self.names)
@@ -239,18 +239,18 @@ def _is_campaign(result: Any) -> bool:
     return False
 
 
-def _side(result: Comparable) -> Side:
+def _side(result: Comparable) -> ComparisonSide:
     if isinstance(result, Stop):
-        return Side.of(result, result.scenario.name)
+        return ComparisonSide.of(result, result.scenario.name)
     folder = Path(result)
     folder = folder.parent if folder.name == STOP_FILE else folder
-    return Side.of(read_stop(folder), str(folder))
+    return ComparisonSide.of(read_stop(folder), str(folder))
 
 
 # ---- stops ------------------------------------------------------------------------------------------------------
 
 
-def _of_stops(sides: Sequence[Side]) -> Comparison:
+def _of_stops(sides: Sequence[ComparisonSide]) -> Comparison:
     letters = ascii_uppercase[: len(sides)]
     along: dict[str, Loss] = {}
     without = [side.name for side in sides if side.trace is None]
@@ -317,7 +317,7 @@ def _where(letter: str, lost: Loss) -> list[str]:
     return sentences
 
 
-def _sections(letter: str, lost: Loss) -> Table:
+def _sections(letter: str, lost: Loss) -> ReportTable:
     def row(section: SectionLoss) -> dict[str, Any]:
         return {
             "from [m]": section.begin,
@@ -333,10 +333,12 @@ def _sections(letter: str, lost: Loss) -> Table:
     forms = dict.fromkeys(("from [m]", "to [m]"), "{:.0f}") | dict.fromkeys(("at [s]", "speed [km/h]"), "{:.1f}")
     forms |= dict.fromkeys(("lost [m]", "so far [m]"), "{:+.2f}")
     forms |= dict.fromkeys((f"deceleration {letter} [m/s²]", "of A at the same speeds [m/s²]"), "{:.3f}")
-    return Table([row(section) for section in lost.sections], forms, (), f"Distance that {letter} loses against A")
+    return ReportTable(
+        [row(section) for section in lost.sections], forms, (), f"Distance that {letter} loses against A"
+    )
 
 
-def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
+def _question(questions: Sequence[Mapping[str, Any]]) -> ReportTable:
     """Return the keys whose values differ, starting with those of the scenario."""
     letters = ascii_uppercase[: len(questions)]
     keys = dict.fromkeys(key for question in questions for key in question)
@@ -350,7 +352,7 @@ def _question(questions: Sequence[Mapping[str, Any]]) -> Table:
         if any(question.get(key) != questions[0].get(key) for question in questions)
         for unit in [unit_of(key)]
     ]
-    return Table(rows, left=("key", *letters, "unit"), title="What differs in the scenarios")
+    return ReportTable(rows, left=("key", *letters, "unit"), title="What differs in the scenarios")
 
 
 def unit_of(key: str) -> str:
@@ -379,7 +381,7 @@ _Figures = Mapping[str, tuple[float, str]]
 """Name of a figure → value, NaN if it does not exist, and unit."""
 
 
-def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], title: str) -> Table:
+def _answer(sides: Sequence[ComparisonSide], figures_of: Callable[[Metrics], _Figures], title: str) -> ReportTable:
     """Return the figures that differ, with the differences to the first stop."""
     letters = ascii_uppercase[: len(sides)]
     figures = [figures_of(side.record.figures) for side in sides]
@@ -394,7 +396,7 @@ def _answer(sides: Sequence[Side], figures_of: Callable[[Metrics], _Figures], ti
     forms: dict[str, Form] = {
         column: "{:+.4g}" if column.endswith(" − A") else "{:+.1f}" if "%" in column else "{:.5g}" for column in numbers
     }
-    return Table(rows, forms, ("figure", "unit"), title)
+    return ReportTable(rows, forms, ("figure", "unit"), title)
 
 
 def _row(name: str, values: Sequence[Any], unit: str, letters: str) -> dict[str, Any]:
@@ -467,12 +469,12 @@ def _of_campaigns(names: Sequence[str], results: Sequence[Results]) -> Compariso
         provenance={
             f"{letter}, result of {name}": provenance(stop[name])["scenario digest"]
             for letter, stop in zip(letters, stops, strict=True)
-            for name in common[:_MOST_DIGESTS]
+            for name in common[:_MAX_DIGESTS]
         },
     )
 
 
-def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> Table:
+def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> ReportTable:
     letters = ascii_uppercase[: len(stops)]
     rows: list[dict[str, Any]] = []
     for name in common:
@@ -492,7 +494,7 @@ def _distances(common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]])
     forms = {f"{letter} [m]": "{:.2f}" for letter in letters}
     forms |= {f"{letter} − A [m]": "{:+.2f}" for letter in letters[1:]}
     forms |= {f"{letter} − A [%]": "{:+.1f}" for letter in letters[1:]}
-    return Table(rows, forms, ("stop",), "Braking distances")
+    return ReportTable(rows, forms, ("stop",), "Braking distances")
 
 
 def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, StopRecord]]) -> list[str]:
@@ -517,7 +519,7 @@ def _spread(letters: str, common: Sequence[str], stops: Sequence[Mapping[str, St
     return sentences
 
 
-def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
+def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> ReportTable:
     """Return the keys that differ in some of the stops, with their number, and the values that all of these share."""
     letters = ascii_uppercase[: len(pairs[0])]
     rows: dict[str, dict[str, Any]] = {}
@@ -528,4 +530,4 @@ def _common_question(pairs: Sequence[Sequence[StopRecord]]) -> Table:
             for letter in letters:
                 if known[letter] != row[letter]:
                     known[letter] = _ALIKE
-    return Table(list(rows.values()), left=("key", *letters, "unit"), title="What differs in the scenarios")
+    return ReportTable(list(rows.values()), left=("key", *letters, "unit"), title="What differs in the scenarios")

@@ -9,7 +9,7 @@ from railgrip.report import palette, style
 from railgrip.trace.loss import Loss
 
 _COLOURS = (palette.BLACK, *palette.LINES[:-1])
-_MOST_BARS = 40
+_MAX_BARS = 40
 
 
 def track_figure(along: Mapping[str, Loss]) -> Figure:
@@ -59,7 +59,7 @@ def track_figure(along: Mapping[str, Loss]) -> Figure:
 
 def stops_figure(differences: Mapping[str, float]) -> Figure:
     """Return a figure of the differences of the stops of two campaigns [m]; only the largest if there are many."""
-    largest = sorted(differences, key=lambda name: -abs(differences[name]))[:_MOST_BARS]
+    largest = sorted(differences, key=lambda name: -abs(differences[name]))[:_MAX_BARS]
     names = [name for name in differences if name in set(largest)]
     values = np.array([differences[name] for name in names])
     drawing, panel = style.panels(10, 1.2 + 0.24 * len(names))

@@ -18,7 +18,7 @@ from rich.console import Console
 from railgrip.base.errors import InputError, for_user
 
 if TYPE_CHECKING:
-    from railgrip.report.table import Table
+    from railgrip.report.table import ReportTable
 
 REMINDER: Final = 10.0
 """Time between two lines of progress without a terminal [s]."""
@@ -39,7 +39,7 @@ _err = _console(stderr=True)
 _log = logging.getLogger("railgrip")
 
 
-class _ToScreen(logging.Handler):
+class _ScreenHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         _err.print(self.format(record), soft_wrap=True)
 
@@ -47,8 +47,8 @@ class _ToScreen(logging.Handler):
 def show_messages(level: int) -> None:
     """Print messages of this level and above on standard error: DEBUG, INFO, or WARNING for results and errors only."""
     _log.setLevel(level)
-    if not any(isinstance(handler, _ToScreen) for handler in _log.handlers):
-        _log.addHandler(_ToScreen())
+    if not any(isinstance(handler, _ScreenHandler) for handler in _log.handlers):
+        _log.addHandler(_ScreenHandler())
 
 
 def _is_quiet() -> bool:
@@ -98,7 +98,7 @@ def _require_folder() -> None:
         raise InputError("the current folder no longer exists; change to another one") from problem
 
 
-def show_table(table: "Table", nothing: str = "nothing") -> None:
+def show_table(table: "ReportTable", nothing: str = "nothing") -> None:
     """Print a table, or a word if it has no rows."""
     if not table:
         say(f"{table.title}: {nothing}" if table.title else nothing)
@@ -127,7 +127,7 @@ def show_table(table: "Table", nothing: str = "nothing") -> None:
     _out.print(screen, crop=False)
 
 
-def show_all(parts: "Iterable[Table | str]") -> None:
+def show_all(parts: "Iterable[ReportTable | str]") -> None:
     """Print tables and sentences in their order."""
     for part in parts:
         if isinstance(part, str):
@@ -182,7 +182,7 @@ class _Bar:
         self._bar, self._task, self._name = bar, task, name
 
     def update(self, *, doing: str | None = None, amount: float | None = None, total: float | None = None) -> None:
-        description = None if doing is None else _described(self._name, doing)
+        description = None if doing is None else _describe(self._name, doing)
         self._bar.update(self._task, description=description, completed=amount, total=total)
 
     def advance(self, doing: str | None = None) -> None:
@@ -220,7 +220,7 @@ class _Lines:
         self.update(doing=doing, amount=self._amount + 1)
 
     def __str__(self) -> str:
-        text = _described(self._name, self._doing)
+        text = _describe(self._name, self._doing)
         if self._total is None:
             return text
         return f"{text}, " + (
@@ -230,5 +230,5 @@ class _Lines:
         )
 
 
-def _described(name: str, doing: str) -> str:
+def _describe(name: str, doing: str) -> str:
     return f"{name}: {doing}" if doing else name

@@ -15,12 +15,12 @@ from railgrip.report.distribution import distribution_table, distributions_of
 from railgrip.report.limits import SUBJECTS, limits_of
 from railgrip.report.page import write_page
 from railgrip.report.reference import controller_of, label, references, setting_of
-from railgrip.report.results import Result, Results, from_elsewhere, makers
+from railgrip.report.results import Result, Results, fmu_tools, from_elsewhere
 from railgrip.report.row import Row
 from railgrip.report.statistics import finite
-from railgrip.report.table import Form, Table, change, names, percent, share
+from railgrip.report.table import Form, ReportTable, change, names, percent, share
 from railgrip.scenario.campaign import DRAW
-from railgrip.scenario.conditioning import Repeated
+from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.outcome import Outcome
 
 STALE = "stale: other repeats"
@@ -37,7 +37,7 @@ def rows_of(results: Results) -> tuple[Row, ...]:
     )
     limits = limits_of()
     return tuple(
-        _row(stop, published, tuned, constant, limits.broken_by(stop.record))
+        _row(stop, published, tuned, constant, limits.find_violations(stop.record))
         for stop, (published, tuned) in zip(results.stops, compared_with, strict=True)
     )
 
@@ -50,7 +50,7 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
         "rows": [asdict(row) for row in rows],
         "distributions": [asdict(distribution) for distribution in distributions_of(rows)],
         "missing": list(results.missing),
-        "fmus": {stop.name: makers(stop.record.versions) for stop in results.stops},
+        "fmus": {stop.name: fmu_tools(stop.record.versions) for stop in results.stops},
     }
     as_json, as_markdown = directory / f"{results.name}.json", directory / f"{results.name}.md"
     claim(directory, as_json.name, as_markdown.name)
@@ -72,15 +72,17 @@ def write_table(results: Results, directory: Path, notes: Sequence[str] = ()) ->
     return as_json, as_markdown
 
 
-def tables_of(rows: Sequence[Row]) -> tuple[Table, Table]:
+def tables_of(rows: Sequence[Row]) -> tuple[ReportTable, ReportTable]:
     """Return the table of distributions over draws and that of all other rows, both without empty columns."""
     cells = [{name: of(row) for name, of in _COLUMNS.items()} for row in rows if row.draw is None]
-    return distribution_table(distributions_of(rows)).filled(), Table(cells, _FORMS).filled()
+    return distribution_table(distributions_of(rows)).drop_empty_columns(), ReportTable(
+        cells, _FORMS
+    ).drop_empty_columns()
 
 
-def shown(
+def reader_tables(
     rows: Sequence[Row], pages: Mapping[str, str] = MappingProxyType({}), hidden: Collection[str] = ()
-) -> list[Table | str]:
+) -> list[ReportTable | str]:
     """Return the tables of a campaign for a reader, each after a sentence on the values that all of its rows share.
 
     Args:
@@ -93,7 +95,7 @@ def shown(
     return [*draws.parts(), *single.without(hidden).parts(addresses)]
 
 
-def documented(rows: Sequence[Row]) -> dict[str, Table]:
+def documentation_tables(rows: Sequence[Row]) -> dict[str, ReportTable]:
     """Return the tables of a campaign for a page of the documentation, by name.
 
     `draws` has the distributions over draws, `distances` a row for each other case and a column for each controller.
@@ -106,8 +108,10 @@ def documented(rows: Sequence[Row]) -> dict[str, Table]:
             cells = cases.setdefault((row.label, row.polach), {"scenario": row.label, "creep curve": row.polach})
             cells[row.controller_label] = f"{distance} ({change})" if change else distance
     columns = dict.fromkeys(column for cells in cases.values() for column in cells)
-    table = Table([dict.fromkeys(columns, "") | cells for cells in cases.values()], left=("scenario", "creep curve"))
-    draws = distribution_table(distributions_of(rows)).filled()
+    table = ReportTable(
+        [dict.fromkeys(columns, "") | cells for cells in cases.values()], left=("scenario", "creep curve")
+    )
+    draws = distribution_table(distributions_of(rows)).drop_empty_columns()
     alike = {name for name in _HEADING if len({row.get(name) for row in draws.rows}) == 1}
     return {"draws": draws.without(alike), "distances": table}
 
@@ -191,7 +195,7 @@ def _row(
     )
 
 
-def spread_text(conditioning: Repeated | None, digest: str, distance: float | None) -> str:
+def spread_text(conditioning: RepeatedDistances | None, digest: str, distance: float | None) -> str:
     """Return median and range of the repeats of a stop, or `STALE` if they are the repeats of another stop.
 
     Args:

@@ -19,11 +19,11 @@ from railgrip.report.statistics import (
     relative_change,
     share_interval,
 )
-from railgrip.report.table import Link, Table, percent, share, text
+from railgrip.report.table import Link, ReportTable, percent, share, text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Paired:
+class PairedComparison:
     """A controller compared with another on the same draws.
 
     Attributes:
@@ -72,8 +72,8 @@ class Distribution(Conditions):
     worst_m: float
     worst_draw: int
     longest_lock_s: float | None
-    vs_sbc: Paired | None
-    vs_tuned: Paired | None
+    vs_sbc: PairedComparison | None
+    vs_tuned: PairedComparison | None
 
 
 def distributions_of(rows: Sequence[Row]) -> tuple[Distribution, ...]:
@@ -99,7 +99,7 @@ def over_cases(rows: Sequence[Row]) -> list[Row]:
     return [replace(row, case="", draw=cases[row.case]) for row in rows]
 
 
-def distribution_table(distributions: Sequence[Distribution]) -> Table:
+def distribution_table(distributions: Sequence[Distribution]) -> ReportTable:
     """Return a row for each distribution."""
     rows = [
         {
@@ -116,7 +116,7 @@ def distribution_table(distributions: Sequence[Distribution]) -> Table:
         }
         for distribution in distributions
     ]
-    return Table(rows, {"longest lock, median": "{:.2f} s"})
+    return ReportTable(rows, {"longest lock, median": "{:.2f} s"})
 
 
 def _question(distribution: Distribution) -> dict[str, str]:
@@ -134,7 +134,7 @@ QUANTILES = (0.5, 0.95, 0.99)
 """Quantiles of the distance in tables: the median, and distances that are rarely and hardly ever exceeded."""
 
 
-def quantile_table(distributions: Sequence[Distribution], permitted: float | None) -> Table:
+def quantile_table(distributions: Sequence[Distribution], permitted: float | None) -> ReportTable:
     """Return P50, P95 and P99 of each distribution with their intervals, and how often a distance [m] is exceeded.
 
     Draws without standstill exceed every distance. An interval requires enough draws, that of P99 nearly 400.
@@ -152,10 +152,10 @@ def quantile_table(distributions: Sequence[Distribution], permitted: float | Non
             low, high = share_interval(count, len(values))
             row[f"over {permitted:g} m"] = f"{100 * count / len(values):.2f} % [{100 * low:.2f}, {100 * high:.2f}]"
         rows.append(row)
-    return Table(rows, title="Quantiles of the braking distance, with intervals of 95 %")
+    return ReportTable(rows, title="Quantiles of the braking distance, with intervals of 95 %")
 
 
-def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) -> Table:
+def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) -> ReportTable:
     """Return the longest stops of all draws, starting with those without standstill, linked to their pages."""
     drawn = [row for row in rows if row.draw is not None and row.controller != "ideal_bound"]
     cells: list[dict[str, Any]] = [
@@ -169,10 +169,10 @@ def worst_table(rows: Sequence[Row], pages: Mapping[str, str], count: int = 10) 
         }
         for row in sorted(drawn, key=lambda row: -endless(row.distance_m))[:count]
     ]
-    return Table(cells, {"distance": "{:.1f} m", "adhesion used": share, "longest lock": "{:.2f} s"})
+    return ReportTable(cells, {"distance": "{:.1f} m", "adhesion used": share, "longest lock": "{:.2f} s"})
 
 
-def change_text(paired: Paired) -> str:
+def change_text(paired: PairedComparison) -> str:
     """Return the median change with its interval in brackets, if there are enough draws for one."""
     median = percent(paired.change) or "endless"
     if paired.change_interval is None:
@@ -180,7 +180,7 @@ def change_text(paired: Paired) -> str:
     return f"{median} [{', '.join(percent(end) or 'endless' for end in paired.change_interval)}]"
 
 
-def paired_texts(name: str, paired: Paired | None) -> dict[str, str]:
+def paired_texts(name: str, paired: PairedComparison | None) -> dict[str, str]:
     """Return the columns of a table that compare with another controller or variant of this name."""
     change = shorter = ""
     if paired is not None:
@@ -210,12 +210,12 @@ def _distribution(rows: Sequence[Row], published: Sequence[Row] | None, tuned: S
         worst_m=distances[worst],
         worst_draw=worst,
         longest_lock_s=float(np.median(locks)) if locks else None,
-        vs_sbc=None if published is None or published is rows else paired(distances, published),
-        vs_tuned=None if tuned is None or tuned is rows else paired(distances, tuned),
+        vs_sbc=None if published is None or published is rows else compare_pairs(distances, published),
+        vs_tuned=None if tuned is None or tuned is rows else compare_pairs(distances, tuned),
     )
 
 
-def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | None:
+def compare_pairs(distances: Mapping[int, float], other: Sequence[Row]) -> PairedComparison | None:
     """Return the comparison of distances [m] by draw with those of another controller; None without a common draw."""
     others = by_draw(other)
     pairs = [(distances[draw], others[draw]) for draw in distances if draw in others]
@@ -223,7 +223,7 @@ def paired(distances: Mapping[int, float], other: Sequence[Row]) -> Paired | Non
         return None
     changes = tuple(relative_change(distance, reference) for distance, reference in pairs)
     count = sum(distance < reference for distance, reference in pairs)
-    return Paired(
+    return PairedComparison(
         label=other[0].controller_label,
         draws=len(pairs),
         shorter=count / len(pairs),

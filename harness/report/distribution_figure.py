@@ -9,13 +9,13 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from railgrip.report import palette, style
-from railgrip.report.distribution import Distribution, Paired
+from railgrip.report.distribution import Distribution, PairedComparison
 
-_MOST_BINS = 60
+_MAX_BINS = 60
 
 _JITTER = 0.26  # of the height of a row, to either side
 
-_Against = Callable[[Distribution], Paired | None]
+_Against = Callable[[Distribution], PairedComparison | None]
 
 
 def distribution_figure(distributions: Sequence[Distribution], *, of: str = "draw") -> Figure:
@@ -89,7 +89,7 @@ def exceedance_figure(distributions: Sequence[Distribution], permitted: float | 
         ends = np.array([d for distribution in here for d in distribution.distances_m.values() if math.isfinite(d)])
         # The same bins for all, so that the bars of two controllers can be compared (Freedman and Diaconis, 1981).
         edges = np.histogram_bin_edges(ends, "fd" if ends.size > 1 else 1) if ends.size else np.array([0.0, 1.0])
-        edges = np.linspace(edges[0], edges[-1], min(edges.size, _MOST_BINS))
+        edges = np.linspace(edges[0], edges[-1], min(edges.size, _MAX_BINS))
         for number, distribution in enumerate(here):
             values = np.sort(list(distribution.distances_m.values()))
             colour = palette.LINES[number % len(palette.LINES)]
@@ -138,9 +138,9 @@ def _name(distribution: Distribution, of: str) -> str:
     )
 
 
-def _vs_sbc(distribution: Distribution) -> Paired | None:
+def _vs_sbc(distribution: Distribution) -> PairedComparison | None:
     return distribution.vs_sbc
 
 
-def _vs_tuned(distribution: Distribution) -> Paired | None:
+def _vs_tuned(distribution: Distribution) -> PairedComparison | None:
     return distribution.vs_tuned

@@ -18,15 +18,15 @@ _NAMED: Final = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
 
 def as_html(text: str) -> Markup:
     """Return a text for an HTML page, or for Markdown that becomes HTML: one line, special characters as entities."""
-    return Markup(_escaped(text, _HTML, lambda character: _NAMED.get(character, f"&#{ord(character)};")))
+    return Markup(_escape(text, _HTML, lambda character: _NAMED.get(character, f"&#{ord(character)};")))
 
 
 def as_markdown(text: str) -> str:
     """Return a text for a Markdown file: one line, special characters escaped by a backslash."""
-    return _escaped(text, _MARKDOWN, lambda character: f"\\{character}")
+    return _escape(text, _MARKDOWN, lambda character: f"\\{character}")
 
 
-def _escaped(text: str, special: re.Pattern[str], spell: Callable[[str], str]) -> str:
+def _escape(text: str, special: re.Pattern[str], spell: Callable[[str], str]) -> str:
     line, head = _one_line(text), ""
     if number := re.match(r"(\d{1,9})([.)])(?=\s|$)", line, re.ASCII):  # an item of a list
         head, line = number[1] + spell(number[2]), line[number.end() :]

@@ -8,7 +8,7 @@ import xarray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_MOST_STATES = 4
+_MAX_STATES = 4
 
 
 class Estimates(xarray.Dataset):
@@ -31,7 +31,7 @@ class Estimates(xarray.Dataset):
             return super().__repr__()
         states = [str(state) for state in self["state"].values]
         mean, sd = (self[name].values[-1] for name in ("mean", "sd"))
-        ends = [f"{state} {mean[i]:.4g} ± {sd[i]:.2g}" for i, state in enumerate(states[:_MOST_STATES])]
+        ends = [f"{state} {mean[i]:.4g} ± {sd[i]:.2g}" for i, state in enumerate(states[:_MAX_STATES])]
         more = f" and {len(states) - len(ends)} more" if len(states) > len(ends) else ""
         lines = (
             f"Estimates of {self.attrs.get('name') or 'a recording'}: {self.sizes['time']} samples, "

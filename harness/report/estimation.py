@@ -38,7 +38,9 @@ Initial estimates may be arbitrarily uncertain.
 """
 
 
-def estimated(recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str], path: Path) -> Path:
+def write_estimates_figure(
+    recording: xarray.Dataset, estimates: xarray.Dataset, inputs: Sequence[str], path: Path
+) -> Path:
     """Write the figure of `estimates_figure` to a file."""
     return style.save(estimates_figure(recording, estimates, inputs), path)
 

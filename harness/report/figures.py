@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
 from railgrip.report import palette, style
-from railgrip.report.cases_figure import MOST_CASES, cases_figure
+from railgrip.report.cases_figure import MAX_CASES, cases_figure
 from railgrip.report.distribution import distributions_of, over_cases
 from railgrip.report.distribution_figure import distribution_figure
 from railgrip.report.reference import label
@@ -40,10 +40,10 @@ _RAIL_COLOURS = (*palette.LINES, palette.GREY)
 
 _STOP_MARGINS = {"left": 0.055, "right": 0.875, "wspace": 0.06, "hspace": 0.1}
 
-_MOST_COLUMNS = 8
+_MAX_COLUMNS = 8
 """Maximum number of groups side by side, so that panels stay readable; those of a longer train follow below."""
 
-_MOST_BARS = 9
+_MAX_BARS = 9
 """Maximum number of scenarios side by side, so that a number fits on each bar."""
 
 
@@ -185,9 +185,9 @@ def distance_figure(rows: Sequence[Row]) -> Figure:
     cases of a scenario.
     """
     cases = len({row.label for row in rows})
-    if _MOST_BARS < cases <= MOST_CASES:
+    if _MAX_BARS < cases <= MAX_CASES:
         return cases_figure(rows, _bar_colours(rows))
-    if cases > MOST_CASES:
+    if cases > MAX_CASES:
         return distribution_figure(distributions_of(over_cases(rows)), of="stop")
     settings = list(dict.fromkeys((row.actuation, row.sensors, row.polach) for row in rows))
     scenarios = list(dict.fromkeys(row.label for row in rows))
@@ -307,12 +307,12 @@ def _distance(record: StopRecord) -> str:
 
 
 def _wide(groups: int) -> int:
-    return ceil(groups / ceil(groups / _MOST_COLUMNS))
+    return ceil(groups / ceil(groups / _MAX_COLUMNS))
 
 
 def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
     """Return a figure and its panels, shape (rows, groups), in as many bands as their width requires."""
-    bands = ceil(groups / _MOST_COLUMNS)
+    bands = ceil(groups / _MAX_COLUMNS)
     wide = _wide(groups)
     above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches
     height = above + bands * block + (bands - 1) * between + below
@@ -411,6 +411,6 @@ _SIGNALS = {
 def _draw_estimate(panel: style.Axes, time: np.ndarray, trace: xarray.Dataset, name: str, group: int) -> None:
     mean = trace[name].values[:, group]
     if f"{name}_sd" in trace:
-        spread = 2 * trace[f"{name}_sd"].values[:, group]
-        style.band(panel, time, mean - spread, mean + spread, palette.ORANGE, 0.3, label="±2σ")
+        half_width = 2 * trace[f"{name}_sd"].values[:, group]
+        style.band(panel, time, mean - half_width, mean + half_width, palette.ORANGE, 0.3, label="±2σ")
     panel.plot(time, mean, color=palette.VERMILION, linewidth=1.0, linestyle=(0, (2, 1.2)), label="estimated")

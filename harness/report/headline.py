@@ -9,11 +9,11 @@ from railgrip.report.limits import SUBJECTS
 from railgrip.report.row import Row
 from railgrip.report.statistics import endless
 from railgrip.report.table import change, percent
-from railgrip.report.variants import Change, Reference
+from railgrip.report.variants import Change, ReferenceVariant
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Candidate:
+class _Contender:
     """A controller, or a variant under some conditions.
 
     Attributes:
@@ -29,13 +29,13 @@ class _Candidate:
     stops: Sequence[Row]
 
     @property
-    def broken(self) -> dict[str, int]:
+    def violations(self) -> dict[str, int]:
         """Clause → number of stops that break it."""
         clauses = [clause for row in self.stops for clause in row.breaks]
         return {clause: clauses.count(clause) for clause in dict.fromkeys(clauses)}
 
 
-def headline(rows: Sequence[Row], reference: Reference | None = None, changes: Sequence[Change] = ()) -> str:
+def headline(rows: Sequence[Row], reference: ReferenceVariant | None = None, changes: Sequence[Change] = ()) -> str:
     """Return a summary with the controller, or variant, that shortens the distance most without breaking a clause.
 
     Args:
@@ -52,7 +52,7 @@ def headline(rows: Sequence[Row], reference: Reference | None = None, changes: S
     against = "slip-based control with 10 and 15 %" if reference is None else f"{reference.axis} {reference.variant}"
     kinds = "controllers" if reference is None else "variants"
     shortest = min(candidates, key=lambda candidate: candidate.change)
-    allowed = [candidate for candidate in candidates if not candidate.broken]
+    allowed = [candidate for candidate in candidates if not candidate.violations]
     if not allowed:
         none = f"none of the {len(candidates)} {kinds} keeps all clauses" if len(candidates) > 1 else ""
         breaks = f"{shortest.name} breaks {_breaks(shortest)}"
@@ -72,24 +72,24 @@ def headline(rows: Sequence[Row], reference: Reference | None = None, changes: S
     return f"Against {against}, {best.name} changes the distance by {best.text}{others}.{more} {count}"
 
 
-def _controllers(rows: Sequence[Row]) -> list[_Candidate]:
+def _controllers(rows: Sequence[Row]) -> list[_Contender]:
     """Return the controllers with stops under the same conditions as the published slip-based control."""
     stops: dict[str, list[Row]] = {}
     for row in rows:
         if row.controller != "ideal_bound":
             stops.setdefault(row.controller_label, []).append(row)
-    candidates: list[_Candidate] = []
+    candidates: list[_Contender] = []
     for name, own in stops.items():
         shares = [row.reduction_vs_sbc for row in own if row.reduction_vs_sbc is not None]
         if shares:
             median, smallest, largest = (change(of(shares)) for of in (statistics.median, max, min))
             text = f"{median} in the median of {len(shares)} stops, from {smallest} to {largest}"
             text = text if len(shares) > 1 else f"{median} in one stop"
-            candidates.append(_Candidate(name=name, change=-statistics.median(shares), text=text, stops=own))
+            candidates.append(_Contender(name=name, change=-statistics.median(shares), text=text, stops=own))
     return candidates
 
 
-def _variants(changes: Sequence[Change]) -> list[_Candidate]:
+def _variants(changes: Sequence[Change]) -> list[_Contender]:
     """Return the variants other than the reference; several conditions of one variant are several candidates."""
     differ = {pair for change in changes for pair in change.conditions.items()}
     differ -= {pair for pair in differ if all(pair in change.conditions.items() for change in changes)}
@@ -99,7 +99,7 @@ def _variants(changes: Sequence[Change]) -> list[_Candidate]:
         return f"{change.variant} (with {under})" if under else change.variant
 
     return [
-        _Candidate(
+        _Contender(
             name=name(change),
             change=endless(change.paired.change),
             text=f"{change_text(change.paired)} in the median of {change.paired.draws} pairs",
@@ -110,9 +110,10 @@ def _variants(changes: Sequence[Change]) -> list[_Candidate]:
     ]
 
 
-def _breaks(candidate: _Candidate) -> str:
+def _breaks(candidate: _Contender) -> str:
     """Return the clauses that a candidate breaks, with the number of its stops."""
     count = len(candidate.stops)
     return ", ".join(
-        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops" for clause, broken in candidate.broken.items()
+        f"the limit on {SUBJECTS[clause]} in {broken} of {count} stops"
+        for clause, broken in candidate.violations.items()
     )

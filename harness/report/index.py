@@ -10,20 +10,20 @@ from matplotlib.figure import Figure
 from railgrip.base.errors import InputError, RecordError
 from railgrip.base.outputs import claim
 from railgrip.report import style
-from railgrip.report.baseline import beyond_accepted
-from railgrip.report.distances import rows_of, shown, write_table
+from railgrip.report.baseline import baseline_deviations
+from railgrip.report.distances import reader_tables, rows_of, write_table
 from railgrip.report.distribution import distributions_of, quantile_table, worst_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.figures import adhesion_figure, distance_figure, friction_figure, stop_figure
 from railgrip.report.headline import headline
-from railgrip.report.limits import judged_by, limits_of
+from railgrip.report.limits import describe_clauses, limits_of
 from railgrip.report.page import FORMATS, Page
 from railgrip.report.reference import is_published
 from railgrip.report.results import Result, Results, from_elsewhere, provenance, read_results
 from railgrip.report.row import Row
 from railgrip.report.stop_page import stop_page
-from railgrip.report.table import Table, names
-from railgrip.report.variants import Reference, change_table, changes_against
+from railgrip.report.table import ReportTable, names
+from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import DRAW, Panels
 from railgrip.trace.stop import CAMPAIGN_FILE, PAGE_FILES, STOP_FILE, others_like, read_stop
 
@@ -62,7 +62,7 @@ def write_report(
         notify: Called with the name of the next figure.
         baseline: File with the accepted distances of the campaign; distances of other compilers' FMUs are compared.
         formats: Formats of the figure files.
-        against: Variant of a campaign with which the others of its axis are compared in pairs; see `Reference.named`.
+        against: Variant with which the others of its axis are compared in pairs; see `ReferenceVariant.find`.
 
     Raises:
         RecordError: The folder has neither file, or a result is unreadable.
@@ -70,7 +70,7 @@ def write_report(
     """
     if (directory / CAMPAIGN_FILE).exists():
         results = read_results(directory)
-        notes = [] if baseline is None else beyond_accepted(results, baseline)
+        notes = [] if baseline is None else baseline_deviations(results, baseline)
         reference = reference_of(results, against)
         page = _with_stops(results, directory, panels=panels, notify=notify, notes=notes, reference=reference)
         return page.write(directory, formats)
@@ -88,13 +88,13 @@ def write_report(
     raise RecordError(f"{directory}: has neither {CAMPAIGN_FILE} nor {STOP_FILE}{like}")
 
 
-def reference_of(results: Results, against: str | None) -> Reference | None:
+def reference_of(results: Results, against: str | None) -> ReferenceVariant | None:
     """Find the variant of a campaign that a user has named; None without a name.
 
     Raises:
-        InputError: See `Reference.named`.
+        InputError: See `ReferenceVariant.find`.
     """
-    return None if against is None else Reference.named(against, [stop.variants for stop in results.stops])
+    return None if against is None else ReferenceVariant.find(against, [stop.variants for stop in results.stops])
 
 
 def _with_stops(
@@ -104,7 +104,7 @@ def _with_stops(
     panels: Panels,
     notify: Notify,
     notes: Sequence[str],
-    reference: Reference | None,
+    reference: ReferenceVariant | None,
 ) -> Page:
     """Write the table of a campaign and the pages of its stops; return the page of the campaign."""
     notify("table")
@@ -130,7 +130,7 @@ def campaign_page(
     pages: Mapping[str, str],
     pairs: Sequence[tuple[Result, Result]],
     notify: Notify,
-    reference: Reference | None = None,
+    reference: ReferenceVariant | None = None,
 ) -> Page:
     """Return the page of a campaign.
 
@@ -177,7 +177,7 @@ def campaign_page(
             "changes": [] if reference is None else change_table(reference, changes).parts(),
             "quantiles": quantile_table(distributions, results.permitted_distance).parts(),
             "worst": worst_table(rows, pages).parts(),
-            "tables": shown(rows, pages),
+            "tables": reader_tables(rows, pages),
             "notes": [*from_elsewhere(results.stops), *notes],
             "missing": names(results.missing),
             "captions": {f"figures/{name}.png": caption for name, (caption, _) in list(drawings.items())[1:]},
@@ -193,12 +193,12 @@ def _legend(rows: Sequence[Row]) -> list[str]:
     if any(row.breaks for row in rows):
         sentences.append(
             "Column “breaks” lists the limits of the type test that a stop does not keep. A controller or variant that "
-            f"breaks one in any stop is not recommended. Judged are: {judged_by(limits_of())}."
+            f"breaks one in any stop is not recommended. Judged are: {describe_clauses(limits_of())}."
         )
     return sentences
 
 
-def _scenarios(stops: Sequence[Result]) -> Table:
+def _scenarios(stops: Sequence[Result]) -> ReportTable:
     """Return names and kinds of the rails, and the seeds that they were drawn with."""
     of_name: dict[str, list[Result]] = {}
     for stop in stops:
@@ -218,7 +218,7 @@ def _scenarios(stops: Sequence[Result]) -> Table:
                 "stops": len(stops_of_name),
             }
         )
-    return Table(rows, left=("scenario", "description", "train", "start speed", "seeds"))
+    return ReportTable(rows, left=("scenario", "description", "train", "start speed", "seeds"))
 
 
 def _train(vehicle: Mapping[str, Any]) -> str:

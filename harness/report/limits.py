@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from railgrip.report.statistics import finite
-from railgrip.scenario.load import read_toml, validated
-from railgrip.scenario.quantity import Number, Unit
+from railgrip.scenario.load import read_toml, validate_table
+from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Table
 from railgrip.trace.stop import StopRecord
 
@@ -30,9 +30,11 @@ class Clause(Table):
 class Supply(Table):
     """Air for the brakes, where the plant has no reservoir of its own."""
 
-    volume: Annotated[float, Unit("m3", above=0, at_most=100)]
-    pressure: Annotated[float, Unit("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
-    delivery: Annotated[float, Unit("m3/s", at_least=0, at_most=1)] = Field(description="free air of the compressor")
+    volume: Annotated[float, UnitRange("m3", above=0, at_most=100)]
+    pressure: Annotated[float, UnitRange("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
+    delivery: Annotated[float, UnitRange("m3/s", at_least=0, at_most=1)] = Field(
+        description="free air of the compressor"
+    )
 
     def remaining(self, air: float, duration: float) -> float:
         """Return the pressure at the end [Pa], for free air used [m3] in a time [s], at constant temperature."""
@@ -43,10 +45,10 @@ class Supply(Table):
 class BuildUp(Table):
     """How a deceleration distance is formed."""
 
-    time: Annotated[float, Unit("s", at_least=0, at_most=60)]
+    time: Annotated[float, UnitRange("s", at_least=0, at_most=60)]
 
 
-class Limits(Table):
+class AssessmentLimits(Table):
     """The limits of a type test and of a campaign's page; see library/limits.toml."""
 
     stops: Clause
@@ -77,7 +79,7 @@ class Limits(Table):
                 verdicts[name] = value >= clause.limit if name in _MINIMA else value <= clause.limit
         return verdicts
 
-    def broken_by(self, record: StopRecord) -> tuple[str, ...]:
+    def find_violations(self, record: StopRecord) -> tuple[str, ...]:
         """Return the clauses that a stop breaks by itself, without another stop to compare with."""
         figures = record.figures
         air = finite(figures.air_used)
@@ -106,17 +108,17 @@ _MINIMA: Final = ("reservoir", "utilisation")
 """Clauses whose limit is a minimum; the limits of the others are maxima."""
 
 
-def limits_of(path: Path | None = None) -> Limits:
+def limits_of(path: Path | None = None) -> AssessmentLimits:
     """Return the limits of a file, or those that come with this package.
 
     Raises:
         ScenarioError: The file is missing or does not hold limits.
     """
     file = path or _FILE
-    return validated(Limits, read_toml(file), directory=file.parent, origin=file.name)
+    return validate_table(AssessmentLimits, read_toml(file), directory=file.parent, origin=file.name)
 
 
-def judged_by(limits: Limits) -> str:
+def describe_clauses(limits: AssessmentLimits) -> str:
     """Return the clauses that a stop can break by itself with their limits, in SI units."""
     judged = {"lock": "s", "locked_distance": "m", "reservoir": "Pa", "utilisation": ""}
     texts = [

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from railgrip.base.errors import InputError, RecordError
 from railgrip.base.files import read_text, write_text
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 END = "<!-- end -->"
 """Mark after each table."""
@@ -20,7 +20,7 @@ def names_in(text: str) -> list[str]:
     return re.findall(r"^<!-- ([^:>]+): written by `[^`\n]+` -->$", text, re.MULTILINE)
 
 
-def with_tables(text: str, tables: Mapping[str, Table | str]) -> str:
+def with_tables(text: str, tables: Mapping[str, ReportTable | str]) -> str:
     """Return the text of a page with these tables between their marks.
 
     text: Text of the page.
@@ -40,7 +40,7 @@ def with_tables(text: str, tables: Mapping[str, Table | str]) -> str:
     return text
 
 
-def write_tables(path: Path, tables: Mapping[str, Table | str]) -> None:
+def write_tables(path: Path, tables: Mapping[str, ReportTable | str]) -> None:
     """Write tables between the marks of a page; see `with_tables`.
 
     Raises:

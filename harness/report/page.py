@@ -18,10 +18,10 @@ from markupsafe import Markup
 
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_json, write_text
-from railgrip.base.outputs import claim, discard, written
+from railgrip.base.outputs import claim, discard, recorded_files
 from railgrip.base.programs import environment_of_programs, find_program
 from railgrip.report.escape import as_html, as_markdown
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,10 +63,10 @@ class Page:
     figures: "Mapping[str, Figure]" = field(default_factory=dict[str, Any])
     plots: Mapping[str, Mapping[str, Any]] = field(default_factory=dict[str, Any])
     provenance: Mapping[str, str] = field(default_factory=dict[str, str])
-    tables: Mapping[str, Table] = field(default_factory=dict[str, Table])
+    tables: Mapping[str, ReportTable] = field(default_factory=dict[str, ReportTable])
     data: Mapping[str, Any] = field(default_factory=dict[str, Any])
     files: Mapping[str, Callable[[Path], object]] = field(default_factory=dict[str, Any])
-    screen: Sequence[Table | str] = ()
+    screen: Sequence[ReportTable | str] = ()
     exit_code: int = 0
 
     def write(self, folder: Path, formats: Sequence[str] = FORMATS[:1]) -> Path:
@@ -98,7 +98,7 @@ class Page:
         page = folder / "index.html"
         write_text(page, self._html(plots))
         # Figures of an earlier page that this one does not have.
-        discard(folder, {name for name in written(folder) if name.startswith("figures/")} - files)
+        discard(folder, {name for name in recorded_files(folder) if name.startswith("figures/")} - files)
         return page
 
     def file_names(self, formats: Sequence[str] = FORMATS[:1]) -> set[str]:
@@ -108,21 +108,21 @@ class Page:
 
     def _html(self, plots: Mapping[str, Mapping[str, Any]]) -> str:
         names = {name: name for name in plots}
-        body = rendered(self.template, is_html=True, figures=names, **self.values)
+        body = render(self.template, is_html=True, figures=names, **self.values)
         origin = {
             **self.provenance,
             "railgrip": metadata.version("railgrip"),
             **({"commit": commit()} if commit() else {}),
             "page written": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         }
-        return rendered(
+        return render(
             "report/page.html.jinja",
             is_html=True,
             page=self,
             first=next(iter(plots), None),
             body=Markup(_html_of(body)),
-            origin=Table([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
-            plots=_packed(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1),
+            origin=ReportTable([{"": key, "value": value} for key, value in origin.items()], left=("", "value")),
+            plots=_pack(json.dumps(plots, ensure_ascii=False, allow_nan=False).encode(), 1),
             plotly=_plotly(),
             script=Markup((_ROOT / "report/page.js").read_text(encoding="utf-8")),
         )
@@ -142,12 +142,12 @@ def formats_of(text: str) -> list[str]:
 
 
 def write_page(path: Path, template: str, **values: Any) -> Path:
-    """Write a text from a Markdown template and return its path; see `rendered`."""
-    write_text(path, rendered(template, **values))
+    """Write a text from a Markdown template and return its path; see `render`."""
+    write_text(path, render(template, **values))
     return path
 
 
-def rendered(template: str, *, is_html: bool = False, **values: Any) -> str:
+def render(template: str, *, is_html: bool = False, **values: Any) -> str:
     """Return the text of a template; see `railgrip.report.escape` for texts in pages.
 
     Args:
@@ -194,14 +194,14 @@ def _html_of(markdown: str) -> str:
     return parser.render(markdown)
 
 
-def _packed(content: bytes, level: int) -> str:
+def _pack(content: bytes, level: int) -> str:
     return base64.b64encode(gzip.compress(content, level, mtime=0)).decode()
 
 
 @cache
 def _plotly() -> str:
     """Return plotly.js, compressed from five megabytes to two; the browser decompresses it."""
-    return _packed((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes(), 9)
+    return _pack((resources.files("plotly") / "package_data" / "plotly.min.js").read_bytes(), 9)
 
 
 def _html_value(value: Any) -> Any:
@@ -209,7 +209,7 @@ def _html_value(value: Any) -> Any:
 
 
 def _markdown_value(value: Any) -> Any:
-    if isinstance(value, Table):
+    if isinstance(value, ReportTable):
         return value.with_texts(as_markdown)
     return as_markdown(value) if type(value) is str else value
 

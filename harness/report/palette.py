@@ -19,7 +19,7 @@ SHADES = ((253, 231, 37), (122, 209, 81), (34, 168, 132), (42, 120, 142), (65, 6
 _LEAD_TO_TRAIL = (BLUE, "#7B5FC0", "#E39BD3")
 
 
-def mixed(first: str, second: str, share: float) -> str:
+def mix(first: str, second: str, share: float) -> str:
     """Return a colour as #RRGGBB between two."""
     parts = ((int(colour[k : k + 2], 16) for colour in (first, second)) for k in (1, 3, 5))
     return "#" + "".join(f"{round(low + share * (high - low)):02X}" for low, high in parts)
@@ -27,11 +27,11 @@ def mixed(first: str, second: str, share: float) -> str:
 
 def lighter(colour: str, steps: int) -> str:
     """Return a colour nearer to white with each step."""
-    return mixed(colour, "#FFFFFF", 1 - 1 / (1 + 0.5 * steps)) if steps else colour
+    return mix(colour, "#FFFFFF", 1 - 1 / (1 + 0.5 * steps)) if steps else colour
 
 
 def lead_to_trail(count: int) -> list[str]:
     """Return colours from blue, the first wheelset, to purple, the last."""
     first, middle, last = _LEAD_TO_TRAIL
     places = [2 * number / max(count - 1, 1) for number in range(count)]
-    return [mixed(first, middle, place) if place <= 1 else mixed(middle, last, place - 1) for place in places]
+    return [mix(first, middle, place) if place <= 1 else mix(middle, last, place - 1) for place in places]

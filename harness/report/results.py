@@ -13,8 +13,8 @@ from pydantic import Field, FiniteFloat, ValidationError, field_validator
 from railgrip.base.errors import RecordError
 from railgrip.base.records import inside, read_json, words_of
 from railgrip.scenario.campaign import DRAW
-from railgrip.scenario.conditioning import Repeated
-from railgrip.scenario.table import Name, broken
+from railgrip.scenario.conditioning import RepeatedDistances
+from railgrip.scenario.table import Name, table_error
 from railgrip.trace.stop import CAMPAIGN_FILE, STOP_FILE, StopRecord, read_stop
 from railgrip.trace.stored import Digest, Stored
 
@@ -26,13 +26,13 @@ class StoredPlan(Stored):
     variants: dict[str, str]
     scenario_digest: Digest
     paper_distance_m: Annotated[FiniteFloat, Field(gt=0)] | None = None
-    conditioning: Annotated[Repeated, Field(strict=False)] | None = None
+    conditioning: Annotated[RepeatedDistances, Field(strict=False)] | None = None
 
     @field_validator("variants")
     @classmethod
     def _number_of_draw(cls, variants: dict[str, str]) -> dict[str, str]:
         if not re.fullmatch("[0-9]{1,19}", variants.get(DRAW, "0")):
-            raise broken(f"{DRAW} is not a number")
+            raise table_error(f"{DRAW} is not a number")
         return variants
 
 
@@ -48,9 +48,9 @@ class StoredCampaign(Stored):
     @classmethod
     def _of_one_campaign(cls, stops: list[StoredPlan]) -> list[StoredPlan]:
         if len({stop.name for stop in stops}) < len(stops):
-            raise broken("two stops have the same name")
+            raise table_error("two stops have the same name")
         if len({frozenset(stop.variants.keys() - {DRAW}) for stop in stops}) > 1:
-            raise broken("stops have variants of different axes")
+            raise table_error("stops have variants of different axes")
         return stops
 
 
@@ -70,10 +70,10 @@ class Result:
     variants: Mapping[str, str]
     record: StopRecord
     paper_distance: float | None
-    conditioning: Repeated | None = None
+    conditioning: RepeatedDistances | None = None
 
     @property
-    def repeats_of_this_stop(self) -> Repeated | None:
+    def repeats_of_this_stop(self) -> RepeatedDistances | None:
         """Repeats, unless they belong to another scenario or another distance."""
         conditioning, record = self.conditioning, self.record
         return conditioning if conditioning and conditioning.belongs(record.digest, record.braking_distance) else None
@@ -166,7 +166,7 @@ OURS = "railgrip"
 """Prefix of the built-in compiler's name in FMUs and results."""
 
 
-def makers(versions: Mapping[str, str]) -> dict[str, str]:
+def fmu_tools(versions: Mapping[str, str]) -> dict[str, str]:
     """Return FMU → tool that made it, from the versions in a result."""
     return {name: tool for name, tool in versions.items() if name.endswith(".fmu")}
 
@@ -175,14 +175,14 @@ def by_compiler(stops: Sequence[Result]) -> list[str]:
     """Return a sentence for each tool, built-in or not, that made FMUs of these stops."""
     fmus: dict[str, set[str]] = {}
     for stop in stops:
-        for name, tool in makers(stop.record.versions).items():
+        for name, tool in fmu_tools(stop.record.versions).items():
             fmus.setdefault(tool or "an unnamed tool", set()).add(name)
     return [f"FMUs by {tool}: {', '.join(sorted(names))}." for tool, names in sorted(fmus.items())]
 
 
 def from_elsewhere(stops: Sequence[Result]) -> list[str]:
     """Return a sentence for each FMU that the built-in compiler did not make."""
-    counts = Counter(pair for stop in stops for pair in makers(stop.record.versions).items())
+    counts = Counter(pair for stop in stops for pair in fmu_tools(stop.record.versions).items())
     return [
         f"{name} was made by {tool or 'an unnamed tool'} in {count} of {len(stops)} stops."
         for (name, tool), count in sorted(counts.items())

@@ -136,8 +136,8 @@ def _panels(trace: xarray.Dataset) -> Iterator[_Panel]:
         """Return an estimate with twice its standard deviation on either side."""
         if not _has(trace, f"{name}_sd"):
             return of_group(name, "estimated", "dot")
-        mean, spread = trace[name].values, 2 * trace[f"{name}_sd"].values
-        edges = [_Line("±2σ", mean[:, g] + sign * spread[:, g], k, "dot", shown=False)
+        mean, half_width = trace[name].values, 2 * trace[f"{name}_sd"].values
+        edges = [_Line("±2σ", mean[:, g] + sign * half_width[:, g], k, "dot", shown=False)
                  for g, k in enumerate(first) for sign in (-1, 1)]  # fmt: skip
         return [*of_group(name, "estimated", "dot"), *edges]
 

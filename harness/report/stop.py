@@ -4,10 +4,10 @@ from math import isnan
 from typing import TYPE_CHECKING, Any
 
 from railgrip.report.results import Result
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.trace import stop
 from railgrip.trace.metrics import Metrics, meanings
-from railgrip.trace.recorder import thinned
+from railgrip.trace.recorder import thin
 
 if TYPE_CHECKING:
     import pandas
@@ -27,7 +27,7 @@ class Stop(stop.Stop):
         from railgrip.report.figures import signals_figure  # matplotlib takes half a second to load
 
         result = Result(name=self.scenario.name, variants={}, record=self.record(), paper_distance=None)
-        return signals_figure(result, thinned(self.trace, int(self.scenario.periods.every("trace"))))
+        return signals_figure(result, thin(self.trace, int(self.scenario.periods.every("trace"))))
 
     def to_pandas(self) -> "pandas.DataFrame":
         """Return the samples over time [s]; `slip[2]` is the slip of the second group.
@@ -55,7 +55,7 @@ class Stop(stop.Stop):
         return f"<pre>{self!r}</pre><details><summary>Figures</summary>{figures.__html__()}</details>"
 
 
-def metrics_table(metrics: Metrics) -> Table:
+def metrics_table(metrics: Metrics) -> ReportTable:
     """Return the figures of a stop with units and definitions."""
     rows = [
         {
@@ -66,7 +66,7 @@ def metrics_table(metrics: Metrics) -> Table:
         }
         for name, (unit, meaning) in meanings().items()
     ]
-    return Table(rows, left=("figure", "value", "unit", "meaning"))
+    return ReportTable(rows, left=("figure", "value", "unit", "meaning"))
 
 
 def value_text(value: object) -> str:

@@ -10,7 +10,7 @@ from railgrip.report.reference import label
 from railgrip.report.results import Result, provenance
 from railgrip.report.signals_plot import signals_plot
 from railgrip.report.stop import metrics_table, value_text
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.keys import meanings_of_keys
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.stop import StopRecord
@@ -74,11 +74,11 @@ def answer(record: StopRecord) -> str:
     return f"{first} {second}"
 
 
-def scenario_table(scenario: Mapping[str, Any]) -> Table:
+def scenario_table(scenario: Mapping[str, Any]) -> ReportTable:
     """Return every key of a scenario in SI units, with its meaning."""
     rows = [
         {"key": key, "value": ", ".join(map(value_text, value)) if isinstance(value, list) else value_text(value),
          "unit": unit_of(key), "meaning": meanings_of_keys().get(without_numbers(key), "")}
         for key, value in flat(scenario).items()
     ]  # fmt: skip
-    return Table(rows, left=("key", "value", "unit", "meaning"))
+    return ReportTable(rows, left=("key", "value", "unit", "meaning"))

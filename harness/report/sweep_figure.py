@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgrip.report import palette, style
 
 _COLOURS = palette.LINES
-_MOST_TICKS = 20
+_MAX_TICKS = 20
 
 
 def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float64]) -> Figure:
@@ -37,7 +37,7 @@ def sweep_figure(axes: Mapping[str, Sequence[Any]], distances: NDArray[np.float6
         labels = _labels([(name, axes[name]) for name in names if name != longest])
         for line, label, colour in zip(lines, labels, _COLOURS, strict=False):
             panel.plot(places, line, "o-", color=colour, ms=4, linewidth=1.2, label=label or None)
-    shown = places[:: 1 + (len(places) - 1) // _MOST_TICKS]
+    shown = places[:: 1 + (len(places) - 1) // _MAX_TICKS]
     texts = [_text(axes[longest][place]) for place in shown]
     panel.set_xticks(shown, texts, rotation=30 if max(map(len, texts)) > 8 else 0)
     style.dress(panel, x=longest, y="braking distance [m]")

@@ -42,7 +42,7 @@ class Link(str):
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class ReportTable:
     """Values in rows of equal columns.
 
     In a template of HTML it is an HTML table, in any other one a Markdown table.
@@ -86,11 +86,11 @@ class Table:
         """Return the table without some columns."""
         return replace(self, rows=[{name: row[name] for name in row if name not in columns} for row in self.rows])
 
-    def filled(self) -> Self:
+    def drop_empty_columns(self) -> Self:
         """Return the table without empty columns."""
         return self.without({column for column in self.columns if not any(row[column] for row in self.texts)})
 
-    def parts(self, addresses: Sequence[str | None] = ()) -> "list[Table | str]":
+    def parts(self, addresses: Sequence[str | None] = ()) -> "list[ReportTable | str]":
         """Return a sentence on the text columns that are equal in all rows, and the table without them.
 
         A table of one row keeps all columns; one without rows has no parts.

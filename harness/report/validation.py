@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from railgrip.base.errors import ScenarioError
-from railgrip.report.baseline import Accepted, Baseline
+from railgrip.report.baseline import AcceptedValue, Baseline
 from railgrip.report.reference import label, references
 from railgrip.report.statistics import median_interval
-from railgrip.report.table import Table, names, percent, text
+from railgrip.report.table import ReportTable, names, percent, text
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.conditioning import Repeated, read_conditioning
+from railgrip.scenario.conditioning import RepeatedDistances, read_conditioning
 from railgrip.scenario.sensors import SampledSensors
 
 _FIRST = "braking distance"
@@ -37,7 +37,7 @@ class Cell:
 
     stop: PlannedStop
     scenario: dict[str, Any]
-    accepted: Accepted | None
+    accepted: AcceptedValue | None
     paper: float | None = None
     lots: Sequence[float] = ()
 
@@ -76,7 +76,7 @@ _Lines = dict[tuple[str, str], dict[str, Cell]]
 """(equipment, controller) → scenario → cell."""
 
 
-def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
+def tables(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     """Return the tables of accepted distances of a campaign with scenarios, equipment and controllers, by name.
 
     `distances` has a row for each equipment and controller, and a column for each scenario. Brackets contain the change
@@ -109,7 +109,7 @@ def tables(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
             | {"greatest adhesion": max(peaks, default=None)}
             | {"longest lock": max(locks, default=None), "valve strokes": max(strokes, default=None)}
         )
-    distances = Table(rows, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=(_FIRST,))
+    distances = ReportTable(rows, {"greatest adhesion": "{:.3f}", "longest lock": "{:.1f} s"}, left=(_FIRST,))
     return {
         "distances": distances,
         "orders": _orders(lines, columns),
@@ -148,12 +148,12 @@ def _require_lots(campaign: Campaign, cells: Sequence[Cell]) -> None:
         )
 
 
-def _has_lots_of(stop: PlannedStop, repeated: Repeated | None, accepted: Accepted | None) -> bool:
+def _has_lots_of(stop: PlannedStop, repeated: RepeatedDistances | None, accepted: AcceptedValue | None) -> bool:
     """Return whether there are repeats with other lots of sensors of a stop with its accepted distance."""
     return bool(repeated and repeated.lots and accepted and repeated.belongs(stop.scenario.digest(), accepted.value))
 
 
-def _orders(lines: _Lines, columns: Sequence[str]) -> Table:
+def _orders(lines: _Lines, columns: Sequence[str]) -> ReportTable:
     """Return the paired differences between each controller and the next better one, lot by lot, with 95 % intervals.
 
     A controller is called shorter only if the interval excludes 0.
@@ -170,7 +170,7 @@ def _orders(lines: _Lines, columns: Sequence[str]) -> Table:
         for column, lots, other_lots in zip(columns, known[better], known[other], strict=True):
             row[column] = _difference([a - b for a, b in zip(lots, other_lots, strict=True)])
         rows.append(row)
-    return Table(rows, left=("controller", "compared with"))
+    return ReportTable(rows, left=("controller", "compared with"))
 
 
 def _difference(differences: Sequence[float]) -> str:
@@ -183,7 +183,7 @@ def _difference(differences: Sequence[float]) -> str:
     return text(float(np.median(differences)), "{:+.1f} m") + text(low, " [{:+.1f}, ") + text(high, "{:+.1f}] ") + order
 
 
-def _discretisation(campaign: Campaign, baseline: Baseline) -> Table:
+def _discretisation(campaign: Campaign, baseline: Baseline) -> ReportTable:
     """Return by how much half and a quarter of the communication step move the median of each distance.
 
     The half width of the 95 % interval of a change without any cause follows; larger changes are bold. Rows without
@@ -203,10 +203,10 @@ def _discretisation(campaign: Campaign, baseline: Baseline) -> Table:
         {"half, quarter step": f"{line[0]}: {_name(line, lines)}"} | {column: by.get(column, "") for column in columns}
         for line, by in texts.items()
     ]
-    return Table(rows, left=("half, quarter step",))
+    return ReportTable(rows, left=("half, quarter step",))
 
 
-def _moved_by_steps(repeated: Repeated) -> str:
+def _moved_by_steps(repeated: RepeatedDistances) -> str:
     texts: list[str] = []
     for divisor in sorted(repeated.steps):
         change, noise = repeated.moved_by_step(divisor), repeated.noise_of_step(divisor)
@@ -220,7 +220,7 @@ _VISIBLE = 5e-5
 """Relative change that two decimals of a per cent show."""
 
 
-def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
+def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, ReportTable]:
     """Return the accepted distances of a campaign with cases: a row for each case, a column for each controller."""
     rows: dict[str, dict[str, str]] = {}
     for stop in baseline.selection(campaign).stops:
@@ -229,10 +229,10 @@ def tables_of_cases(campaign: Campaign, baseline: Baseline) -> dict[str, Table]:
         rows.setdefault(case, {})[label(scenario)] = _text(cell, [])
     columns = dict.fromkeys(column for row in rows.values() for column in row)
     table = [{"case": case} | {column: row.get(column, "") for column in columns} for case, row in rows.items()]
-    return {"distances": Table(table, left=("case",))}
+    return {"distances": ReportTable(table, left=("case",))}
 
 
-TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, Table]]]] = {
+TABLES: Mapping[str, tuple[str, Callable[[Campaign, Baseline], dict[str, ReportTable]]]] = {
     "table1": ("validation.md", tables),
     "adverse": ("rail_models.md", tables_of_cases),
 }

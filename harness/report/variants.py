@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 from railgrip.base.errors import InputError
-from railgrip.report.distribution import Paired, by_draw, paired, paired_texts
+from railgrip.report.distribution import PairedComparison, by_draw, compare_pairs, paired_texts
 from railgrip.report.limits import SUBJECTS
 from railgrip.report.results import Result
 from railgrip.report.row import Row
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import DRAW
 
 _POOLED = ("scenario", "seed", DRAW)
@@ -17,14 +17,14 @@ _POOLED = ("scenario", "seed", DRAW)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Reference:
+class ReferenceVariant:
     """The variant that the others of its axis are compared with."""
 
     axis: str
     variant: str
 
     @classmethod
-    def named(cls, text: str, stops: Sequence[Mapping[str, str]]) -> Self:
+    def find(cls, text: str, stops: Sequence[Mapping[str, str]]) -> Self:
         """Find a variant by its name, or by `AXIS=VARIANT` if several axes have one of that name.
 
         Args:
@@ -67,11 +67,11 @@ class Change:
 
     conditions: Mapping[str, str]
     variant: str
-    paired: Paired
+    paired: PairedComparison
     stops: Sequence[Row]
 
 
-def changes_against(reference: Reference, stops: Sequence[Result], rows: Sequence[Row]) -> tuple[Change, ...]:
+def changes_against(reference: ReferenceVariant, stops: Sequence[Result], rows: Sequence[Row]) -> tuple[Change, ...]:
     """Compare all other variants of an axis with the reference, in the order of the campaign.
 
     Two stops are a pair if they differ only along this axis. Pairs are pooled over the draws or, without draws, over
@@ -98,7 +98,7 @@ def changes_against(reference: Reference, stops: Sequence[Result], rows: Sequenc
     for conditions, variants in groups.items():
         base = variants.pop(reference.variant, [])
         for variant, own in variants.items():
-            if (pairs := paired(by_draw(own), base)) is not None:
+            if (pairs := compare_pairs(by_draw(own), base)) is not None:
                 changes.append(
                     Change(
                         conditions=dict(conditions),
@@ -110,7 +110,7 @@ def changes_against(reference: Reference, stops: Sequence[Result], rows: Sequenc
     return tuple(changes)
 
 
-def change_table(reference: Reference, changes: Sequence[Change]) -> Table:
+def change_table(reference: ReferenceVariant, changes: Sequence[Change]) -> ReportTable:
     """Return a row for each variant and set of conditions."""
     rows: list[dict[str, Any]] = [
         {
@@ -123,6 +123,6 @@ def change_table(reference: Reference, changes: Sequence[Change]) -> Table:
         for change in changes
     ]
     axes = {axis for change in changes for axis in change.conditions}
-    return Table(
+    return ReportTable(
         rows, left=(*axes, reference.axis), title=f"Pairs of stops that differ in {reference.axis} only"
-    ).filled()
+    ).drop_empty_columns()

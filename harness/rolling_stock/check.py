@@ -19,7 +19,7 @@ USUAL_SPEED = 120 / 3.6  # m/s, of a stop where the file names none
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class TrainRemark:
     """A sentence about a train.
 
     Attributes:
@@ -36,7 +36,7 @@ class Finding:
         return f"{self.key}: {self.sentence}"
 
 
-def findings(train: Train) -> list[Finding]:
+def findings(train: Train) -> list[TrainRemark]:
     """Return all inconsistent or unusual values, errors first."""
     results = [*_masses(train), *_places(train), *_brakes(train), *_accelerators(train)]
     if not any(finding.wrong for finding in results):
@@ -49,7 +49,7 @@ def stops_by_hand(train: Train) -> dict[float, HandCalculation]:
     return {speed: by_hand(train, speed) for speed in sorted({r.speed for r in train.reference} or {USUAL_SPEED})}
 
 
-def _masses(train: Train) -> Iterator[Finding]:
+def _masses(train: Train) -> Iterator[TrainRemark]:
     shared = any(mount.shared for car in train.cars for mount in car.bogies)
     if shared:
         pairs = [("[[cars]] mass", "all cars together", sum(car.mass for car in train.cars), train.mass)]
@@ -61,7 +61,7 @@ def _masses(train: Train) -> Iterator[Finding]:
         ]
     for key, who, mass, on_axles in pairs:
         if abs(mass - on_axles) > _SAME_MASS * mass:
-            yield Finding(
+            yield TrainRemark(
                 key,
                 f"{who} has {mass / 1e3:g} t, and {on_axles / 1e3:g} t stand on the axles; correct mass or axle_masses",
             )
@@ -70,7 +70,7 @@ def _masses(train: Train) -> Iterator[Finding]:
             unsprung = bogie.data.frame_mass + bogie.data.axle_mass * len(bogie.axles)
             load = sum(train.axles[i].mass for i in bogie.axles)
             if unsprung >= load:
-                yield Finding(
+                yield TrainRemark(
                     f"[bogies.{kind}] frame_mass",
                     f"frame and axles have {unsprung / 1e3:g} t, but only {load / 1e3:g} t stand on the bogie's axles",
                 )
@@ -80,7 +80,7 @@ def _masses(train: Train) -> Iterator[Finding]:
         / train.mass
     )
     if not _ROTATING[0] <= rotating <= _ROTATING[1]:
-        yield Finding(
+        yield TrainRemark(
             "[bogies] inertia",
             f"what turns adds {100 * rotating:.1f} % to the mass; {100 * _ROTATING[0]:.0f} % to "
             f"{100 * _ROTATING[1]:.0f} % are usual",
@@ -88,45 +88,45 @@ def _masses(train: Train) -> Iterator[Finding]:
         )
 
 
-def _places(train: Train) -> Iterator[Finding]:
+def _places(train: Train) -> Iterator[TrainRemark]:
     for number, car in enumerate(train.cars, start=1):
         for mount in car.bogies:
             half = train.bogies[mount.kind].wheelbase / 2
             if not mount.shared and (mount.at < half or mount.at + half > car.length):
-                yield Finding(
+                yield TrainRemark(
                     f"[cars[{number}]] bogies",
                     f"the axles of {mount.kind} at {mount.at:g} m are not under {car.name}, {car.length:g} m long",
                 )
     for kind, bogie in train.bogies.items():
         gaps = [b - a for a, b in zip(bogie.axles, bogie.axles[1:], strict=False)]
         if gaps and min(gaps) <= 2 * bogie.wheel_radius:
-            yield Finding(
+            yield TrainRemark(
                 f"[bogies.{kind}] axles",
                 f"wheels of {2e3 * bogie.wheel_radius:g} mm touch where axles are {1e3 * min(gaps):g} mm apart",
             )
 
 
-def _brakes(train: Train) -> Iterator[Finding]:
+def _brakes(train: Train) -> Iterator[TrainRemark]:
     for kind, brake in train.brakes.items():
         if brake.spring_force >= brake.pressure_max * brake.piston_area:
-            yield Finding(
+            yield TrainRemark(
                 f"[brakes.{kind}] spring_force",
                 f"the spring holds the piston back at pressure_max: {brake.spring_force:g} N against "
                 f"{brake.pressure_max * brake.piston_area:g} N",
             )
         wheels = [bogie.wheel_radius for bogie in train.bogies.values() if bogie.brake == kind]
         if wheels and brake.friction_radius > 1.001 * min(wheels):
-            yield Finding(
+            yield TrainRemark(
                 f"[brakes.{kind}] friction_radius",
                 f"is {brake.friction_radius:g} m, beyond the wheels of {min(wheels):g} m",
             )
 
 
-def _accelerators(train: Train) -> Iterator[Finding]:
+def _accelerators(train: Train) -> Iterator[TrainRemark]:
     for kind, vent in train.accelerators.items():
         drop = vent.opening_rate * vent.sensing_time
         if drop < _SENSED:
-            yield Finding(
+            yield TrainRemark(
                 f"[accelerators.{kind}] sensing_time",
                 f"times opening_rate is {drop / 1e5:g} bar: less than {_SENSED / 1e5:g} bar and the brake runs "
                 "through the pipe faster than sound here, for cells smear its front",
@@ -134,17 +134,17 @@ def _accelerators(train: Train) -> Iterator[Finding]:
             )
 
 
-def _stops(train: Train) -> Iterator[Finding]:
+def _stops(train: Train) -> Iterator[TrainRemark]:
     try:
         stops = stops_by_hand(train)
     except InputError as problem:
-        yield Finding("[brakes]", str(problem))
+        yield TrainRemark("[brakes]", str(problem))
         return
     fastest = stops[max(stops)]
     for kind, bogies in _by_kind(train):
         most = float(np.max(fastest.adhesion[[i for bogie in bogies for i in bogie.axles]]))
         if most > _DESIGN_ADHESION:
-            yield Finding(
+            yield TrainRemark(
                 f"[bogies.{kind}] brake",
                 f"needs an adhesion of {most:.3f} in an emergency stop; a main-line brake may count on "
                 f"{_DESIGN_ADHESION:g} (LOC&PAS TSI 4.2.4.6.1)",
@@ -155,7 +155,7 @@ def _stops(train: Train) -> Iterator[Finding]:
             continue
         force, strength = abs(float(fastest.coupler_force[number - 1])), train.couplers[car.coupler].strength
         if force > strength:
-            yield Finding(
+            yield TrainRemark(
                 f"[couplers.{car.coupler}] strength",
                 f"is {strength / 1e3:g} kN, behind {car.name} the brakes alone make {force / 1e3:.0f} kN",
             )
@@ -163,7 +163,7 @@ def _stops(train: Train) -> Iterator[Finding]:
     for kind in {car.distributor: None for car in train.cars if car.distributor}:
         stages = train.distributors[kind]
         if slowest < stages.speed_up:
-            yield Finding(
+            yield TrainRemark(
                 f"[distributors.{kind}] speed_up",
                 f"is {3.6 * stages.speed_up:g} km/h: a stop from {3.6 * slowest:g} km/h is in the low stage throughout",
                 wrong=False,
@@ -173,10 +173,10 @@ def _stops(train: Train) -> Iterator[Finding]:
         off = distance / reference.distance - 1
         what = f"{distance:.1f} m from {3.6 * reference.speed:g} km/h by hand, {reference.distance:g} m"
         if reference.limit and off > 0:
-            yield Finding(f"[reference[{number}]] distance", f"{what} are allowed ({reference.source})")
+            yield TrainRemark(f"[reference[{number}]] distance", f"{what} are allowed ({reference.source})")
         elif not reference.limit and abs(off) > _CLOSE:
             words = f"{what} published: {100 * off:+.1f} % ({reference.source})"
-            yield Finding(f"[reference[{number}]] distance", words, wrong=False)
+            yield TrainRemark(f"[reference[{number}]] distance", words, wrong=False)
 
 
 def _by_kind(train: Train) -> Iterator[tuple[str, list[BogieInTrain]]]:

@@ -4,8 +4,8 @@ from pathlib import Path
 from typing import Any
 
 from railgrip.rolling_stock.schema import Train
-from railgrip.scenario.file import located
-from railgrip.scenario.load import read_toml, require_kind, validated
+from railgrip.scenario.file import locate
+from railgrip.scenario.load import read_toml, require_kind, validate_table
 
 NAMED = ("vt642", "emu387", "loco_coaches", "tram")
 """Trains that come with this package."""
@@ -17,7 +17,7 @@ def load_train(path: Path) -> Train:
     Raises:
         ScenarioError: The file is missing, not TOML, or no train; each problem in one sentence with file and key.
     """
-    path = located(path, "trains")
+    path = locate(path, "trains")
     table = read_toml(path)
     require_kind(table, "train", path)
     return train_of(table, path.name)
@@ -29,4 +29,4 @@ def train_of(table: dict[str, Any], origin: str) -> Train:
     Raises:
         ScenarioError: They describe none.
     """
-    return validated(Train, table, directory=Path(), origin=origin)
+    return validate_table(Train, table, directory=Path(), origin=origin)

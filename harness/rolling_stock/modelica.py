@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from itertools import accumulate
 from typing import Any
 
-from railgrip.report.page import rendered
+from railgrip.report.page import render
 from railgrip.rolling_stock.schema import BogieInTrain, Train
 
 CELLS_OF_A_CAR = 5
@@ -28,7 +28,7 @@ def class_text(train: Train, *, pneumatic: bool) -> str:
     carriers = [body_of_car[axle.car] for axle in train.axles]
     bogie_of_group = [train.bogie_of(number) for number in range(len(train.groups))]
     kinds = {_identifier(bogie.kind): bogie for bogie in bogies}
-    return rendered(
+    return render(
         "rolling_stock/plant.mo.jinja",
         name=class_name(train, pneumatic=pneumatic),
         title=_text(train.description or train.name),

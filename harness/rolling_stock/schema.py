@@ -13,61 +13,68 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.names import did_you_mean
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.sanders import Sander
-from railgrip.scenario.table import FASTEST, Length, Name, Table, broken
+from railgrip.scenario.table import FASTEST, Length, Name, Table, table_error
 
 # Limits are an order of magnitude beyond any vehicle that the reasons name: outside of them a unit is wrong.
-Positive = Annotated[float, Unit("1", above=0, at_most=1e3)]
-Ratio = Annotated[float, Unit("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10")]
+Positive = Annotated[float, UnitRange("1", above=0, at_most=1e3)]
+Ratio = Annotated[float, UnitRange("1", at_least=0.1, at_most=100, because="riggings multiply by 2 to 10")]
 Efficiency = Annotated[
-    float, Unit("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
+    float, UnitRange("1", at_least=0.1, at_most=1, because="EN 14531-1 has efficiencies of 0.83 to 0.98 for riggings")
 ]
-Share = Annotated[float, Unit("1", above=0, at_most=1)]
-Effect = Annotated[float, Unit("1", at_least=-1, at_most=1)]
-Size = Annotated[float, Unit("m", at_least=0.005, at_most=100, because="no part of a car is longer than 100 m")]
+Share = Annotated[float, UnitRange("1", above=0, at_most=1)]
+Effect = Annotated[float, UnitRange("1", at_least=-1, at_most=1)]
+Size = Annotated[float, UnitRange("m", at_least=0.005, at_most=100, because="no part of a car is longer than 100 m")]
 WheelRadius = Annotated[
     float,
-    Unit("m", at_least=0.1, at_most=1.3, because="wheels have diameters of 330 mm (UIC 510-2) to 2.3 m (steam)"),
+    UnitRange("m", at_least=0.1, at_most=1.3, because="wheels have diameters of 330 mm (UIC 510-2) to 2.3 m (steam)"),
 ]
-PadRadius = Annotated[float, Unit("m", at_least=0.02, at_most=1.3, because="pads and blocks act within the wheel")]
-Diameter = Annotated[float, Unit("m", at_least=0.005, at_most=0.2, because="brake pipes have 25 to 32 mm")]
-CarLength = Annotated[float, Unit("m", at_least=2, at_most=100, because="cars are 5 to 50 m long")]
-Height = Annotated[float, Unit("m", at_least=0.01, at_most=5, because="no centre of a bogie is higher than 5 m")]
-CarMass = Annotated[float, Unit("kg", at_least=500, at_most=1e6, because="cars weigh 3 t to 250 t")]
+PadRadius = Annotated[float, UnitRange("m", at_least=0.02, at_most=1.3, because="pads and blocks act within the wheel")]
+Diameter = Annotated[float, UnitRange("m", at_least=0.005, at_most=0.2, because="brake pipes have 25 to 32 mm")]
+CarLength = Annotated[float, UnitRange("m", at_least=2, at_most=100, because="cars are 5 to 50 m long")]
+Height = Annotated[float, UnitRange("m", at_least=0.01, at_most=5, because="no centre of a bogie is higher than 5 m")]
+CarMass = Annotated[float, UnitRange("kg", at_least=500, at_most=1e6, because="cars weigh 3 t to 250 t")]
 AxleMass = Annotated[
-    float, Unit("kg", at_least=100, at_most=1e5, because="axles carry 2 t to 45 t; EN 15528 has 25 t at most")
+    float, UnitRange("kg", at_least=100, at_most=1e5, because="axles carry 2 t to 45 t; EN 15528 has 25 t at most")
 ]
 PartMass = Annotated[
-    float, Unit("kg", at_least=50, at_most=1e5, because="wheelsets weigh 0.5 t to 5 t and bogie frames 1 t to 20 t")
+    float,
+    UnitRange("kg", at_least=50, at_most=1e5, because="wheelsets weigh 0.5 t to 5 t and bogie frames 1 t to 20 t"),
 ]
 Inertia = Annotated[
-    float, Unit("kg.m2", at_least=1, at_most=1e6, because="wheelsets have 20 to 2000 kg.m2, bogie frames 200 to 1e5")
+    float,
+    UnitRange("kg.m2", at_least=1, at_most=1e6, because="wheelsets have 20 to 2000 kg.m2, bogie frames 200 to 1e5"),
 ]
 FrontalArea = Annotated[
-    float, Unit("m2", at_least=0.5, at_most=100, because="European gauges (EN 15273) enclose some 12 m2")
+    float, UnitRange("m2", at_least=0.5, at_most=100, because="European gauges (EN 15273) enclose some 12 m2")
 ]
 PistonArea = Annotated[
-    float, Unit("m2", at_least=1e-4, at_most=1, because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)")
+    float,
+    UnitRange("m2", at_least=1e-4, at_most=1, because="pistons have diameters of 30 mm (hydraulic) to 406 mm (16 in)"),
 ]
-Spring = Annotated[float, Unit("N", at_least=1, at_most=1e5, or_zero=True, because="springs of cylinders have some kN")]
-PadForce = Annotated[float, Unit("N", at_least=100, at_most=1e7, because="pads are pressed by 5 kN to 100 kN")]
+Spring = Annotated[
+    float, UnitRange("N", at_least=1, at_most=1e5, or_zero=True, because="springs of cylinders have some kN")
+]
+PadForce = Annotated[float, UnitRange("N", at_least=100, at_most=1e7, because="pads are pressed by 5 kN to 100 kN")]
 Attraction = Annotated[
-    float, Unit("N", at_least=1e3, at_most=1e6, because="magnets of track brakes draw by some 40 kN to 100 kN")
+    float, UnitRange("N", at_least=1e3, at_most=1e6, because="magnets of track brakes draw by some 40 kN to 100 kN")
 ]
 Strength = Annotated[
     float,
-    Unit(
+    UnitRange(
         "N", at_least=1e4, at_most=1e8, because="couplers bear some 100 kN in trams and 1.5 MN in trains (EN 12663-1)"
     ),
 ]
 Pressure = Annotated[
     float,
-    Unit("Pa", at_least=1e4, at_most=1e8, because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil"),
+    UnitRange(
+        "Pa", at_least=1e4, at_most=1e8, because="brake cylinders have 2 to 6 bar of air, or up to 200 bar of oil"
+    ),
 ]
 Stiffness = Annotated[
     float,
-    Unit(
+    UnitRange(
         "N/m",
         at_least=1e4,
         at_most=1e10,
@@ -75,18 +82,21 @@ Stiffness = Annotated[
     ),
 ]
 Damping = Annotated[
-    float, Unit("N.s/m", at_least=10, at_most=1e9, or_zero=True, because="dampers of trains have 1 kN.s/m to 1 MN.s/m")
+    float,
+    UnitRange("N.s/m", at_least=10, at_most=1e9, or_zero=True, because="dampers of trains have 1 kN.s/m to 1 MN.s/m"),
 ]
-Seconds = Annotated[float, Unit("s", at_least=1e-3, at_most=120, or_zero=True, because="no cylinder takes two minutes")]
+Seconds = Annotated[
+    float, UnitRange("s", at_least=1e-3, at_most=120, or_zero=True, because="no cylinder takes two minutes")
+]
 TravelSpeed = Annotated[
-    float, Unit("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
+    float, UnitRange("m/s", at_least=0.1, at_most=FASTEST, because="no train on wheels has been faster than 159.7 m/s")
 ]
-Temperature = Annotated[float, Unit("K", at_least=1, at_most=3e3, because="brakes work between 230 K and 1300 K")]
-LagTime = Annotated[float, Unit("s", at_least=1e-3, at_most=60)]
+Temperature = Annotated[float, UnitRange("K", at_least=1, at_most=3e3, because="brakes work between 230 K and 1300 K")]
+LagTime = Annotated[float, UnitRange("s", at_least=1e-3, at_most=60)]
 SharedBy = Literal["axle", "bogie", "car"]
 
 
-class Sourced(Table):
+class SourcedTable(Table):
     """A table of numbers that says whose they are."""
 
     source: str = Field(default="", description="who published these numbers, and where")
@@ -95,32 +105,34 @@ class Sourced(Table):
     )
 
     @model_validator(mode="after")
-    def _marked(self) -> Self:
+    def _check_sources(self) -> Self:
         if not self.source and self.estimated is False:
-            raise broken("does not say whose its numbers are: give source = '…', or estimated = true for your own")
+            raise table_error("does not say whose its numbers are: give source = '…', or estimated = true for your own")
         if isinstance(self.estimated, tuple):
             if not self.source:
-                raise broken("names its estimated keys, but nobody for the others: give source = '…', too")
+                raise table_error("names its estimated keys, but nobody for the others: give source = '…', too")
             for key in self.estimated:
                 if key not in type(self).model_fields:
-                    choice = ", ".join(name for name in type(self).model_fields if name not in Sourced.model_fields)
-                    raise broken(f"calls '{key}' estimated, which it does not have; it has {choice}")
+                    choice = ", ".join(
+                        name for name in type(self).model_fields if name not in SourcedTable.model_fields
+                    )
+                    raise table_error(f"calls '{key}' estimated, which it does not have; it has {choice}")
         return self
 
 
-class Resistance(Sourced):
+class Resistance(SourcedTable):
     """Resistances of the train: air, bearings, rolling."""
 
     drag_coefficient: Positive = Field(description="of the whole train, over its frontal area")
     frontal_area: FrontalArea = Field(description="of the train")
     bearing_friction: Share = Field(description="friction coefficient of the axle bearings")
     bearing_radius: Size = Field(description="at which that friction acts")
-    rolling_arm: Annotated[float, Unit("m", at_least=1e-6, at_most=0.01, or_zero=True)] = Field(
+    rolling_arm: Annotated[float, UnitRange("m", at_least=1e-6, at_most=0.01, or_zero=True)] = Field(
         description="lever arm of the rolling resistance"
     )
 
 
-class Pads(Sourced):
+class Pads(SourcedTable):
     """How the friction of pads on discs follows speed, force and temperature: RailBraking.Friction.PadFriction."""
 
     speed_effect: Effect = Field(description="rise of friction from nominal speed to standstill, relative")
@@ -131,11 +143,11 @@ class Pads(Sourced):
     temperature_nominal: Temperature = Field(description="at which friction is nominal")
     temperature_range: Temperature = Field(description="over which it changes by the temperature effect")
     settle_energy: Annotated[
-        float, Unit("J", at_least=10, at_most=1e9, because="pads of trains settle over 50 to 200 kJ")
+        float, UnitRange("J", at_least=10, at_most=1e9, because="pads of trains settle over 50 to 200 kJ")
     ] = Field(description="friction energy of one unit in which friction settles")
 
 
-class Brake(Sourced):
+class BrakeUnit(SourcedTable):
     """A unit of the friction brake: cylinder, rigging, two pads and a disc."""
 
     pads: Name = Field(description="of [pads]")
@@ -148,7 +160,7 @@ class Brake(Sourced):
     pad_friction: Share = Field(description="nominal")
 
 
-class TrackBrake(Sourced):
+class TrackBrake(SourcedTable):
     """The magnetic track brakes of a bogie: RailBraking.Components.MagneticTrackBrake."""
 
     magnets: Annotated[StrictInt, Field(ge=1, le=8)] = Field(description="number of them at the bogie")
@@ -160,7 +172,7 @@ class TrackBrake(Sourced):
     time_constant: LagTime = Field(description="of the magnetic field")
 
 
-class Electropneumatic(Sourced):
+class Electropneumatic(SourcedTable):
     """An emergency brake commanded by wire: the same dead time and first-order build-up in the whole train."""
 
     kind: Literal["electropneumatic"]
@@ -168,21 +180,23 @@ class Electropneumatic(Sourced):
     time_constant: LagTime = Field(description="of the build-up after it")
 
 
-class BrakePipe(Sourced):
+class BrakePipe(SourcedTable):
     """An emergency brake commanded through the brake pipe; a distributor in each car fills its cylinders."""
 
     kind: Literal["brake_pipe"]
     diameter: Diameter = Field(description="inner one, of the pipe")
-    branch_volume: Annotated[float, Unit("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
+    branch_volume: Annotated[float, UnitRange("m3", at_least=1e-6, at_most=1, or_zero=True)] = Field(
         description="of branch pipe and dirt collector of each car, before the distributor"
     )
-    fill_time: Annotated[float, Unit("s", at_least=1e-6, at_most=60)] = Field(
+    fill_time: Annotated[float, UnitRange("s", at_least=1e-6, at_most=60)] = Field(
         description="of a distributor, from the first pressure to 95 % of the highest"
     )
-    reservoir: Annotated[float, Unit("m3", at_least=1e-4, at_most=10)] = Field(description="auxiliary one of each car")
+    reservoir: Annotated[float, UnitRange("m3", at_least=1e-4, at_most=10)] = Field(
+        description="auxiliary one of each car"
+    )
 
 
-class Distributor(Sourced):
+class Distributor(SourcedTable):
     """A distributor in position R with a high and a low stage: RailBraking.Pneumatics.TwoStageDistributor."""
 
     low_share: Share = Field(description="cylinder pressure of the low stage over that of the high one")
@@ -193,7 +207,7 @@ class Distributor(Sourced):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.speed_down >= self.speed_up:
-            raise broken(
+            raise table_error(
                 f"has speed_down {3.6 * self.speed_down:g} km/h and speed_up {3.6 * self.speed_up:g} km/h; "
                 "speed_down lies below, or the stage changes at every look"
             )
@@ -203,16 +217,16 @@ class Distributor(Sourced):
 _READY = "from there on an accelerator is ready to open once more, and would open and close without end"
 
 
-class Accelerator(Sourced):
+class Accelerator(SourcedTable):
     """What vents the brake pipe at a car once pressure falls fast: RailBraking.Pneumatics.Accelerator."""
 
-    conductance: Annotated[float, Unit("m3/(s.Pa)", at_least=1e-11, at_most=1e-5)] = Field(
+    conductance: Annotated[float, UnitRange("m3/(s.Pa)", at_least=1e-11, at_most=1e-5)] = Field(
         description="sonic conductance of the vent; 1 cm2 has about 2e-7"
     )
-    opening_rate: Annotated[float, Unit("Pa/s", at_least=1, at_most=1e7)] = Field(
+    opening_rate: Annotated[float, UnitRange("Pa/s", at_least=1, at_most=1e7)] = Field(
         description="fall of the pipe's pressure at which it opens"
     )
-    closing_pressure: Annotated[float, Unit("Pa", at_least=1, below=4.5e5, because=_READY)] = Field(
+    closing_pressure: Annotated[float, UnitRange("Pa", at_least=1, below=4.5e5, because=_READY)] = Field(
         description="of the pipe, at which it closes again"
     )
     sensing_time: LagTime = Field(description="over which the fall is sensed")
@@ -221,10 +235,10 @@ class Accelerator(Sourced):
 Command = Annotated[Electropneumatic | BrakePipe, Field(discriminator="kind")]
 
 
-class Bogie(Sourced):
+class Bogie(SourcedTable):
     """A frame on axles, all of one wheel size and one kind of brake unit."""
 
-    axles: tuple[Annotated[float, Unit("m", at_least=0, at_most=20)], ...] = Field(
+    axles: tuple[Annotated[float, UnitRange("m", at_least=0, at_most=20)], ...] = Field(
         min_length=2, max_length=8, description="positions behind the first one, which is 0, evenly apart"
     )
     brake: Name = Field(description="of [brakes]")
@@ -249,14 +263,14 @@ class Bogie(Sourced):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.axles[0] != 0 or list(self.axles) != sorted(set(self.axles)):
-            raise broken("has axles that are no rising positions from 0 on")
+            raise table_error("has axles that are no rising positions from 0 on")
         gap = self.wheelbase / (len(self.axles) - 1)
         if any(abs(at - i * gap) > 0.05 * gap for i, at in enumerate(self.axles)):
-            raise broken("has axles that are not evenly apart; a bogie of RailBraking is")
+            raise table_error("has axles that are not evenly apart; a bogie of RailBraking is")
         for key in ("units", "inertia"):
             count = len(getattr(self, key))
             if count not in (1, len(self.axles)):
-                raise broken(f"has {len(self.axles)} axles and {count} {key}; give one for all, or one for each")
+                raise table_error(f"has {len(self.axles)} axles and {count} {key}; give one for all, or one for each")
         return self
 
     @property
@@ -269,7 +283,7 @@ class Bogie(Sourced):
         return list(values) * (len(self.axles) // len(values))
 
 
-class Placed(Table):
+class BogiePlacement(Table):
     """A bogie under a car."""
 
     kind: Name = Field(description="of [bogies]")
@@ -278,18 +292,18 @@ class Placed(Table):
     shared: StrictBool = Field(default=False, description="whether it carries the next car, too (a Jacobs bogie)")
 
 
-class Coupler(Sourced):
+class Coupler(SourcedTable):
     """What joins two cars: a spring and a damper behind some slack."""
 
     stiffness: Stiffness = Field(description="of the spring")
     damping: Damping = Field(description="of the damper")
-    slack: Annotated[float, Unit("m", at_least=1e-5, at_most=1, or_zero=True)] = Field(
+    slack: Annotated[float, UnitRange("m", at_least=1e-5, at_most=1, or_zero=True)] = Field(
         description="play of the coupler"
     )
     strength: Strength = Field(description="force in it that must not be passed")
 
 
-class Car(Sourced):
+class Car(SourcedTable):
     """A car: its mass in the stop, and its bogies."""
 
     name: Name = Field(description="of the car, in figures and sentences")
@@ -298,7 +312,7 @@ class Car(Sourced):
     axle_masses: tuple[AxleMass, ...] = Field(
         default=(), description="on each of the axles listed under it; shared alike among all where they are not given"
     )
-    bogies: tuple[Placed, ...] = Field(default=(), max_length=16, description="under it, leading one first")
+    bogies: tuple[BogiePlacement, ...] = Field(default=(), max_length=16, description="under it, leading one first")
     coupler: Name | None = Field(
         default=None, description="of [couplers], to the next car; without one they move as one body"
     )
@@ -308,11 +322,11 @@ class Car(Sourced):
     accelerator: Name | None = Field(default=None, description="of [accelerators], on its brake pipe")
 
 
-class Reference(Table):
+class PublishedStop(Table):
     """A dry stop on level track that somebody published."""
 
     speed: TravelSpeed = Field(description="at the start")
-    distance: Annotated[float, Unit("m", at_least=1, at_most=1e4)] = Field(description="braking distance")
+    distance: Annotated[float, UnitRange("m", at_least=1, at_most=1e4)] = Field(description="braking distance")
     limit: StrictBool = Field(default=False, description="whether it is the longest that is allowed, not a measurement")
     source: str = Field(description="who published it, and where")
 
@@ -356,7 +370,7 @@ class BogieInTrain:
 
     kind: str
     data: Bogie
-    brake: Brake
+    brake: BrakeUnit
     pads: Pads
     track_brake: TrackBrake | None
     position: float
@@ -375,7 +389,7 @@ class Train(Table):
     )
     resistance: Resistance
     pads: dict[Name, Pads] = Field(description="kinds of pads, by name")
-    brakes: dict[Name, Brake] = Field(description="kinds of brake units, by name")
+    brakes: dict[Name, BrakeUnit] = Field(description="kinds of brake units, by name")
     track_brakes: dict[Name, TrackBrake] = Field(default={}, description="kinds of magnetic track brakes, by name")
     bogies: dict[Name, Bogie] = Field(description="kinds of bogies, by name")
     couplers: dict[Name, Coupler] = Field(default={}, description="kinds of couplers, by name")
@@ -383,10 +397,10 @@ class Train(Table):
     accelerators: dict[Name, Accelerator] = Field(default={}, description="kinds of accelerators, by name")
     cars: tuple[Car, ...] = Field(min_length=1, max_length=64, description="leading one first")
     sanders: tuple[Sander, ...] = Field(default=(), max_length=256, description="for scenarios with [adhesion.sand]")
-    reference: tuple[Reference, ...] = Field(default=(), description="published stops of it")
+    reference: tuple[PublishedStop, ...] = Field(default=(), description="published stops of it")
 
     @model_validator(mode="after")
-    def _joined(self) -> Self:
+    def _check_references(self) -> Self:
         for kind, brake in self.brakes.items():
             _require_names("pads", [brake.pads], self.pads, f"[brakes.{kind}] pads")
         for kind, bogie in self.bogies.items():
@@ -401,26 +415,30 @@ class Train(Table):
                 name = getattr(car, key)
                 _require_names(f"{key}s", [name] if name else [], table, f"{where} {key}")
                 if name and not isinstance(self.command, BrakePipe):
-                    raise broken(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
+                    raise table_error(f"{where} {key} works on a brake pipe: give [command] kind = 'brake_pipe', too")
             count = sum(len(self.bogies[mount.kind].axles) for mount in car.bogies)
             if car.axle_masses and len(car.axle_masses) != count:
-                raise broken(f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles")
+                raise table_error(
+                    f"{where} axle_masses has {len(car.axle_masses)} values, {car.name} has {count} axles"
+                )
             if not car.axle_masses and any(mount.shared for mount in car.bogies):
-                raise broken(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
+                raise table_error(f"{where} has a shared bogie: give axle_masses, for its mass does not say them")
             last = number == len(self.cars)
             if last and (car.coupler or any(mount.shared for mount in car.bogies)):
-                raise broken(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
+                raise table_error(f"{where} is the last car: it shares no bogie and has no coupler to a next one")
         if not self.axles:
-            raise broken("[[cars]] have no bogies: a train runs on one axle at least")
+            raise table_error("[[cars]] have no bogies: a train runs on one axle at least")
         beyond = next((i for i, sander in enumerate(self.sanders, start=1) if sander.wheelset > len(self.axles)), None)
         if beyond is not None:
-            raise broken(
+            raise table_error(
                 f"[sanders[{beyond}]] is at wheelset {self.sanders[beyond - 1].wheelset}, "
                 f"the train has {len(self.axles)}"
             )
         positions = [axle.position for axle in self.axles]
         if positions != sorted(set(positions)):
-            raise broken("[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles")
+            raise table_error(
+                "[[cars]] bogies: the axles do not stand one behind the other; look at 'at' and the axles"
+            )
         return self
 
     @property
@@ -534,7 +552,7 @@ class Train(Table):
 def _require_names(table: str, names: Sequence[str], choice: Mapping[str, Table], where: str) -> None:
     for name in names:
         if name not in choice:
-            raise broken(
+            raise table_error(
                 f"{where} names '{name}', which is not in [{table}]; it has {', '.join(choice) or 'nothing'}"
                 + did_you_mean(name, choice, before="; ")
             )

@@ -2,13 +2,13 @@
 
 from collections import Counter
 
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
 from railgrip.rolling_stock.stopping import HandCalculation, full_brake_force
 from railgrip.vehicle.formation import axle_load
 
 
-def table_of_axles(train: Train) -> Table:
+def table_of_axles(train: Train) -> ReportTable:
     """Return one row for each axle: place, load, coupled axles, and brake."""
     force = full_brake_force(train)
     valve_of_group = [valve for valve, count in enumerate(train.groups_per_valve) for _ in range(count)]
@@ -28,10 +28,10 @@ def table_of_axles(train: Train) -> Table:
         for number, (axle, rim) in enumerate(zip(train.axles, force.tolist(), strict=True), start=1)
     ]
     forms = {"at": "{:.2f} m", "mass": "{:.2f} t", "full brake": "{:.1f} kN", "of the load": "{:.3f}"}
-    return Table(rows, forms, ("car", "bogie"))
+    return ReportTable(rows, forms, ("car", "bogie"))
 
 
-def table_of_distributors(train: Train) -> Table:
+def table_of_distributors(train: Train) -> ReportTable:
     """Return one row for each car with a two-stage distributor or an accelerator of the brake pipe."""
     rows = [
         {
@@ -48,7 +48,7 @@ def table_of_distributors(train: Train) -> Table:
         if stages or vent
     ]
     forms = {"low stage": "{:.2f}", "below": "{:.0f} km/h", "high from": "{:.0f} km/h", "opens": "{:g} bar/s"}
-    return Table(rows, forms | {"closes": "{:g} bar"}, ("car", "distributor", "accelerator"))
+    return ReportTable(rows, forms | {"closes": "{:g} bar"}, ("car", "distributor", "accelerator"))
 
 
 def sentence_of_equipment(train: Train) -> str:

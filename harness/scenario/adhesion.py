@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.curve import Curve
+from railgrip.scenario.curve import FrictionCurve
 from railgrip.scenario.profile import (
     LONGEST_RAIL,
     Conditioning,
@@ -32,7 +32,7 @@ _PLACE_STEP = 5e-3  # m; less than a train moves in 1 ms at 20 km/h, and 1e-5 of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Profile:
+class FrictionTable:
     """Friction tabulated on an even grid, for a look-up that is fast enough for every sample.
 
     The nearest grid point is used: over time the grid is that of the samples, so the look-up is exact; over distance
@@ -67,7 +67,7 @@ class Profile:
         return np.clip(nearest, 0, len(self.mu0_at) - 1)
 
 
-def profile_of(scenario: Scenario, formation: Formation) -> Profile:
+def profile_of(scenario: Scenario, formation: Formation) -> FrictionTable:
     """Return the friction profile of a scenario under each wheelset of a formation, up to its horizon.
 
     A profile over time reaches all wheelsets at once. One over distance is fixed to the rail: each wheelset reaches it
@@ -80,7 +80,7 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
     adhesion, wheelsets = scenario.adhesion, formation.wheelsets
     _require_resolved(scenario)
     step, places = _grid(scenario, formation)
-    friction = _unconditioned(scenario, places, step, wheelsets)
+    friction = _profile_friction(scenario, places, step, wheelsets)
     patches = _patches(scenario, places)
     if patches:
         friction = np.array(np.broadcast_to(friction, (len(places), wheelsets)))
@@ -88,13 +88,13 @@ def profile_of(scenario: Scenario, formation: Formation) -> Profile:
         _check_count(scenario, "[adhesion] patch mu0", len(patch.mu0), wheelsets)
         rows = _rows(patch, places)
         friction[rows] += _inside(patch, places[rows]) * (np.array(patch.mu0) - friction[rows])
-    mu0 = _conditioned(adhesion.factor * friction, adhesion.conditioning, formation)
+    mu0 = _condition_rail(adhesion.factor * friction, adhesion.conditioning, formation)
     if mu0.max() > 1:
         raise ScenarioError(
             f"{scenario.name}: [adhesion] level {adhesion.factor:g} brings mu0 to {mu0.max():.3g}, above 1"
         )
     mu0.flags.writeable = False
-    return Profile(
+    return FrictionTable(
         over_time=not scenario.runs_over_distance,
         step=step,
         mu0_at=mu0,
@@ -125,7 +125,7 @@ def _grid(scenario: Scenario, formation: Formation) -> tuple[float, Array]:
     return step, step * np.arange(int(reach / step) + 2, dtype=np.float64)[:, None] - position
 
 
-def _unconditioned(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
+def _profile_friction(scenario: Scenario, places: Array, step: float, wheelsets: int) -> Array:
     """Return the friction at places by the kind of profile, before patches, level and conditioning."""
     adhesion = scenario.adhesion
     match adhesion:
@@ -295,8 +295,8 @@ def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
     leaves = scenario.adhesion
     if not isinstance(leaves, Leaves):
         return leaves.patch
-    ahead = _drawn(leaves, generator(scenario.seed, "adhesion"), float(places.max()))
-    behind = _drawn(leaves, generator(scenario.seed, "adhesion.behind"), leaves.longest - float(places.min()))
+    ahead = _draw_patches(leaves, generator(scenario.seed, "adhesion"), float(places.max()))
+    behind = _draw_patches(leaves, generator(scenario.seed, "adhesion.behind"), leaves.longest - float(places.min()))
     drawn = [*((-begin, length, mu0) for begin, length, mu0 in reversed(behind)), *ahead]
     return (
         *(
@@ -310,7 +310,7 @@ def _patches(scenario: Scenario, places: Array) -> Sequence[Patch]:
     )
 
 
-def _drawn(leaves: Leaves, rng: np.random.Generator, reach: float) -> list[tuple[float, float, float]]:
+def _draw_patches(leaves: Leaves, rng: np.random.Generator, reach: float) -> list[tuple[float, float, float]]:
     """Return distance from the start [m], length [m] and friction of the patches up to a distance [m]."""
     patches: list[tuple[float, float, float]] = []
     place = rng.exponential(1 / leaves.count)
@@ -337,13 +337,13 @@ def _inside(patch: Patch, places: Array) -> Array:
     return np.clip(inside / patch.edge, 0.0, 1.0) if patch.edge else (inside >= 0.0).astype(np.float64)
 
 
-def _from_curve(curve: Curve, places: Array) -> Array:
+def _from_curve(curve: FrictionCurve, places: Array) -> Array:
     columns = range(places.shape[1])
     last = curve.mu0.shape[1] - 1
     return np.stack([np.interp(places[:, j], curve.axis, curve.mu0[:, min(j, last)]) for j in columns], axis=1)
 
 
-def _conditioned(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:
+def _condition_rail(mu0: Array, conditioning: Conditioning | None, formation: Formation) -> Array:
     """Raise low friction for the wheelsets behind: each one ahead closes a fraction of the gap to `recovered`.
 
     mu0_j = mu0 + (recovered − mu0)⁺ · (1 − (1 − fraction)^n) with n wheelsets or groups ahead of j. Minima thus rise

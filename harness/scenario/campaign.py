@@ -15,13 +15,13 @@ from pydantic import Field, StrictBool, model_validator
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut, place
-from railgrip.scenario.file import is_file, located
-from railgrip.scenario.load import Tables, read_scenario, read_toml, require_kind, validated
-from railgrip.scenario.merge import nested, read_overrides
+from railgrip.scenario.file import is_file, locate
+from railgrip.scenario.load import Tables, read_scenario, read_toml, require_kind, validate_table
+from railgrip.scenario.merge import nest, read_overrides
 from railgrip.scenario.outcome import Outcome
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import Name, Seed, Table, broken
+from railgrip.scenario.table import Name, Seed, Table, table_error
 
 _AXIS_OF_SCENARIOS = "scenario"
 _LONGEST_NAME = 200  # characters; file systems take 255
@@ -37,15 +37,15 @@ These are all that keep samples, those with adhesion-based control, or no stops.
 """
 
 
-class Reference(Table):
+class PublishedDistance(Table):
     """A distance that another author published for some of the stops."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
-    distance: Annotated[float, Unit("m", above=0)] = Field(description="braking distance")
+    distance: Annotated[float, UnitRange("m", above=0)] = Field(description="braking distance")
     source: str = Field(description="who published it, and where")
 
 
-class Expected(Table):
+class ExpectedOutcome(Table):
     """The documented outcome of some of the stops, if it is not standstill."""
 
     match: dict[str, str] = Field(description="axis → variant of the stops it is for; `scenario` is an axis, too")
@@ -63,7 +63,7 @@ class Draws(Table):
     @model_validator(mode="after")
     def _in_order(self) -> Self:
         if self.last < self.first:
-            raise broken(f"last is {self.last}, before first, {self.first}")
+            raise table_error(f"last is {self.last}, before first, {self.first}")
         return self
 
     def seeds(self) -> range:
@@ -96,10 +96,10 @@ class CampaignFile(Table):
         max_length=1000,
         description="axis → variant or variants; a stop that matches all of one entry is left out",
     )
-    reference: tuple[Reference, ...] = Field(
+    reference: tuple[PublishedDistance, ...] = Field(
         default=(), max_length=1000, description="published distances of some of the stops"
     )
-    expected: tuple[Expected, ...] = Field(
+    expected: tuple[ExpectedOutcome, ...] = Field(
         default=(),
         max_length=1000,
         description="outcomes of stops that do not end with a standstill; of several that match, the first",
@@ -107,7 +107,7 @@ class CampaignFile(Table):
     conditioning: str | None = Field(
         default=None, description="file that `railgrip maintain conditioning` writes, from this one's folder"
     )
-    permitted_distance: Annotated[float, Unit("m", above=0)] | None = Field(
+    permitted_distance: Annotated[float, UnitRange("m", above=0)] | None = Field(
         default=None, description="distance that a stop may take; the page says how often draws exceed it"
     )
     panels: Panels = Field(default="all", description="which stops get a page with their panels")
@@ -144,7 +144,7 @@ class Campaign:
     name: str
     description: str
     stops: tuple[PlannedStop, ...]
-    references: tuple[Reference, ...]
+    references: tuple[PublishedDistance, ...]
     panels: Panels = "all"
     conditioning: Path | None = None
     permitted_distance: float | None = None
@@ -153,7 +153,7 @@ class Campaign:
         """Return the same campaign with the stops that `keep` selects."""
         return replace(self, stops=tuple(filter(keep, self.stops)))
 
-    def reference_for(self, stop: PlannedStop) -> Reference | None:
+    def reference_for(self, stop: PlannedStop) -> PublishedDistance | None:
         """Return the first published distance for this stop, or None."""
         return next((reference for reference in self.references if _matches(reference.match, stop.variants)), None)
 
@@ -164,7 +164,7 @@ def load_campaign(path: Path, overrides: Sequence[str] = ()) -> Campaign:
     Raises:
         ScenarioError: There is an error in the file, a scenario, or a combination; one sentence each.
     """
-    path = located(path, "campaigns")
+    path = locate(path, "campaigns")
     return campaign_of(read_toml(path), path, overrides)
 
 
@@ -180,7 +180,7 @@ def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] =
         ScenarioError: See `load_campaign`.
     """
     require_kind(table, "campaign", path)
-    campaign = validated(CampaignFile, table, directory=path.parent, origin=path.name)
+    campaign = validate_table(CampaignFile, table, directory=path.parent, origin=path.name)
     _require_countable(path, campaign)
     axes = {
         axis: {
@@ -194,14 +194,12 @@ def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] =
     if DRAW in axes:
         raise ScenarioError(f"{path.name}: [axes] cannot be named '{DRAW}', [draws] is that axis")
     for key, values in campaign.sweep.items():
-        axes[key] = {_spelled(value): nested({key: value}) for value in values}
+        axes[key] = {_spell(value): nest({key: value}) for value in values}
         if len(axes[key]) < len(values):
             raise ScenarioError(f"{path.name}: [sweep] {key} has a value twice; each is a stop of its own")
     _require_variants(path, campaign, axes)
     last = read_overrides(overrides)
-    stops = _with_expected(
-        path, campaign.expected, tuple(_stops(path, campaign, _combined(path, campaign, axes), last))
-    )
+    stops = _with_expected(path, campaign.expected, tuple(_stops(path, campaign, _combine(path, campaign, axes), last)))
     # Each name is a folder, and some file systems are not case-sensitive.
     _require_unique(path, [stop.name for stop in stops])
     return Campaign(
@@ -216,7 +214,7 @@ def campaign_of(table: Mapping[str, Any], path: Path, overrides: Sequence[str] =
 
 
 def _variant_file(path: Path, axis: str, variant: str, name: str) -> dict[str, Any]:
-    file = located(name, "equipment", path.parent, f"{path.name}: [axes.{axis}] {variant}: ")
+    file = locate(name, "equipment", path.parent, f"{path.name}: [axes.{axis}] {variant}: ")
     if not is_file(file):
         raise ScenarioError(
             f"{path.name}: [axes.{axis}] {variant} names '{cut(name)}', but there is no file {place(file)}; the "
@@ -257,14 +255,14 @@ class _Combination:
     seeds: range | None
 
 
-def _combined(
+def _combine(
     path: Path, campaign: CampaignFile, axes: Mapping[str, Mapping[str, Mapping[str, Any]]]
 ) -> list[_Combination]:
     """Return the combinations that are not excluded, counted and named before the first scenario is validated."""
     combinations: list[_Combination] = []
     draws = campaign.draws
     for file in campaign.scenarios:
-        base = read_scenario(located(file, "scenarios", path.parent, f"{path.name}: scenarios: "))
+        base = read_scenario(locate(file, "scenarios", path.parent, f"{path.name}: scenarios: "))
         for combination in itertools.product(*(variants.items() for variants in axes.values())):
             choice = dict(zip(axes, (name for name, _ in combination), strict=True))
             variants = {_AXIS_OF_SCENARIOS: str(base.table["name"]), **choice}
@@ -310,14 +308,14 @@ def _stops(
     path: Path, campaign: CampaignFile, combinations: Sequence[_Combination], last: Mapping[str, Any]
 ) -> Iterator[PlannedStop]:
     for each in combinations:
-        tables = each.base.named(f"{path.name}, stop {each.name} ({each.base.origin})")
+        tables = each.base.rename(f"{path.name}, stop {each.name} ({each.base.origin})")
         for change in (*each.changes, last):
-            tables = tables.laid(tables.origin, change)
+            tables = tables.overlay(tables.origin, change)
         stop = PlannedStop(name=each.name, variants=each.variants, scenario=tables.value(Scenario))
-        yield from _drawn(stop, campaign.draws) if campaign.draws and each.seeds else (stop,)
+        yield from _draw_stops(stop, campaign.draws) if campaign.draws and each.seeds else (stop,)
 
 
-def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
+def _draw_stops(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
     """Yield a stop with each of the seeds; only the seed changes, so the scenario is not validated again."""
     for seed in draws.seeds():
         yield PlannedStop(
@@ -328,7 +326,9 @@ def _drawn(stop: PlannedStop, draws: Draws) -> Iterator[PlannedStop]:
         )
 
 
-def _with_expected(path: Path, entries: Sequence[Expected], stops: tuple[PlannedStop, ...]) -> tuple[PlannedStop, ...]:
+def _with_expected(
+    path: Path, entries: Sequence[ExpectedOutcome], stops: tuple[PlannedStop, ...]
+) -> tuple[PlannedStop, ...]:
     """Return stops with the outcome of the first matching entry; raise an error for an entry without a match."""
     idle = next((entry for entry in entries if not any(_matches(entry.match, stop.variants) for stop in stops)), None)
     if idle is not None:
@@ -372,5 +372,5 @@ def _require_variants(path: Path, campaign: CampaignFile, axes: Mapping[str, Map
                     raise ScenarioError(f"{path.name}: [{table}] names '{variant}' of axis '{axis}'; it has {names}")
 
 
-def _spelled(value: Any) -> str:
+def _spell(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value, default=str)  # a date of TOML, as written

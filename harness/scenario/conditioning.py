@@ -17,7 +17,7 @@ from scipy.special import stdtrit
 from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_bytes
 from railgrip.base.records import LARGEST_JSON, parse_json
-from railgrip.scenario.load import validated
+from railgrip.scenario.load import validate_table
 from railgrip.scenario.quantity import NotNegative, Number
 from railgrip.scenario.table import Table
 
@@ -40,7 +40,7 @@ LOOSEST = 5e-3
 """Relative tolerance above which a figure is not compared: it would hide a change of one per cent."""
 
 
-class Repeated(Table):
+class RepeatedDistances(Table):
     """The distances of one stop.
 
     `None` represents a repeat without standstill, which counts as an infinite distance.
@@ -155,14 +155,14 @@ def _endless(distances: Sequence[float | None]) -> list[float]:
     return [math.inf if distance is None else distance for distance in distances]
 
 
-class Conditioning(Table):
+class ConditioningFile(Table):
     """Content of the file."""
 
     relative: Number = Field(gt=0, description="most that a parameter of the plant moved by, as a share of its value")
-    stops: dict[str, Repeated]
+    stops: dict[str, RepeatedDistances]
 
 
-def read_conditioning(path: Path) -> Conditioning:
+def read_conditioning(path: Path) -> ConditioningFile:
     """Return the conditioning in a file.
 
     Raises:
@@ -174,10 +174,10 @@ def read_conditioning(path: Path) -> Conditioning:
         is_missing = isinstance(problem.__cause__, FileNotFoundError)
         hint = "; `railgrip maintain conditioning FILE.toml` writes it" if is_missing else ""
         raise ScenarioError(f"{problem}{hint}") from problem
-    return validated(Conditioning, table, directory=path.parent, origin=path.name)
+    return validate_table(ConditioningFile, table, directory=path.parent, origin=path.name)
 
 
-def text_of(conditioning: Conditioning) -> str:
+def text_of(conditioning: ConditioningFile) -> str:
     """Return the text of the file, one line per stop."""
     stops = ",\n  ".join(
         f"{json.dumps(name)}: {stop.model_dump_json()}" for name, stop in sorted(conditioning.stops.items())

@@ -23,7 +23,7 @@ _BEGINS_EARLY: Final = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Columns:
+class TabulatedQuantity:
     """A quantity over a rising axis, in SI units; linear between points, constant beyond.
 
     Attributes:
@@ -62,7 +62,7 @@ class Columns:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Curve:
+class FrictionCurve:
     """Friction at points of an axis; linear between them, constant beyond.
 
     Attributes:
@@ -71,7 +71,7 @@ class Curve:
     """
 
     over: Literal["time", "distance"]
-    columns: Columns
+    columns: TabulatedQuantity
 
     @property
     def axis(self) -> NDArray[np.float64]:
@@ -84,7 +84,7 @@ class Curve:
         return self.columns.values
 
 
-def read_curve(path: Path) -> Curve:
+def read_curve(path: Path) -> FrictionCurve:
     """Read the columns time or distance, and mu0 or mu0_1 … mu0_n; without a unit in s, m and 1.
 
     Raises:
@@ -93,7 +93,7 @@ def read_curve(path: Path) -> Curve:
     columns = read_columns(
         path, axes={"time": "s", "distance": "m"}, name="mu0", si="1", span=(0.0, 1.0), above=True, example="%"
     )
-    return Curve(over="time" if columns.axis == "time" else "distance", columns=columns)
+    return FrictionCurve(over="time" if columns.axis == "time" else "distance", columns=columns)
 
 
 def read_columns(
@@ -105,7 +105,7 @@ def read_columns(
     span: tuple[float, float],
     above: bool = False,
     example: str,
-) -> Columns:
+) -> TabulatedQuantity:
     """Read a quantity over a rising axis.
 
     A column may state its unit, as `distance [km]` or `pressure (psi)`; without one it is in SI units.
@@ -168,7 +168,7 @@ def read_columns(
             f"line {line}: {name} must be {'above' if above else 'at least'} {least:g} and at most {most:g}{suffix}; "
             f"a column in another unit states it in the first line, such as '{name} [{example}]'"
         )
-    return Columns(
+    return TabulatedQuantity(
         axis=axis, unit=axes[axis], has_unit=bool(stated[header.index(axis)]), points=points, values=quantity
     )
 

@@ -13,20 +13,22 @@ from numpy.typing import NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.curve import Columns, read_columns
+from railgrip.scenario.curve import TabulatedQuantity, read_columns
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.quantity import Number, Unit
-from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, broken, optional
+from railgrip.scenario.quantity import Number, UnitRange
+from railgrip.scenario.table import Delay, Duration, Length, Speed, Table, optional, table_error
 from railgrip.scenario.track.table import LARGEST_FORCE
 
-_PRESSURE = Unit("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
+_PRESSURE = UnitRange("Pa", at_least=0, at_most=1e8, because="pneumatics and hydraulics of brakes stay below 1000 bar")
 
 _Pressure = Annotated[float, _PRESSURE] | Literal["full"]
 
-Deceleration = Annotated[float, Unit("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")]
+Deceleration = Annotated[
+    float, UnitRange("m/s2", above=0, at_most=10, because="no wheel on a rail brakes by more than 1 g")
+]
 
 
-class Until(Table):
+class PhaseEnd(Table):
     """The condition that ends a phase: exactly one key."""
 
     time: Delay | None = optional("since the start")
@@ -38,7 +40,7 @@ class Until(Table):
     @model_validator(mode="after")
     def _one(self) -> Self:
         if len(self.model_fields_set) != 1:
-            raise broken(f"wants one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}")
+            raise table_error(f"wants one of {', '.join(type(self).model_fields)}, got {len(self.model_fields_set)}")
         return self
 
     @property
@@ -55,9 +57,11 @@ class Until(Table):
 class Traction(Table):
     """A force that pushes the whole train, like the track force; it does not load the wheelsets."""
 
-    force: Annotated[float, Unit("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
-    power: Annotated[float, Unit("W", above=0, at_most=1e9)] | None = optional("most of it, where there is a limit")
-    rate: Annotated[float, Unit("N/s", above=0, at_most=1e9)] | None = optional(
+    force: Annotated[float, UnitRange("N", at_least=0, at_most=LARGEST_FORCE)] = Field(description="most, forward")
+    power: Annotated[float, UnitRange("W", above=0, at_most=1e9)] | None = optional(
+        "most of it, where there is a limit"
+    )
+    rate: Annotated[float, UnitRange("N/s", above=0, at_most=1e9)] | None = optional(
         "most that the force changes by, also after the end of the phase; at once where there is none"
     )
 
@@ -65,14 +69,14 @@ class Traction(Table):
 class StopAt(Table):
     """A driver who stops at a target on a braking curve of constant deceleration."""
 
-    distance: Annotated[float, Unit("m", above=0, at_most=1e5)] = Field(description="of the target from the start")
+    distance: Annotated[float, UnitRange("m", above=0, at_most=1e5)] = Field(description="of the target from the start")
     deceleration: Deceleration = Field(description="of the curve; before it there is no demand")
     full_deceleration: Deceleration = Field(description="that the driver expects of full brake")
 
     @model_validator(mode="after")
-    def _possible(self) -> Self:
+    def _check_phases(self) -> Self:
         if self.deceleration > self.full_deceleration:
-            raise broken(
+            raise table_error(
                 f"deceleration {self.deceleration:g} m/s2 is above full_deceleration {self.full_deceleration:g} m/s2, "
                 "the most that the driver expects of the brakes"
             )
@@ -88,7 +92,7 @@ class Phase(Table):
     )
     stop_at: StopAt | None = optional("in place of `pressure`")
     traction: Traction | None = optional("a force that pushes the train")
-    until: Until | None = optional("the last phase has none")
+    until: PhaseEnd | None = optional("the last phase has none")
 
     @field_validator("pressure", mode="before", json_schema_input_type=_Pressure | list[_Pressure])
     @classmethod
@@ -97,14 +101,14 @@ class Phase(Table):
             return None
         each = tuple(entry) if isinstance(entry, list | tuple) else (entry,)
         if not each:
-            raise broken("is an empty list; give one pressure, or one for each group")
+            raise table_error("is an empty list; give one pressure, or one for each group")
         return tuple("full" if value == "full" else _PRESSURE.read(value) for value in each)
 
     @model_validator(mode="after")
     def _one_demand(self) -> Self:
         if (self.pressure is None) == (self.stop_at is None):
             wrong = "has neither" if self.pressure is None else "has both,"
-            raise broken(f"{wrong} pressure and stop_at; give one of them, pressure = 0 where nothing is braked")
+            raise table_error(f"{wrong} pressure and stop_at; give one of them, pressure = 0 where nothing is braked")
         return self
 
 
@@ -119,11 +123,11 @@ class Demand(Table):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if bool(self.phases) == (self.file is not None):
-            raise broken("wants phases, or the file of a profile; give one of them")
+            raise table_error("wants phases, or the file of a profile; give one of them")
         for number, phase in enumerate(self.phases, start=1):
             if (phase.until is None) != (number == len(self.phases)):
                 wrong = "is the last one and lasts to the end, leave out" if phase.until else "has no"
-                raise broken(f"phases[{number}] {wrong} 'until'")
+                raise table_error(f"phases[{number}] {wrong} 'until'")
         if self.file is not None:
             self.profile()
         return self
@@ -138,7 +142,7 @@ class Demand(Table):
         """Whether the driver stops at a target."""
         return any(phase.stop_at is not None for phase in self.phases)
 
-    def profile(self) -> Columns:
+    def profile(self) -> TabulatedQuantity:
         """Return the times [s] of the file and pressures [Pa], for all groups or for each.
 
         Raises:
@@ -148,7 +152,7 @@ class Demand(Table):
         try:
             return _read_profile(self.file.path, self.file.digest())
         except ValueError as problem:
-            raise broken(f"file {self.file.entry}: {problem}") from problem
+            raise table_error(f"file {self.file.entry}: {problem}") from problem
 
 
 _FAINTEST = 1e3
@@ -156,7 +160,7 @@ _FAINTEST = 1e3
 
 
 @lru_cache(maxsize=1)
-def _read_profile(path: Path, digest: str) -> Columns:  # pyright: ignore[reportUnusedParameter]
+def _read_profile(path: Path, digest: str) -> TabulatedQuantity:  # pyright: ignore[reportUnusedParameter]
     """Return `Demand.profile` of a file; cached by its digest, since it is read for validation and for the stop."""
     return read_columns(path, axes={"time": "s"}, name="pressure", si="Pa", span=(0.0, 1e8), example="kPa")
 
@@ -209,14 +213,14 @@ def phases_of(demand: Demand, full: Sequence[float], origin: str) -> tuple[Deman
         ScenarioError: The demand gives pressures for another number of groups, or above the maximum of a brake.
     """
     if demand.file is None:
-        return tuple(_written(demand, full, f"{origin}: [demand.phases"))
+        return tuple(_convert_phases(demand, full, f"{origin}: [demand.phases"))
     columns = demand.profile()
     times, pressures = columns.points, columns.values
     _require_pressures(pressures.shape[1], float(pressures.max()), full, f"{origin}: [demand] file {demand.file.entry}")
     return _from_points(times, np.minimum(pressures, full))
 
 
-def _written(demand: Demand, full: Sequence[float], where: str) -> Iterator[DemandedPhase]:
+def _convert_phases(demand: Demand, full: Sequence[float], where: str) -> Iterator[DemandedPhase]:
     none, rate = (0.0,) * len(full), inf
     for number, phase in enumerate(demand.phases, start=1):
         pressures, target = none, {}

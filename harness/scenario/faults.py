@@ -9,7 +9,7 @@ from pydantic import Field, StrictInt, model_validator
 from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.kinds import by_kind
-from railgrip.scenario.quantity import Magnitude, Unit, in_units
+from railgrip.scenario.quantity import Magnitude, UnitRange, in_units
 from railgrip.scenario.table import ONE_OR_EACH, Delay, Table, ends_after_it_begins, optional
 from railgrip.scenario.track.table import STEEPEST
 
@@ -90,7 +90,7 @@ def amount_of(value: Magnitude, unit: str, where: str, kind: str = "") -> float:
     return amount
 
 
-_Factor = Annotated[float, Unit("1", above=0, at_most=10, because="no train is ten times what it is said to be")]
+_Factor = Annotated[float, UnitRange("1", above=0, at_most=10, because="no train is ten times what it is said to be")]
 
 
 _Factors = Annotated[tuple[_Factor, ...], ONE_OR_EACH, Field(min_length=1)]
@@ -110,7 +110,7 @@ class Truth(Table):
     creep: dict[Literal["k_A", "k_S", "A_falling", "B_falling"], _Factor] = Field(
         default={}, description="on parameters of the creep curve"
     )
-    gradient: Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)] = Field(
+    gradient: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
         default=0.0, description="slope of the whole track beside that of [track], positive uphill"
     )
 

@@ -34,7 +34,7 @@ def is_folder(path: Path) -> bool:
         return False
 
 
-def located(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "") -> Path:
+def locate(entry: str | Path, kind: Shelf, folder: Path = Path(), where: str = "") -> Path:
     """Return the file for an entry: a path relative to a folder, or a bare name in the library, such as `trapezoid`.
 
     Args:
@@ -62,7 +62,7 @@ def _relative(path: Path, folder: Path) -> str:
         return path.resolve().as_posix()
 
 
-class Elsewhere(str):
+class OtherFileString(str):
     """A string of a file that another one extends: a path in it is relative to the folder of the file that it is
     written in.
 
@@ -80,7 +80,7 @@ class Elsewhere(str):
             return {key: cls.within(inner, folder) for key, inner in cast("Mapping[str, Any]", value).items()}
         if isinstance(value, list):
             return [cls.within(inner, folder) for inner in cast("list[Any]", value)]
-        if not isinstance(value, str) or isinstance(value, Elsewhere):
+        if not isinstance(value, str) or isinstance(value, OtherFileString):
             return value
         text = cls(value)
         text.folder = folder
@@ -116,7 +116,7 @@ class NamedFile:
             raise PydanticCustomError("file", "is {found}, but the path of a file is wanted", {"found": short(entry)})
         context = cast("dict[str, Path] | None", info.context) or {}
         directory = context.get(DIRECTORY, Path())
-        path = (entry.folder if isinstance(entry, Elsewhere) else directory) / entry
+        path = (entry.folder if isinstance(entry, OtherFileString) else directory) / entry
         if not is_file(path):
             is_recipe = path.suffix == ".fmu" and path.parent.parts[-2:] == ("build", "fmus")
             hint = f"; `railgrip build {path.stem}` makes one in build/fmus of the current folder" if is_recipe else ""
@@ -126,7 +126,7 @@ class NamedFile:
                 "the current folder{hint}",
                 {"entry": cut(entry), "path": place(path), "hint": hint},
             )
-        if isinstance(entry, Elsewhere):
+        if isinstance(entry, OtherFileString):
             entry = _relative(path, directory)
         return cls(entry=entry, path=path)
 

@@ -8,14 +8,14 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from railgrip.scenario.kinds import ByKind
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 
 
 @cache
 def units_of_keys() -> Mapping[str, str]:
     """Return key, as `start.speed`, → SI unit, without keys whose unit depends on the kind of their table."""
-    return _unambiguous((key, entry.unit) for key, entry in _entries(Scenario, "") if isinstance(entry, Unit))
+    return _unambiguous((key, entry.unit) for key, entry in _entries(Scenario, "") if isinstance(entry, UnitRange))
 
 
 @cache
@@ -33,18 +33,18 @@ def _unambiguous(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
     return {key: text for key, (text, *others) in texts.items() if not others}
 
 
-def _entries(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | Unit]]:
+def _entries(table: type[BaseModel], path: str) -> Iterator[tuple[str, FieldInfo | UnitRange]]:
     """Yield the field and the units of each key."""
     for name, field in table.model_fields.items():
         yield f"{path}{name}", field
         yield from _of_annotation(field.annotation, field.metadata, f"{path}{name}")
 
 
-def _of_annotation(annotation: Any, metadata: Iterable[Any], key: str) -> Iterator[tuple[str, FieldInfo | Unit]]:
+def _of_annotation(annotation: Any, metadata: Iterable[Any], key: str) -> Iterator[tuple[str, FieldInfo | UnitRange]]:
     for entry in metadata:
         if isinstance(entry, FieldInfo):
             yield from _of_annotation(None, entry.metadata, key)
-        elif isinstance(entry, Unit):
+        elif isinstance(entry, UnitRange):
             yield key, entry
         elif isinstance(entry, ByKind):
             for table in entry.ours().values():

@@ -10,10 +10,10 @@ from railgrip.base.errors import InputError, ScenarioError
 from railgrip.base.files import read_text
 from railgrip.base.registry import shelf
 from railgrip.base.units import cut, place, short
-from railgrip.scenario.file import Elsewhere, is_file, located
-from railgrip.scenario.merge import merged, parsed, read_overrides, with_another_plant
+from railgrip.scenario.file import OtherFileString, is_file, locate
+from railgrip.scenario.merge import merge, parse_toml, read_overrides, with_another_plant
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.validation import Layers, validated
+from railgrip.scenario.validation import Layers, validate_table
 
 Kind = Literal["scenario", "campaign", "estimation", "train"]
 _MARKS: Final[tuple[tuple[Kind, tuple[str, ...]], ...]] = (
@@ -48,8 +48,8 @@ def load(path: Path, overrides: Sequence[str] = (), equipment: Sequence[str] = (
     """
     tables = read_scenario(path)
     for part in equipment:
-        tables = _equipped(tables, located(part, "equipment"))
-    return tables.laid(tables.origin, read_overrides(overrides)).value(Scenario)
+        tables = _add_equipment(tables, locate(part, "equipment"))
+    return tables.overlay(tables.origin, read_overrides(overrides)).value(Scenario)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,13 +73,13 @@ class Tables:
         """Return tables of one source."""
         return cls(origin=origin, directory=directory, table=dict(table), layers=((origin, table),))
 
-    def named(self, origin: str) -> "Tables":
+    def rename(self, origin: str) -> "Tables":
         """Return the tables with other words for their file in messages."""
         return replace(self, origin=origin, layers=((origin, self.layers[0][1]), *self.layers[1:]))
 
-    def laid(self, name: str, change: Mapping[str, Any]) -> "Tables":
+    def overlay(self, name: str, change: Mapping[str, Any]) -> "Tables":
         """Return the tables with changes on top."""
-        return replace(self, table=merged(self.table, change), layers=((name, change), *self.layers))
+        return replace(self, table=merge(self.table, change), layers=((name, change), *self.layers))
 
     def value(self, kind: type[_Scenario]) -> _Scenario:
         """Return the scenario of these tables.
@@ -87,7 +87,7 @@ class Tables:
         Raises:
             ScenarioError: They are not a valid scenario.
         """
-        return validated(kind, self.table, directory=self.directory, origin=self.origin, layers=self.layers)
+        return validate_table(kind, self.table, directory=self.directory, origin=self.origin, layers=self.layers)
 
 
 def read_scenario(path: Path) -> Tables:
@@ -96,11 +96,11 @@ def read_scenario(path: Path) -> Tables:
     Raises:
         ScenarioError: The file cannot be read, is of another kind, or extends a file that cannot be read.
     """
-    path = located(path, "scenarios")
+    path = locate(path, "scenarios")
     return _tables_in(path, (path,))
 
 
-def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequence[Path] = ()) -> Tables:
+def extend_tables(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequence[Path] = ()) -> Tables:
     """Return tables merged with those of the scenario that their key `extends` names.
 
     Args:
@@ -118,7 +118,7 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
     entry = table["extends"]
     if not isinstance(entry, str) or not entry:
         raise ScenarioError(f"{origin}: extends is {short(entry)}; wanted is the name or the path of a scenario")
-    path = located(entry, "scenarios", folder, f"{origin}: extends: ")
+    path = locate(entry, "scenarios", folder, f"{origin}: extends: ")
     if not is_file(path):
         raise ScenarioError(
             f"{origin}: extends names '{cut(entry)}', but there is no file {place(path)}; the path starts at the "
@@ -126,10 +126,10 @@ def extended(table: Mapping[str, Any], folder: Path, origin: str, chain: Sequenc
         )
     require_straight(path, chain, origin)
     base = _tables_in(path, (*chain, path))
-    below: dict[str, Any] = Elsewhere.within(base.table, base.directory)
+    below: dict[str, Any] = OtherFileString.within(base.table, base.directory)
     if isinstance(below.get("vehicle"), dict) and isinstance(keys.get("vehicle"), dict):
         below["vehicle"] = with_another_plant(below["vehicle"], keys["vehicle"])
-    return Tables(origin=origin, directory=folder, table=merged(below, keys), layers=((origin, keys), *base.layers))
+    return Tables(origin=origin, directory=folder, table=merge(below, keys), layers=((origin, keys), *base.layers))
 
 
 def require_straight(path: Path, chain: Sequence[Path], origin: str) -> None:
@@ -151,10 +151,10 @@ def require_straight(path: Path, chain: Sequence[Path], origin: str) -> None:
 def _tables_in(path: Path, chain: Sequence[Path]) -> Tables:
     table = read_toml(path)
     require_kind(table, "scenario", path)
-    return extended({"name": path.stem} | table, path.parent, path.name, chain)
+    return extend_tables({"name": path.stem} | table, path.parent, path.name, chain)
 
 
-def _equipped(tables: Tables, file: Path) -> Tables:
+def _add_equipment(tables: Tables, file: Path) -> Tables:
     """Return tables with those of a file of equipment on top.
 
     The plant of the equipment replaces only that of the train that equipment is made for; other plants are kept. Its
@@ -165,7 +165,7 @@ def _equipped(tables: Tables, file: Path) -> Tables:
         table.pop("vehicle", None)
     if tables.table.get("estimator", {"kind": "none"}) == {"kind": "none"} and "kind" not in table.get("estimator", {}):
         table.pop("estimator", None)
-    return tables.laid(file.name, Elsewhere.within(table, file.parent))
+    return tables.overlay(file.name, OtherFileString.within(table, file.parent))
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -175,7 +175,7 @@ def read_toml(path: Path) -> dict[str, Any]:
         ScenarioError: The file is missing, unreadable, or not TOML.
     """
     try:
-        return parsed(read_text(path))
+        return parse_toml(read_text(path))
     except tomllib.TOMLDecodeError as problem:
         raise ScenarioError(f"{cut(path.name)}: is not TOML: {cut(str(problem))}") from problem
     except InputError as problem:

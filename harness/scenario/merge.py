@@ -8,7 +8,7 @@ from typing import Any, cast
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import cut, short
-from railgrip.scenario.file import Elsewhere
+from railgrip.scenario.file import OtherFileString
 
 _DEEPEST = 12
 """Maximum depth of tables and lists; the deepest file of the library has five."""
@@ -20,7 +20,7 @@ _KEY = re.compile(rf"(?:{_PART.pattern})(?:\s*\.\s*(?:{_PART.pattern}))*")
 _KINDS_OF_ONE_FILTER = ("fmu", "compiled", "python")
 
 
-def parsed(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text.
 
     Raises:
@@ -51,7 +51,7 @@ _ELEMENT = re.compile(r"(.+)\[(\d{1,9})\]")
 """Key of an element of an array, such as `r_wheel[2]`."""
 
 
-def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+def merge(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
     """Return `base` with the keys of `change` overlaid, table by table.
 
     A change of a table's `kind` discards the other keys, because another kind has other keys; kinds of the same filter,
@@ -65,9 +65,9 @@ def merged(base: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
     for key, value in change.items():
         below = result.get(key)
         if isinstance(value, Mapping) and isinstance(below, Mapping) and _has_keys_of(below, value.get("kind")):
-            result[key] = merged(below, value)
+            result[key] = merge(below, value)
         elif isinstance(value, Mapping):
-            result[key] = merged({}, value)
+            result[key] = merge({}, value)
         elif (array := _array_of(key)) is None or array in change or not _replace(result, array, key, value):
             result[key] = value
     return result
@@ -95,7 +95,7 @@ _PLANT = ("plant", "model", "library", "train")
 def with_another_plant(vehicle: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
     """Return the keys of a [vehicle] overridden by others; if these select a plant, it replaces the former one."""
     names_one = any(key in keys for key in _PLANT)
-    return merged({key: value for key, value in vehicle.items() if not (names_one and key in _PLANT)}, keys)
+    return merge({key: value for key, value in vehicle.items() if not (names_one and key in _PLANT)}, keys)
 
 
 def _has_keys_of(table: Mapping[str, Any], kind: object) -> bool:
@@ -123,7 +123,7 @@ def parts_of(key: Any) -> tuple[str, ...]:
     return parts
 
 
-def nested(changes: Mapping[str, Any]) -> dict[str, Any]:
+def nest(changes: Mapping[str, Any]) -> dict[str, Any]:
     """Return dotted keys and their values, which are not changed, as one tree of tables.
 
     Raises:
@@ -158,10 +158,10 @@ def read_overrides(overrides: Sequence[str]) -> dict[str, Any]:
         if not equals or not key.strip() or not value.strip():
             raise ScenarioError(f"--set {cut(override)}: wanted is table.key=value, such as start.speed='80 km/h'")
         try:
-            _insert(tree, nested({key.strip(): _toml_value(value.strip())}))
+            _insert(tree, nest({key.strip(): _toml_value(value.strip())}))
         except ScenarioError as problem:
             raise ScenarioError(f"--set {cut(override)}: {problem}") from None
-    return Elsewhere.within(tree, Path.cwd())
+    return OtherFileString.within(tree, Path.cwd())
 
 
 def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
@@ -171,13 +171,13 @@ def _insert(tree: dict[str, Any], layer: Mapping[str, Any]) -> None:
         if isinstance(value, Mapping) and isinstance(below, dict):
             _insert(below, value)
         else:
-            tree[key] = merged({}, value) if isinstance(value, Mapping) else value
+            tree[key] = merge({}, value) if isinstance(value, Mapping) else value
 
 
 def _toml_value(text: str) -> Any:
     """Parse a text as a TOML value; return the text itself if that fails."""
     try:
-        table = parsed(f"value = {text}")
+        table = parse_toml(f"value = {text}")
     except tomllib.TOMLDecodeError:
         return text
     # A text with a newline could continue with other keys after its value.

@@ -12,8 +12,8 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.kinds import ByKind, Custom
-from railgrip.scenario.quantity import Number, Unit
-from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, broken, optional
+from railgrip.scenario.quantity import Number, UnitRange
+from railgrip.scenario.table import Duration, Friction, MapEntry, Parameters, Period, Table, optional, table_error
 
 
 class Actuation(Table):
@@ -61,7 +61,7 @@ class KalmanFilter(Table):
         "let the speed of a wheel that rolls, its brake off, stand for that of the train while the radar is silent",
         default=False,
     )
-    load_deviation: Annotated[float, Unit("1", at_least=0, at_most=1)] = optional(
+    load_deviation: Annotated[float, UnitRange("1", at_least=0, at_most=1)] = optional(
         "standard deviation of the load of a wheelset over the load that the filter assumes; no reading shows it, and "
         "it counts in the deviation of the estimated adhesion",
         default=0.0,
@@ -70,15 +70,15 @@ class KalmanFilter(Table):
     @model_validator(mode="after")
     def _one_prediction(self) -> Self:
         if self.model is None and self.library is not None:
-            raise broken("has no model; name the class of the prediction")
+            raise table_error("has no model; name the class of the prediction")
         if self.model is not None and self.kind == "decentralised":
-            raise broken(
+            raise table_error(
                 "makes its prediction from the vehicle's nominal data when it is decentralised; leave out model"
             )
         if self.file is not None and (self.kind != "fmu" or self.model is not None):
-            raise broken("has a file, which only kind 'fmu' without a model takes")
+            raise table_error("has a file, which only kind 'fmu' without a model takes")
         if self.file is not None and not self.trust:
-            raise broken(
+            raise table_error(
                 f"file: the code of {self.file.entry} would run in this process; if you know where it comes from, "
                 "set trust = true"
             )
@@ -92,7 +92,7 @@ def _estimators() -> dict[str, type[Table]]:
 Estimator = Annotated[NoEstimator | KalmanFilter | Custom, ByKind(_estimators, "estimators")]
 
 
-class _OverTheTrain(Table):
+class _TrainLevelTable(Table):
     """Keys that apply to groups under any law."""
 
     redistribute: StrictBool = optional(
@@ -103,7 +103,7 @@ class _OverTheTrain(Table):
     )
 
 
-class Law(_OverTheTrain):
+class BuiltInLaw(_TrainLevelTable):
     """A built-in control law, with changes of its parameter set."""
 
     kind: str = Field(description="a law of `railgrip list controllers`")
@@ -128,7 +128,7 @@ class Law(_OverTheTrain):
         sets = {"paper": f"{kind}.paper", "searched": kind, "type_test": f"{kind}.type_test"}
         names = [name for name, file in sets.items() if file in files]
         if tuning is not None and tuning not in names:
-            raise broken(
+            raise table_error(
                 f"is {short(tuning)}; {kind} has {', '.join(names) or 'no set of parameters'}"
                 + did_you_mean(tuning, names, before="; ")
             )
@@ -137,7 +137,7 @@ class Law(_OverTheTrain):
         return None if tuning == "searched" else tuning
 
 
-class ControllerFmu(_OverTheTrain):
+class ControllerFmu(_TrainLevelTable):
     """A user-defined controller, as a co-simulation FMU 2.0.
 
     Its inputs may be speed, acceleration, wheelset_speed, slip, adhesion, pad_friction, pressure and driver_demand; its
@@ -156,15 +156,15 @@ class ControllerFmu(_OverTheTrain):
     )
 
 
-class CustomLaw(Custom, _OverTheTrain):
+class CustomLaw(Custom, _TrainLevelTable):
     """A control law that is a user-defined class."""
 
 
 def _controllers() -> dict[str, type[Table]]:
-    return {**dict.fromkeys((*registry.modules(registry.LAWS), *registry.ANALYSES), Law), "fmu": ControllerFmu}
+    return {**dict.fromkeys((*registry.modules(registry.LAWS), *registry.ANALYSES), BuiltInLaw), "fmu": ControllerFmu}
 
 
-Controller = Annotated[Law | ControllerFmu | CustomLaw, ByKind(_controllers, "controllers", CustomLaw)]
+Controller = Annotated[BuiltInLaw | ControllerFmu | CustomLaw, ByKind(_controllers, "controllers", CustomLaw)]
 
 _ADHESION_LIMITS = {"tsi": 0.15, "tsi_short_formation": 0.13}
 
@@ -185,7 +185,7 @@ class Limits(Table):
         "a stop that takes longer ends here, with that outcome; without it twice the time that locked wheels would "
         "take on the lowest friction, at least 2 and at most 10 min"
     )
-    stop_speed: Annotated[float, Unit("m/s", at_least=0)] = Field(
+    stop_speed: Annotated[float, UnitRange("m/s", at_least=0)] = Field(
         default=0.1, description="speed that counts as standstill"
     )
     alpha_max: Friction = Field(
@@ -203,7 +203,7 @@ class Limits(Table):
         if not isinstance(entry, str) or entry in _ADHESION_LIMITS:
             return _ADHESION_LIMITS.get(entry, entry)
         if question := did_you_mean(entry, _ADHESION_LIMITS):
-            raise broken(f"is '{entry}'; {question}")
+            raise table_error(f"is '{entry}'; {question}")
         return entry
 
 

@@ -17,8 +17,8 @@ from pydantic_core import CoreSchema
 from railgrip.base import registry
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
-from railgrip.scenario.quantity import Unit
-from railgrip.scenario.table import broken
+from railgrip.scenario.quantity import UnitRange
+from railgrip.scenario.table import table_error
 
 
 def named_set(name: str) -> Mapping[str, float]:
@@ -29,7 +29,7 @@ def named_set(name: str) -> Mapping[str, float]:
     """
     files = registry.files(registry.CREEP_CURVES)
     if name not in files:
-        raise broken(
+        raise table_error(
             f"is {short(name)}, which is not a Polach set; there are {', '.join(files)}, or give k_A, k_S, A and B"
             + did_you_mean(name, files, before="; ")
         )
@@ -52,15 +52,17 @@ class Polach(BaseModel):
 
     name: str = Field(default="own", description="the named set that the numbers come from")
     k_A: Annotated[  # noqa: N815 (the name in the literature)
-        float, Unit("1", above=0, at_most=1), Field(description="slope reduction, area of adhesion")
+        float, UnitRange("1", above=0, at_most=1), Field(description="slope reduction, area of adhesion")
     ]
     k_S: Annotated[  # noqa: N815 (the name in the literature)
-        float, Unit("1", above=0, at_most=1), Field(description="slope reduction, area of slip")
+        float, UnitRange("1", above=0, at_most=1), Field(description="slope reduction, area of slip")
     ]
-    A: Annotated[float, Unit("1", above=0, at_most=1), Field(description="friction at infinite slip velocity over mu0")]
+    A: Annotated[
+        float, UnitRange("1", above=0, at_most=1), Field(description="friction at infinite slip velocity over mu0")
+    ]
     B: Annotated[
         float,
-        Unit("s/m", at_least=0, at_most=100, because="friction falls over some m/s of slip velocity"),
+        UnitRange("s/m", at_least=0, at_most=100, because="friction falls over some m/s of slip velocity"),
         Field(description="decay of friction with slip velocity"),
     ]
 

@@ -5,18 +5,20 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from railgrip.base import registry
-from railgrip.scenario.curve import Curve, read_curve
+from railgrip.scenario.curve import FrictionCurve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.sanders import Sand
-from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, broken, not_in, optional
+from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, not_in, optional, table_error
 
 
 class Conditioning(Table):
     """Each wheelset or group cleans the rail for the next: closes `fraction` of the gap to `recovered`."""
 
-    fraction: Annotated[float, Unit("1", at_least=0, below=1)] = Field(description="of the gap that each one closes")
+    fraction: Annotated[float, UnitRange("1", at_least=0, below=1)] = Field(
+        description="of the gap that each one closes"
+    )
     recovered: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
     by: Literal["group", "wheelset"] = Field(description="who cleans for the next")
 
@@ -29,10 +31,11 @@ class Recovery(Table):
     """
 
     mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
-    A: Annotated[float, Unit("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
-    B: Annotated[float, Unit("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
+    A: Annotated[float, UnitRange("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
+    B: Annotated[float, UnitRange("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
     rate: Annotated[
-        float, Unit("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel")
+        float,
+        UnitRange("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel"),
     ] = Field(description="τ, of the recovery over the energy of the slip of a wheel on a metre of rail")
 
 
@@ -71,10 +74,10 @@ class _Profile(Table):
         "creep curve that each wheelset meets outside of patches, in place of polach: the first may clean the rail",
         default=(),
     )
-    level: Annotated[float, Unit("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
+    level: Annotated[float, UnitRange("1", above=0, at_most=100, because="it scales a friction of at most 1")] = Field(
         default=1.0, description="factor on the first wheelset's friction"
     )
-    calibrated: dict[str, Annotated[float, Unit("1", above=0, at_most=100)]] = Field(
+    calibrated: dict[str, Annotated[float, UnitRange("1", above=0, at_most=100)]] = Field(
         default={},
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
@@ -84,16 +87,16 @@ class _Profile(Table):
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
 
     @model_validator(mode="after")
-    def _calibrated_for_known_curves(self) -> Self:
+    def _check_calibration(self) -> Self:
         known = {*registry.files(registry.CREEP_CURVES), *(curve.name for curve in self.curves)}
         if unknown := sorted(self.calibrated.keys() - known):
-            raise broken(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
+            raise table_error(f"calibrated has a factor for {not_in(sorted(known), unknown[0])}")
         return self
 
     @model_validator(mode="after")
     def _one_cleaning(self) -> Self:
         if self.recovery is not None and self.conditioning is not None and self.conditioning.fraction > 0:
-            raise broken(
+            raise table_error(
                 "has conditioning, which cleans the rail for wheels behind whatever those ahead do, and recovery, "
                 "which cleans it by their slip; keep one (conditioning.fraction = 0 does nothing)"
             )
@@ -139,7 +142,7 @@ class Constant(_Profile):
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 
@@ -152,7 +155,7 @@ class Leaves(_Profile):
 
     kind: Literal["leaves"]
     mu0: Frictions = Field(description="maximum friction between patches, for the train or for each wheelset")
-    count: Annotated[float, Unit("1/m", above=0, at_most=1, because="patches are metres long")] = Field(
+    count: Annotated[float, UnitRange("1/m", above=0, at_most=1, because="patches are metres long")] = Field(
         description="mean number of patches that begin in a length of rail, as 8 1/km"
     )
     shortest: Length = Field(description="minimum length of a patch")
@@ -178,11 +181,11 @@ class Leaves(_Profile):
     def _fits(self) -> Self:
         for low, high in (("shortest", "longest"), ("minimum", "maximum")):
             if getattr(self, low) > getattr(self, high):
-                raise broken(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
+                raise table_error(f"{low} {getattr(self, low):g} is above {high} {getattr(self, high):g}")
         if self.longest <= 0:
-            raise broken("longest must be above 0 m, got 0")
+            raise table_error("longest must be above 0 m, got 0")
         if self.conditioning is not None and len(set(self.mu0)) > 1:
-            raise broken("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
+            raise table_error("gives mu0 for each wheelset and conditioning, which makes it from the first's; keep one")
         return self
 
 
@@ -205,11 +208,15 @@ class _Varying(_Profile):
             try:
                 value = self.extent(name)
             except ValueError as problem:
-                raise broken(f"{name} {problem} (the profile runs over {self.over})") from problem
+                raise table_error(f"{name} {problem} (the profile runs over {self.over})") from problem
             if value < 0 or (value == 0 and name not in zero):
-                raise broken(f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}")
+                raise table_error(
+                    f"{name} must be {'at least' if name in zero else 'above'} 0 {self.unit}, got {value:g}"
+                )
             if value > _FARTHEST:
-                raise broken(f"{name} must be at most {_FARTHEST:g} {self.unit}, got {value:g}; no braking is longer")
+                raise table_error(
+                    f"{name} must be at most {_FARTHEST:g} {self.unit}, got {value:g}; no braking is longer"
+                )
 
 
 class Trapezoid(_Varying):
@@ -231,10 +238,12 @@ class Trapezoid(_Varying):
     def _fits(self) -> Self:
         self._check_extents("first_fall", "period", "low", "ramp", zero=("first_fall", "low"))
         if self.minimum > self.maximum:
-            raise broken(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
+            raise table_error(f"minimum {self.minimum:g} is above maximum {self.maximum:g}")
         width = self.extent("low") + 2 * self.extent("ramp")
         if width > self.extent("period"):
-            raise broken(f"low and two ramps take {width:g} {self.unit}, longer than period {self.extent('period'):g}")
+            raise table_error(
+                f"low and two ramps take {width:g} {self.unit}, longer than period {self.extent('period'):g}"
+            )
         return self
 
 
@@ -267,11 +276,11 @@ class SineSweep(_Varying):
         try:
             frequencies = self.frequencies
         except ValueError as problem:
-            raise broken(f"frequency {problem} (the profile runs over {self.over})") from problem
+            raise table_error(f"frequency {problem} (the profile runs over {self.over})") from problem
         if min(frequencies) <= 0:
-            raise broken(f"frequencies must be above 0, got {frequencies}")
+            raise table_error(f"frequencies must be above 0, got {frequencies}")
         if self.amplitude >= self.mean:
-            raise broken(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
+            raise table_error(f"amplitude {self.amplitude:g} reaches mean {self.mean:g}: friction must stay above 0")
         return self
 
 
@@ -280,7 +289,7 @@ class Random(_Varying):
 
     kind: Literal["random"]
     mean: Friction = Field(description="of the maximum friction")
-    deviation: Annotated[float, Unit("1", at_least=0, below=1)] = Field(description="1σ of the maximum friction")
+    deviation: Annotated[float, UnitRange("1", at_least=0, below=1)] = Field(description="1σ of the maximum friction")
     correlation: Extent = Field(description="over which the autocorrelation falls to 1/e")
     minimum: Friction = Field(description="lower friction is cut off here")
     maximum: Friction = Field(description="higher friction is cut off here")
@@ -293,7 +302,9 @@ class Random(_Varying):
     def _fits(self) -> Self:
         self._check_extents("correlation")
         if not self.minimum <= self.mean <= self.maximum:
-            raise broken(f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}")
+            raise table_error(
+                f"mean {self.mean:g} is not between minimum {self.minimum:g} and maximum {self.maximum:g}"
+            )
         return self
 
 
@@ -306,7 +317,7 @@ class Points(_Varying):
 
     kind: Literal["points"]
     points: tuple[tuple[Extent, Friction], ...] = Field(min_length=1, description="time or distance, and mu0 there")
-    scatter: Annotated[float, Unit("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
+    scatter: Annotated[float, UnitRange("1", at_least=0, below=0.3)] = Field(default=0.0, description="1σ over mu0")
     correlation: Extent | None = Field(default=None, description="of the scatter; wanted with it")
 
     @property
@@ -323,13 +334,13 @@ class Points(_Varying):
         try:
             places = self.places
         except ValueError as problem:
-            raise broken(f"points {problem} (the profile runs over {self.over})") from problem
+            raise table_error(f"points {problem} (the profile runs over {self.over})") from problem
         if list(places) != sorted(set(places)) or places[0] < 0:
-            raise broken(f"points must begin with rising values from 0 on, got {list(places)}")
+            raise table_error(f"points must begin with rising values from 0 on, got {list(places)}")
         if self.correlation is not None:
             self._check_extents("correlation")
         elif self.scatter:
-            raise broken("has scatter and no correlation, over which that changes")
+            raise table_error("has scatter and no correlation, over which that changes")
         return self
 
 
@@ -345,7 +356,9 @@ class FromTable(_Profile):
     def _readable(self) -> Self:
         curve = self.curve
         if curve.mu0.shape[1] > 1 and self.conditioning is not None:
-            raise broken(f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's")
+            raise table_error(
+                f"{self.file.entry} gives mu0 for each wheelset, and conditioning makes it from the first's"
+            )
         return self
 
     @property
@@ -353,12 +366,12 @@ class FromTable(_Profile):
         return float(self.curve.mu0.min())
 
     @property
-    def curve(self) -> Curve:
+    def curve(self) -> FrictionCurve:
         """The content of the file."""
         try:
             return read_curve(self.file.path)
         except ValueError as problem:
-            raise broken(f"file {self.file.entry}: {problem}") from problem
+            raise table_error(f"file {self.file.entry}: {problem}") from problem
 
     @property
     def over(self) -> Over:

@@ -25,7 +25,7 @@ _WITH_UNIT = core_schema.str_schema(pattern=r"^\s*[-+]?\.?\d")
 """Pattern of a number with its unit, for the schema that editors use."""
 
 
-class Unit:
+class UnitRange:
     """Annotation of a float field: its SI unit and range.
 
     `Annotated[float, Unit("m/s", above=0)]` accepts "80 km/h", which is converted after a check of its dimension, and
@@ -267,7 +267,7 @@ def in_units(
                 hint = f'it is an array: write "{name}[1]" = … and so on, a key for each element.'
             else:
                 # A name such as "mass" for the parameter `m`, "Mass of the wagon".
-                near = _described_as(name, descriptions or {})
+                near = _match_description(name, descriptions or {})
                 hint = f"did you mean '{near[0]}'?" if near else did_you_mean(name, expected)
                 hint = hint or f"there is {', '.join(arrays) or 'none'}."
             problems.append(f"{where} has no parameter '{short(name)[1:-1]}'; {hint}")
@@ -284,7 +284,7 @@ def in_units(
     return values
 
 
-def _described_as(name: str, descriptions: Mapping[str, str]) -> list[str]:
+def _match_description(name: str, descriptions: Mapping[str, str]) -> list[str]:
     """Return the first name whose description begins with the words of another name, or an empty list."""
     words = name.partition("[")[0].replace("_", " ").lower()
     return [other for other, text in descriptions.items() if f"{text.lower()} ".startswith(f"{words} ")][:1]

@@ -4,10 +4,10 @@ from typing import Annotated
 
 from pydantic import Field, StrictInt, model_validator
 
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import Delay, Friction, Table, ends_after_it_begins, optional
 
-_Density = Annotated[float, Unit("kg/m", above=0, at_most=1, because="a kilogram on a metre of rail is a heap")]
+_Density = Annotated[float, UnitRange("kg/m", above=0, at_most=1, because="a kilogram on a metre of rail is a heap")]
 
 
 class Sand(Table):
@@ -17,7 +17,7 @@ class Sand(Table):
         description="maximum friction of a rail with plenty of sand; where friction is higher it stays"
     )
     density: _Density = Field(description="on one rail, with which 63 % of the gap are closed")
-    left: Annotated[float, Unit("1", at_least=0, at_most=1)] = Field(
+    left: Annotated[float, UnitRange("1", at_least=0, at_most=1)] = Field(
         description="share of what a wheelset meets that is still there for the next one"
     )
 
@@ -26,14 +26,14 @@ class Sander(Table):
     """A pair of nozzles that strew sand on both rails in front of a wheelset."""
 
     wheelset: Annotated[StrictInt, Field(ge=1, le=256)] = Field(description="in the direction of travel, from 1 on")
-    rate: Annotated[float, Unit("kg/s", at_least=1e-6, at_most=1, because="sanders lay some kilograms a minute")] = (
-        Field(description="on one rail; of one whose rate varies, the most")
-    )
+    rate: Annotated[
+        float, UnitRange("kg/s", at_least=1e-6, at_most=1, because="sanders lay some kilograms a minute")
+    ] = Field(description="on one rail; of one whose rate varies, the most")
     density: _Density | None = optional("that it keeps on the rail while `rate` allows; without it, `rate`")
     begin: Delay = Field(default=0.0, description="when it is switched on, since the start of the stop")
     end: Delay | None = optional("without it, the end of the stop")
-    delay: Annotated[float, Unit("s", at_least=1e-3, at_most=600, or_zero=True, because="sand falls a metre")] = Field(
-        description="that sand takes from the box to the rail, after both"
+    delay: Annotated[float, UnitRange("s", at_least=1e-3, at_most=600, or_zero=True, because="sand falls a metre")] = (
+        Field(description="that sand takes from the box to the rail, after both")
     )
 
     _in_order = model_validator(mode="after")(ends_after_it_begins)

@@ -32,9 +32,9 @@ from railgrip.scenario.parts import (
 from railgrip.scenario.profile import LONGEST_RAIL, Adhesion, FromTable
 from railgrip.scenario.sanders import Sander
 from railgrip.scenario.sensors import Sensors
-from railgrip.scenario.table import Name, Seed, Table, broken, optional
+from railgrip.scenario.table import Name, Seed, Table, optional, table_error
 from railgrip.scenario.track.table import Track, steepest_fall
-from railgrip.scenario.vehicle import OfOurParts, Start, Vehicle
+from railgrip.scenario.vehicle import LibraryPlant, Start, Vehicle
 
 SAMPLES: Final = Fraction("0.0005"), Fraction("0.002")
 """First sample of the valves' dead times in the built-in plants, and the time between two samples [s].
@@ -61,7 +61,7 @@ def begin_off_the_samples(step: float) -> float:
     return float(common / 2) if (first / common).denominator == 1 else 0.0
 
 
-_MOST_ROWS = 1_000_000
+_MAX_ROWS = 1_000_000
 """Maximum number of samples of a stop: a quarter of an hour in milliseconds, some 0.8 GB."""
 
 _SHORTEST, _LONGEST = 120.0, 600.0
@@ -103,28 +103,28 @@ class Scenario(Table):
     @model_validator(mode="after")
     def _parties_fit(self) -> Self:
         if self.sanders and self.adhesion.sand is None:
-            raise broken(
+            raise table_error(
                 "[[sanders]] wants [adhesion.sand], which says what sand makes of friction: mu0, density, left"
             )
         if self.demand is not None and self.controller.kind == "ideal_bound":
-            raise broken("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
+            raise table_error("[controller] ideal_bound brakes with all there is from the start on: leave out [demand]")
         if getattr(self.sensors, "gnss", None) is not None and self.track.plan is None:
-            raise broken("[sensors.gnss] reads positions on a [track.plan], and there is none")
+            raise table_error("[sensors.gnss] reads positions on a [track.plan], and there is none")
         sampling = getattr(self.sensors, "period", None)
         if sampling is not None and steps_between(sampling, self.periods.communication).denominator != 1:
-            raise broken(
+            raise table_error(
                 f"[sensors] period must be a whole multiple of [periods] communication, got {sampling:g} s over "
                 f"{self.periods.communication:g} s"
             )
         rows = self.horizon / self.periods.communication
-        if rows > _MOST_ROWS:
-            raise broken(
+        if rows > _MAX_ROWS:
+            raise table_error(
                 f"[limits] horizon {self.horizon:g} s over [periods] communication "
-                f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MOST_ROWS:g} at most"
+                f"{self.periods.communication:g} s is {rows:.3g} samples; a stop holds {_MAX_ROWS:g} at most"
             )
         has_traction = self.demand is not None and self.demand.has_traction
         if self.limits.stop_speed >= self.start.speed and not has_traction:
-            raise broken(
+            raise table_error(
                 f"[limits] stop_speed {self.limits.stop_speed:g} m/s is not below [start] speed "
                 f"{self.start.speed:g} m/s; a train that starts so slowly wants traction in [[demand.phases]]"
             )
@@ -133,7 +133,7 @@ class Scenario(Table):
         )
         period = getattr(self.periods, slowest)
         if self.horizon < _FEWEST_PERIODS * period:
-            raise broken(
+            raise table_error(
                 f"[limits] horizon {self.horizon:g} s is shorter than {_FEWEST_PERIODS} periods of [periods] "
                 f"{slowest}, {period:g} s each; give a longer horizon or a shorter period"
             )
@@ -154,7 +154,7 @@ class Scenario(Table):
         lowest = self.adhesion.lowest * min(curve.A for curve in self.adhesion.curves)
         slowing = GRAVITY * (0.5 * lowest + steepest_fall(self.track) + min(self.truth.gradient, 0.0))
         needed = self.start.speed / slowing if slowing > 0.0 else _LONGEST
-        most = min(_LONGEST, _MOST_ROWS * self.periods.communication)
+        most = min(_LONGEST, _MAX_ROWS * self.periods.communication)
         if self.runs_over_distance:
             has_traction = self.demand is not None and self.demand.has_traction
             most = min(most, _SHORTEST if has_traction else max(_SHORTEST, LONGEST_RAIL // max(self.start.speed, 1.0)))
@@ -164,7 +164,7 @@ class Scenario(Table):
     @property
     def plant_begin(self) -> float:
         """Time of the plant at the start of the stop [s]."""
-        has_valves = self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, OfOurParts)
+        has_valves = self.actuation.kind == "pneumatic" and isinstance(self.vehicle.source, LibraryPlant)
         return begin_off_the_samples(self.periods.communication) if has_valves else 0.0
 
     @property

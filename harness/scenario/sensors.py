@@ -41,7 +41,7 @@ class SensorModel(Table):
         """
         return ()
 
-    def opened(self, scenario: Any, layout: Any, wheel_radius: float) -> Any:
+    def open(self, scenario: Any, layout: Any, wheel_radius: float) -> Any:
         """Return the sensors of a stop, with `read(sample, truth)`.
 
         Errors that are constant over a stop are drawn here.

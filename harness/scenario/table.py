@@ -17,7 +17,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
-from railgrip.scenario.quantity import InList, Parameter, Unit
+from railgrip.scenario.quantity import InList, Parameter, UnitRange
 
 FASTEST = 160.0  # m/s
 _FASTEST = "no train on wheels has been faster than 159.7 m/s (574.8 km/h in 2007)"
@@ -26,19 +26,21 @@ _LONGEST = "no braking lasts three hours"
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=100)]
 """Name of a folder: a plain name that cannot leave the parent folder and is not too long."""
 Seed = Annotated[StrictInt, Field(ge=0, lt=2**63)]
-Friction = Annotated[float, Unit("1", above=0, at_most=1)]
-Speed = Annotated[float, Unit("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
-StartSpeed = Annotated[float, Unit("m/s", at_least=0, at_most=FASTEST, because=_FASTEST)]
-Duration = Annotated[float, Unit("s", above=0, at_most=10800, because=_LONGEST)]
+Friction = Annotated[float, UnitRange("1", above=0, at_most=1)]
+Speed = Annotated[float, UnitRange("m/s", above=0, at_most=FASTEST, because=_FASTEST)]
+StartSpeed = Annotated[float, UnitRange("m/s", at_least=0, at_most=FASTEST, because=_FASTEST)]
+Duration = Annotated[float, UnitRange("s", above=0, at_most=10800, because=_LONGEST)]
 Period = Annotated[
     float,
-    Unit("s", at_least=1e-6, at_most=60, because="nothing in a train is sampled in less than 1 us, or once a minute"),
+    UnitRange(
+        "s", at_least=1e-6, at_most=60, because="nothing in a train is sampled in less than 1 us, or once a minute"
+    ),
 ]
-Delay = Annotated[float, Unit("s", at_least=0, at_most=10800, because=_LONGEST)]
-Lag = Annotated[float, Unit("s", at_least=0, at_most=10, because="what a sensor shows so late is of another stop")]
-Length = Annotated[float, Unit("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
-Mass = Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
-Deviation = Annotated[float, Unit("1", at_least=0, below=1)]
+Delay = Annotated[float, UnitRange("s", at_least=0, at_most=10800, because=_LONGEST)]
+Lag = Annotated[float, UnitRange("s", at_least=0, at_most=10, because="what a sensor shows so late is of another stop")]
+Length = Annotated[float, UnitRange("m", at_least=0, at_most=1e5, because="no braking is longer than 100 km")]
+Mass = Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")]
+Deviation = Annotated[float, UnitRange("1", at_least=0, below=1)]
 ModelicaClass = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$", max_length=200)]
 """Full name of a class."""
 
@@ -60,12 +62,12 @@ def _elements(entry: Any) -> Any:
         elements = cast("Sequence[Any]", value)
         twice = next((key for key in table if key.startswith(f"{name}[")), None)
         if twice is not None:
-            raise broken(
+            raise table_error(
                 f"{name} is a list of {len(elements)}, and '{twice}' is given too; change the element in the list, "
                 "which must have a value for each, and remove the other key"
             )
         if not elements:
-            raise broken(f"{name} is an empty list; give a value for each element, or leave it out")
+            raise table_error(f"{name} is an empty list; give a value for each element, or leave it out")
         for index, element in enumerate(elements, start=1):
             flat[f"{name}[{index}]"] = InList(element, len(elements))
     return flat
@@ -91,7 +93,7 @@ ONE_OR_EACH = _OneOrEach()
 """Annotation of a tuple that may be written as one value for all elements."""
 
 
-def broken(words: str) -> PydanticCustomError:
+def table_error(words: str) -> PydanticCustomError:
     """Return the error for a key or table; the words follow its name in the message."""
     return PydanticCustomError("scenario", "{words}", {"words": words})
 
@@ -113,7 +115,7 @@ def one_of(names: Collection[str], between: str = ", ") -> AfterValidator:
 
     def known(name: str) -> str:
         if name not in names:
-            raise broken(f"is {not_in(names, name, between)}")
+            raise table_error(f"is {not_in(names, name, between)}")
         return name
 
     return AfterValidator(known)
@@ -125,7 +127,7 @@ def ends_after_it_begins(table: Any) -> Any:
     Raise an error if they are in reverse order.
     """
     if table.end is not None and table.end <= table.begin:
-        raise broken(f"end {table.end:g} s is not after begin {table.begin:g} s")
+        raise table_error(f"end {table.end:g} s is not after begin {table.begin:g} s")
     return table
 
 
@@ -141,7 +143,7 @@ def _map_entry(entry: Any) -> Any:
         isinstance(entry, list | tuple) and all(isinstance(element, str | dict) for element in entry)
     ):
         return entry
-    raise broken(
+    raise table_error(
         f"is {entry!r}, but the name of an FMU variable is wanted, a list of them, "
         'or { variable = "…", unit = "…", scale = … }'
     )

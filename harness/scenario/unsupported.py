@@ -39,7 +39,7 @@ UNSUPPORTED: Final[Mapping[str, tuple[str, str]]] = MappingProxyType(
 """Pattern of a whole key → its meaning, and the alternative."""
 
 
-def unsupported(key: str) -> str:
+def explain_unsupported(key: str) -> str:
     """Return a sentence on a key for unsupported equipment; empty for any other key."""
     name = re.sub(r"[\s.-]+", "_", key).casefold()
     found = next((words for pattern, words in UNSUPPORTED.items() if re.fullmatch(pattern, name)), None)

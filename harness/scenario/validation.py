@@ -15,7 +15,7 @@ from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.file import DIRECTORY
 from railgrip.scenario.kinds import ByKind, kinds_of
-from railgrip.scenario.unsupported import unsupported
+from railgrip.scenario.unsupported import explain_unsupported
 
 _Model = TypeVar("_Model", bound=BaseModel)
 
@@ -23,7 +23,7 @@ Layers = Sequence[tuple[str, Mapping[str, Any]]]
 """Files with their tables, merged in this order, the uppermost first."""
 
 
-def validated(
+def validate_table(
     model: type[_Model], table: Mapping[str, Any], *, directory: Path, origin: str, layers: Layers = ()
 ) -> _Model:
     """Return `table` as a value of `model`.
@@ -78,12 +78,12 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
         kinds = context["expected_tags"].replace("'", "")
         return f"{_table(path)} kind is {short(context['tag'])}; {_choice(context['tag'], kinds)}"
     if not path:
-        return _ended(error["msg"])  # a rule between tables names them in its text
+        return _end_sentence(error["msg"])  # a rule between tables names them in its text
     key = f"{_table(path[:-1])} {path[-1]}" if path[:-1] else str(path[-1])
     if isinstance(error["input"], Mapping) and kind == "scenario":
         key = _table(path)  # a problem of a whole table names its keys in its text
     if kind in {"quantity", "file", "scenario"}:
-        return _ended(f"{key} {error['msg']}")
+        return _end_sentence(f"{key} {error['msg']}")
     if kind == "literal_error":
         return f"{key} is {short(error['input'])}; {_choice(error['input'], context['expected'])}"
     if kind in {"tuple_type", "list_type"} and isinstance(error["input"], Mapping):
@@ -94,7 +94,7 @@ def _sentence(model: type[BaseModel], path: Sequence[int | str], keys: Sequence[
     return f"{key} is {short(error['input'])}; {message[:1].lower()}{message[1:]}"
 
 
-def _ended(sentence: str) -> str:
+def _end_sentence(sentence: str) -> str:
     return sentence if sentence.endswith(("?", ".")) else f"{sentence}."
 
 
@@ -146,16 +146,16 @@ def _models(annotation: Any, entry: Any = None) -> list[type[BaseModel]]:
     return [table_model for part in parts for table_model in _models(part, entry)]
 
 
-def _dotted(path: Sequence[int | str]) -> str:
+def _join_path(path: Sequence[int | str]) -> str:
     return re.sub(r"\.\[", "[", ".".join(f"[{step + 1}]" if isinstance(step, int) else step for step in path))
 
 
 def _table(path: Sequence[int | str]) -> str:
-    return f"[{_dotted(path)}]" if path else "the top level"
+    return f"[{_join_path(path)}]" if path else "the top level"
 
 
 def _suggestion(name: str, choice: Sequence[str]) -> str:
-    if sentence := unsupported(name):
+    if sentence := explain_unsupported(name):
         return f"{sentence}."
     guess = did_you_mean(name, choice)
     return f"{guess} It has {', '.join(choice)}." if guess else f"it has {', '.join(choice)}."
@@ -163,6 +163,6 @@ def _suggestion(name: str, choice: Sequence[str]) -> str:
 
 def _choice(found: object, expected: str) -> str:
     """Return the expected names, with the one that is nearest to the name found."""
-    if sentence := unsupported(str(found)):
+    if sentence := explain_unsupported(str(found)):
         return f"{sentence}; there is {expected}"
     return f"there is {expected}" + did_you_mean(str(found), re.findall(r"\w+", expected), quote="", before="; ")

@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 from railgrip.base.registry import not_one_of, shelf
 from railgrip.base.units import short
 from railgrip.scenario.file import NamedFile
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.table import (
     Length,
     MapEntry,
@@ -18,8 +18,8 @@ from railgrip.scenario.table import (
     Seed,
     StartSpeed,
     Table,
-    broken,
     optional,
+    table_error,
 )
 
 _Wheelsets = Annotated[StrictInt, Field(ge=1, le=64)]
@@ -47,10 +47,10 @@ class FormationTable(Table):
         default=(),
         description="distance of each wheelset behind the leading one; wanted when adhesion is over distance",
     )
-    wheelset_load: tuple[Annotated[float, Unit("N", above=0, at_most=1e6)], ...] = Field(
+    wheelset_load: tuple[Annotated[float, UnitRange("N", above=0, at_most=1e6)], ...] = Field(
         default=(), description="static force of each wheelset on the rail"
     )
-    track_brakes: Annotated[float, Unit("N", at_least=0, at_most=1e7)] = optional(
+    track_brakes: Annotated[float, UnitRange("N", at_least=0, at_most=1e7)] = optional(
         "greatest force of brakes that act on the rail itself, magnetic or eddy current; train files say it",
         default=0.0,
     )
@@ -64,7 +64,7 @@ class FormationTable(Table):
 class Nudge(Table):
     """Random perturbation of every real parameter of the plant, which reveals the conditioning of a distance."""
 
-    relative: Annotated[float, Unit("1", above=0, at_most=1e-2)] = Field(
+    relative: Annotated[float, UnitRange("1", above=0, at_most=1e-2)] = Field(
         description="most that a parameter moves by, as a share of its value"
     )
     seed: Seed = Field(description="of what each parameter moves by")
@@ -77,7 +77,7 @@ def _is_class(entry: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Recipe:
+class RecipePlant:
     """A built-in plant, by the name of its FMU recipe."""
 
     name: str
@@ -112,11 +112,11 @@ class PythonClass:
     name: str
 
 
-OfOurParts = Recipe | TrainFile
+LibraryPlant = RecipePlant | TrainFile
 """Plants of the library RailBraking only: their physics, such as mass and creep law, is known."""
-CompiledHere = OfOurParts | LibraryClass
+ModelicaPlant = LibraryPlant | LibraryClass
 """Plants from Modelica: their code is trusted, and their parameters have the names of the library."""
-Source = CompiledHere | FmuFile | PythonClass
+Source = ModelicaPlant | FmuFile | PythonClass
 """Source of a plant."""
 
 
@@ -151,12 +151,12 @@ class Vehicle(Table):
         if isinstance(entry, NamedFile) or (isinstance(entry, str) and entry.endswith(".fmu")):
             return NamedFile.find(entry, info)
         if isinstance(entry, str) and entry.endswith(".ssp"):
-            raise broken(
+            raise table_error(
                 f"is {short(entry)}, a system by SSP, which railgrip exports and does not import; extract the .fmu "
                 "of the train from the folder resources of that archive and name that"
             )
         if not isinstance(entry, str) or not (entry.isidentifier() or _is_class(entry)):
-            raise broken(
+            raise table_error(
                 f"is {entry!r}, which is neither the name of an FMU recipe nor the path of an .fmu nor module:Class"
             )
         return str(entry)
@@ -170,7 +170,7 @@ class Vehicle(Table):
             return None if entry is None else NamedFile.find(entry, info)
         except PydanticCustomError:
             if isinstance(entry, str) and entry.isidentifier():  # a name, not a path
-                raise broken(f"is '{entry}': {not_one_of('trains', entry)}") from None
+                raise table_error(f"is '{entry}': {not_one_of('trains', entry)}") from None
             raise
 
     @field_serializer("plant", "train")
@@ -180,11 +180,13 @@ class Vehicle(Table):
     @model_validator(mode="after")
     def _one_plant(self) -> Self:
         if (self.model is None) != (self.library is None):
-            raise broken("a class of one's own wants both, 'model' and the 'library' it is in")
+            raise table_error("a class of one's own wants both, 'model' and the 'library' it is in")
         plants = sum(source is not None for source in (self.plant, self.model, self.train))
         if plants != 1:
             wrong = "has two plants" if plants else "has no plant"
-            raise broken(f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'")
+            raise table_error(
+                f"{wrong}; give 'plant', or 'model' and 'library' of a Modelica class of your own, or 'train'"
+            )
         return self
 
     @property
@@ -197,7 +199,7 @@ class Vehicle(Table):
         if isinstance(self.plant, NamedFile):
             return FmuFile(self.plant)
         assert self.plant is not None  # `_one_plant` rejects a table without a plant
-        return PythonClass(self.plant) if _is_class(self.plant) else Recipe(self.plant)
+        return PythonClass(self.plant) if _is_class(self.plant) else RecipePlant(self.plant)
 
 
 class Start(Table):

@@ -15,11 +15,11 @@ from railgrip.report.stop import Stop
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.custom import problem_with
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.parts import Assembled, CustomParts, assembled
+from railgrip.simulate.parts import CustomParts, StopAssembly, assemble
 from railgrip.vehicle.formation import Formation
 
 
-class ByHand:
+class ManualController:
     """Controller that is recorded in a stop which was stepped by hand."""
 
     def start(self, formation: Formation) -> None:
@@ -42,10 +42,10 @@ class Bench:
     """
 
     def __init__(self, scenario: Scenario, objects: CustomParts) -> None:
-        self._law = ByHand()
+        self._law = ManualController()
         self._scenario, self._objects = scenario, replace(objects, controller=self._law)
         self._stack = ExitStack()
-        self._parts: Assembled | None = None
+        self._parts: StopAssembly | None = None
         self._loop: Loop | None = None
         self._decisions: Iterator[Observation] = iter(())
         self._observation: Observation | None = None
@@ -92,7 +92,7 @@ class Bench:
         """
         self.close()
         self._loop = self._observation = self._end = self._stop = None
-        self._parts = self._stack.enter_context(assembled(self._scenario, objects=self._objects))
+        self._parts = self._stack.enter_context(assemble(self._scenario, objects=self._objects))
         self._advance()
         if self._observation is None:
             reason = "" if self._end is None else self._end.reason

@@ -13,24 +13,24 @@ from railgrip.controllers.train_level import pass_through, with_redistribution, 
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.controllers.valves import BAND, PULSE_MIN, ValveLogic, ValveModel
 from railgrip.fmi import Description
+from railgrip.scenario.parts import BuiltInLaw as LawTable
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
-from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.simulate.files import description_of, units_of
 from railgrip.simulate.foreign_controller import foreign_controller
-from railgrip.simulate.loop.parts import Controller, LawStates
+from railgrip.simulate.loop.parts import LawStates, LoopController
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import units_of_nominal_data
 from railgrip.vehicle.signals import of_law
 
 
-def controlling(
+def open_controller(
     vehicle: VehicleData,
     estimates: Collection[str],
     fmus: dict[str, Description],
     notify: Callable[[str], None],
     stack: ExitStack,
-) -> tuple[Controller, bool]:
+) -> tuple[LoopController, bool]:
     """Open the controller of a scenario; also return whether it commands the valves directly.
 
     The description of a controller FMU is added to `fmus`.
@@ -57,13 +57,13 @@ def controlling(
     return controller, commands_valves
 
 
-def controller_of(vehicle: VehicleData) -> Controller:
+def controller_of(vehicle: VehicleData) -> LoopController:
     """Return the control law of a scenario, wrapped in the decisions for the whole train.
 
     Raises:
         ScenarioError: A parameter is wrong, or the controller is not a built-in law.
     """
-    return _decided_over_the_train(vehicle, _group_law(vehicle))
+    return _add_train_level(vehicle, _group_law(vehicle))
 
 
 def over_the_train(vehicle: VehicleData) -> Law | None:
@@ -73,11 +73,11 @@ def over_the_train(vehicle: VehicleData) -> Law | None:
         ScenarioError: Redistribution has no groups to shift pressure between.
     """
     alone = pass_through(vehicle.nominal.formation.brakes)
-    over = _decided_over_the_train(vehicle, alone)
+    over = _add_train_level(vehicle, alone)
     return None if over is alone else over
 
 
-def _decided_over_the_train(vehicle: VehicleData, law: Law) -> Law:
+def _add_train_level(vehicle: VehicleData, law: Law) -> Law:
     """Return a law with redistribution and shared valves as [controller] and the formation specify."""
     scenario, groups, table = vehicle.scenario, vehicle.nominal.formation.brakes, vehicle.scenario.controller
     valves = vehicle.formation.groups_per_valve
@@ -119,7 +119,7 @@ def _group_law(vehicle: VehicleData) -> Law:
     }
     slip = "estimated" if isinstance(scenario.estimator, KalmanFilter) else "read"
     try:
-        tuning = kind.tuned_for(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
+        tuning = kind.load_tuning(scenario.actuation.kind, slip, table.tuning or SEARCHED, **of_other_tables, **values)
     except ValueError as problem:
         raise ScenarioError(f"{scenario.name}: [controller] {problem}") from problem
     return kind(vehicle.nominal.formation.brakes, tuning)
@@ -130,7 +130,7 @@ def _law_named(kind: str) -> type[GroupLaw] | None:
     return registry.part(registry.LAWS, kind, GroupLaw) if kind in registry.modules(registry.LAWS) else None
 
 
-def law_states(controller: Controller) -> LawStates | None:
+def law_states(controller: LoopController) -> LawStates | None:
     """Return the states of a controller that are recorded in the trace, or None."""
     if not isinstance(controller, Sampled) or not (visible := controller.visible):
         return None

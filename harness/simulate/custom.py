@@ -170,7 +170,7 @@ class _KnownBrake(Brake):
         return f"Brake({', '.join(f'{name}={value!r}' for name, value in data.items())})"
 
 
-def _known(formation: Formation) -> Formation:
+def _guard_formation(formation: Formation) -> Formation:
     """Return a formation whose missing brake data raise an error when read; the same formation if none are missing."""
     brakes = [{name: getattr(brake, name) for name in BRAKE} for brake in formation.brakes]
     if not any(math.isnan(value) for data in brakes for value in data.values()):
@@ -179,7 +179,7 @@ def _known(formation: Formation) -> Formation:
 
 
 _PATIENCE = 1.0  # s; until a mistake of units is named: filters have settled, and cylinders begin to fill
-_LEAST_SHARE = 0.01
+_MIN_SHARE = 0.01
 """Share of full pressure.
 
 Pads do not touch below about 5 %, so a law whose demands never exceed 1 % does not brake; bar, kPa, mbar and shares of
@@ -190,7 +190,7 @@ _ROUNDING = 1e-9
 _LEAST = {"speed": 1.0, "wheelset_speed": 2.0, "acceleration": 0.3, "cylinder_pressure": 2e4}
 """Magnitudes in SI units above which the unit of a signal can be recognised, given offsets of some percent of full
 scale."""
-_MOST_RATIO = 1.5
+_MAX_RATIO = 1.5
 """Above any adhesion, pad friction or slip: a larger estimate is in percent."""
 
 
@@ -206,7 +206,7 @@ class CustomController:
         require_methods(controller, type(controller).__name__, "controllers")
         self._part, self._shape = controller, (formation.groups,)
         self.needs = _names(controller, "needs", PROVIDED)
-        _called(ScenarioError, controller, "start", _known(formation))
+        _call_method(ScenarioError, controller, "start", _guard_formation(formation))
         self._decide = controller.decide
 
     @property
@@ -294,8 +294,8 @@ class DemandLimits:
         """Raise an error if, for a second after the first demand, no demand brakes although the driver requires it."""
         full = float(self.most.max())
         self._share = max(self._share, float((demands / self.most).max()))
-        self.is_pascal = self._share > _LEAST_SHARE
-        if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _LEAST_SHARE * full:
+        self.is_pascal = self._share > _MIN_SHARE
+        if self.is_pascal or self._share == 0.0 or float(observation.driver_demand.max()) <= _MIN_SHARE * full:
             return
         self._since = min(self._since, observation.time)
         if observation.time >= self._since + _PATIENCE:
@@ -333,7 +333,7 @@ class _UnitCheck:
     def mistake_of_ratio(self, time: float, value: Any) -> str:
         """Return a clause if a ratio is in percent, once a second of the stop has passed; else ''."""
         values = np.atleast_1d(value)
-        return self.mistake(time, np.where(np.abs(values) > _MOST_RATIO, 100.0, 1.0), np.ones(values.shape))
+        return self.mistake(time, np.where(np.abs(values) > _MAX_RATIO, 100.0, 1.0), np.ones(values.shape))
 
 
 class CustomEstimator:
@@ -355,7 +355,7 @@ class CustomEstimator:
             raise ScenarioError(
                 f"{type(estimator).__name__}: `provides` is empty; an estimator names there what its steps give"
             )
-        self._part, self._formation, self._has_started = estimator, _known(formation), False
+        self._part, self._formation, self._has_started = estimator, _guard_formation(formation), False
         self._checks = {name: _UnitCheck(_LEAST.get(name, 0.0)) for name in self.provides}
         extent: dict[str, Extent] = {signal.name.removeprefix("estimate_"): signal.extent for signal in ESTIMATES}
         self._shapes = {
@@ -370,9 +370,9 @@ class CustomEstimator:
         """
         estimator = self._part
         if not self._has_started:
-            _called(EstimatorFailed, estimator, "start", observation, self._formation)
+            _call_method(EstimatorFailed, estimator, "start", observation, self._formation)
             self._has_started = True
-        estimate = _called(EstimatorFailed, estimator, "step", observation)
+        estimate = _call_method(EstimatorFailed, estimator, "step", observation)
         if not isinstance(estimate, Estimate):
             raise EstimatorFailed(f"{_place(estimator, 'step')} returned {_short(estimate)}, not an Estimate.")
         values = {name: value for name in PROVIDED if (value := getattr(estimate, name)) is not None}
@@ -414,7 +414,7 @@ class CustomSensors:
         self._shapes = _shapes(layout.reading)
         self._checks = {name: _UnitCheck(least) for name, least in _LEAST.items()}
         self._has_read = False
-        _called(ScenarioError, sensors, "start", _known(formation), random)
+        _call_method(ScenarioError, sensors, "start", _guard_formation(formation), random)
 
     def read(self, sample: int, truth: Array) -> Array:
         """Return the readings of a sample as a vector; NaN where a reading is not new.
@@ -424,7 +424,7 @@ class CustomSensors:
         """
         self._truth[:] = truth
         time = sample * self._period
-        readings = _called(SensorsFailed, self._part, "read", time, self._truth_by_name, time=time)
+        readings = _call_method(SensorsFailed, self._part, "read", time, self._truth_by_name, time=time)
         by_name = _by_its_names(readings)
         if by_name is None or not by_name.keys() <= self._shapes.keys():
             raise SensorsFailed(
@@ -476,8 +476,8 @@ class CustomPlant:
             PlantFailed: The plant raised an exception, or returned anything but its outputs.
         """
         self._steps = 0
-        formation = _known(self._layout.formation)
-        outputs = _called(PlantFailed, self._part, "start", formation, self._speed, self._period, time=self._time)
+        formation = _guard_formation(self._layout.formation)
+        outputs = _call_method(PlantFailed, self._part, "start", formation, self._speed, self._period, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or not self._required <= by_name.keys() <= self._shapes.keys():
             raise PlantFailed(
@@ -492,7 +492,7 @@ class CustomPlant:
         """Step the plant and return its outputs, as `start`."""
         self._inputs[:] = inputs
         self._steps += 1
-        outputs = _called(PlantFailed, self._part, "step", self._inputs_by_name, time=self._time)
+        outputs = _call_method(PlantFailed, self._part, "step", self._inputs_by_name, time=self._time)
         by_name = _by_its_names(outputs)
         if by_name is None or self._output_names.symmetric_difference(by_name):
             raise PlantFailed(
@@ -588,7 +588,7 @@ def require_methods(part: object, name: str, role: Role) -> None:
         ScenarioError: Methods are missing; the message names them.
     """
     what, *names = _METHODS[role]
-    missing = foreign(
+    missing = call_user_code(
         lambda: [method for method in names if not callable(getattr(part, method, None))],
         lambda problem: ScenarioError(f"{name}: its methods cannot be looked at: {problem}"),
     )
@@ -596,7 +596,7 @@ def require_methods(part: object, name: str, role: Role) -> None:
         raise ScenarioError(f"{name}: has no method {' and '.join(missing)}; {what} has {' and '.join(names)}")
 
 
-def foreign(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
+def call_user_code(call: Callable[[], T], failed: Callable[[str], RailgripError]) -> T:
     """Call a user's code and return its result.
 
     Any exception, SystemExit included, becomes `failed` of its type and text.
@@ -622,13 +622,13 @@ def _names(part: object, attribute: str, choice: Collection[str]) -> tuple[str, 
             f'{attribute} = ("adhesion",)'
         )
 
-    value = foreign(lambda: getattr(part, attribute, ()), refusal)
+    value = call_user_code(lambda: getattr(part, attribute, ()), refusal)
     if not isinstance(value, tuple | list) or not all(isinstance(name, str) and name in choice for name in value):
         raise refusal(short(value))
     return tuple(dict.fromkeys(value))
 
 
-def _called(
+def _call_method(
     failed: type[RailgripError], part: object, method: str, *arguments: object, time: float | None = None
 ) -> Any:
     """Call a method of the user's class and return its result; on an exception raise `failed`, with the time [s]."""

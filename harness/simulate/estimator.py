@@ -24,7 +24,7 @@ from railgrip.fmus.native.library import library_of
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.quantity import in_units
-from railgrip.simulate.files import description_of, lowered, prediction_description, units_of
+from railgrip.simulate.files import compile_class, description_of, prediction_description, units_of
 from railgrip.simulate.loop.parts import StateEstimator
 from railgrip.simulate.prediction import (
     central_of,
@@ -135,7 +135,7 @@ def _of_nominal_data(
         readings = prediction.outputs
     else:
         train = central_of(formation, data)
-        prediction = _evaluated(table, train.model, train.parameters, train.source, fmus, stack)
+        prediction = _prepare_model(table, train.model, train.parameters, train.source, fmus, stack)
         readings = train.readings
     gate = pad_gate(max(release_pressure(data, g, RELEASED_PADS) for g in groups), formation.groups)
     mean = start_of(prediction.states, formation, data, vehicle.scenario.start.speed)
@@ -166,7 +166,7 @@ def _of_file(
     outputs = [name for name in description.names("output") if name.partition("[")[0] in layout.reading]
     if not outputs:
         raise ScenarioError(f"{where} has no output that sensors read; they read {', '.join(sorted(layout.reading))}")
-    return _opened(
+    return _open_prediction(
         description,
         fmus,
         stack,
@@ -177,7 +177,9 @@ def _of_file(
     )
 
 
-def _opened(description: Description, fmus: dict[str, Description], stack: ExitStack, **names: Any) -> FmuPrediction:
+def _open_prediction(
+    description: Description, fmus: dict[str, Description], stack: ExitStack, **names: Any
+) -> FmuPrediction:
     """Open a prediction FMU and add it to `fmus`; `names` are further arguments of `FmuPrediction`."""
     name = description.file.name
     fmus[f"prediction: {name}" if name in fmus else name] = description
@@ -195,10 +197,10 @@ def _of_class(
     vehicle: VehicleData, table: KalmanFilter, name: str, fmus: dict[str, Description], stack: ExitStack
 ) -> tuple[_Central, Gate, Vector, tuple[float, ...]]:
     """Return the prediction of a Modelica class, with its gate, mean at the start and wheel radii."""
-    model, groups = _predicted(table, name, vehicle.layout), vehicle.layout.formation.groups
+    model, groups = _prediction_model(table, name, vehicle.layout), vehicle.layout.formation.groups
     values = in_units("[estimator.parameters]", table.parameters, {v.name: v.unit for v in model.parameters})
     parameters = {v.name: v.start for v in model.parameters} | values
-    prediction = _evaluated(table, model, parameters, None, fmus, stack)
+    prediction = _prepare_model(table, model, parameters, None, fmus, stack)
     gate = pad_gate(release_pressure(parameters, 0, RELEASED_PADS), groups)
     radius, speed = parameters["r_wheel"], vehicle.scenario.start.speed
     start = {"v": speed} | {f"w[{g + 1}]": speed / radius for g in range(groups)}
@@ -209,7 +211,7 @@ def _of_class(
     return prediction, gate, mean, (radius,) * groups
 
 
-def _evaluated(
+def _prepare_model(
     table: KalmanFilter,
     model: Model,
     parameters: Mapping[str, float],
@@ -221,17 +223,19 @@ def _evaluated(
     if _kind_of(table).prediction != "fmu":
         return CasadiPrediction(model, parameters)
     groups = {group: [v.name for v in getattr(model, group)] for group in ("states", "inputs", "outputs")}
-    return _opened(prediction_description(table, consist), fmus, stack, parameters=parameters, **groups)
+    return _open_prediction(prediction_description(table, consist), fmus, stack, parameters=parameters, **groups)
 
 
-def _predicted(table: KalmanFilter, name: str, layout: Layout) -> Model:
+def _prediction_model(table: KalmanFilter, name: str, layout: Layout) -> Model:
     """Return the prediction model of a filter, from the built-in library or from the user's.
 
     Raises:
         ScenarioError: The model is for another vehicle, or lacks variables that the loop requires of every prediction.
     """
     library = table.library
-    model = lowered(f"RailBraking.Predictions.{name}") if library is None else lower(name, library_of(library.path))
+    model = (
+        compile_class(f"RailBraking.Predictions.{name}") if library is None else lower(name, library_of(library.path))
+    )
     where = f"[estimator] model '{name}'"
     states, groups = [variable.name for variable in model.states], layout.formation.groups
     prediction_groups = sum(name.startswith("w[") for name in states)

@@ -38,7 +38,7 @@ def controller_fmu(scenario: Scenario, *, with_valves: bool = True) -> Source:
     states = variables(law.formula.states, law.state, _MEMORY)
     parameters = variables(law.formula.parameters, law.parameters)
     # A law that redistributes applies the driver's demand itself, and raises it for some groups.
-    limited = law.step if scenario.controller.redistribute else _limited(law, vehicle.layout)
+    limited = law.step if scenario.controller.redistribute else _limit_demands(law, vehicle.layout)
     outputs, step = law.formula.outputs, limited
     if valves is not None:
         states += variables(valves.formula.states, valves.state, _MEMORY + _VALVES)
@@ -87,7 +87,7 @@ def valves_fmu(scenario: Scenario) -> Source | None:
     )
 
 
-def _limited(law: Sampled, layout: Layout) -> ca.Function:
+def _limit_demands(law: Sampled, layout: Layout) -> ca.Function:
     """Return the step of a law with its demands limited to the driver's."""
     state, inputs, parameter = (law.step.sx_in(place) for place in range(3))
     following, demand = law.step(state, inputs, parameter)

@@ -17,19 +17,19 @@ from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.parts import KalmanFilter
 from railgrip.scenario.quantity import BOOLEAN
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import CompiledHere, FmuFile, LibraryClass, PythonClass, Recipe, TrainFile
+from railgrip.scenario.vehicle import FmuFile, LibraryClass, ModelicaPlant, PythonClass, RecipePlant, TrainFile
 from railgrip.vehicle.signals import CURVE
 
 
 @cache
-def _described(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
+def _describe(path: Path, stamp: tuple[int, int], limits: FmuLimits) -> Description:
     return describe(path, limits)
 
 
 def description_of(path: Path, limits: FmuLimits = FMU_LIMITS) -> Description:
     """Return the description of an FMU, read once for each version of the file."""
     status = path.stat() if path.exists() else None
-    return _described(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
+    return _describe(path, (status.st_mtime_ns, status.st_size) if status else (0, 0), limits)
 
 
 @cache
@@ -52,13 +52,13 @@ def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
     if curved:
-        name, more = _curved_class(name, len(train.axles))
+        name, more = _class_with_curves(name, len(train.axles))
         text += more
-    return _built(name, text)
+    return _build(name, text)
 
 
 @cache
-def _curved_file(recipe: str) -> Path:
+def _file_with_curves(recipe: str) -> Path:
     """Return the FMU of a recipe's class with inputs for its creep curves.
 
     If the class cannot have them, the FMU is the plain one.
@@ -67,10 +67,10 @@ def _curved_file(recipe: str) -> Path:
     if not entry.curve:
         return recipe_file(recipe)
     wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
-    return _built(*_curved_class(entry.class_name, wheelsets))
+    return _build(*_class_with_curves(entry.class_name, wheelsets))
 
 
-def _curved_class(name: str, wheelsets: int) -> tuple[str, str]:
+def _class_with_curves(name: str, wheelsets: int) -> tuple[str, str]:
     """Return name and Modelica text of a train's class that takes the creep curve at each wheelset from inputs."""
     class_name = f"{name.rpartition('.')[2]}_on_curves"
     shape = ", ".join(f"{signal.name.removeprefix('curve_')}={signal.name}[i]" for signal in CURVE)
@@ -86,13 +86,13 @@ def _curved_class(name: str, wheelsets: int) -> tuple[str, str]:
     )
 
 
-def _built(name: str, text: str) -> Path:
+def _build(name: str, text: str) -> Path:
     source = keep("modelica", sha256(text.encode()).hexdigest(), f"{name}.mo", text.encode())
     return build_class(name, source).path
 
 
 @cache
-def lowered(class_name: str) -> Model:
+def compile_class(class_name: str) -> Model:
     """Return a Modelica class as CasADi functions; compiled once in a process."""
     return lower(class_name)
 
@@ -105,12 +105,12 @@ def plant_description(scenario: Scenario) -> Description:
     """
     has_several_curves = len(scenario.adhesion.curves) > 1
     match scenario.vehicle.source:
-        case Recipe(name) if name in shelf("trains"):
+        case RecipePlant(name) if name in shelf("trains"):
             raise ScenarioError(
                 f"{scenario.name}: [vehicle] plant '{name}' is a train file of this package; write train = '{name}'"
             )
-        case Recipe(name):
-            return description_of((_curved_file if has_several_curves else recipe_file)(name))
+        case RecipePlant(name):
+            return description_of((_file_with_curves if has_several_curves else recipe_file)(name))
         case TrainFile(file):
             is_pneumatic = scenario.actuation.kind == "pneumatic"
             return description_of(_train_file(file.path, file.digest(), is_pneumatic, has_several_curves))
@@ -143,7 +143,7 @@ def is_trusted(scenario: Scenario) -> bool:
     Modelica sources that a user names are compiled on this machine, by either compiler; only a prebuilt binary is code
     from elsewhere.
     """
-    return isinstance(scenario.vehicle.source, CompiledHere) or scenario.vehicle.trust
+    return isinstance(scenario.vehicle.source, ModelicaPlant) or scenario.vehicle.trust
 
 
 def parameters_of(description: Description) -> dict[str, float]:

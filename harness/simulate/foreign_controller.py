@@ -11,7 +11,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.fmi import Binding, Description, bind, open_plant
 from railgrip.scenario.parts import ControllerFmu
 from railgrip.scenario.schema import Scenario
-from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.roles import require_role
 from railgrip.vehicle.signals import DEMANDED, OBSERVED, ONLY_ESTIMATED, Signal
 
@@ -39,7 +39,7 @@ class ForeignController:
     has delivered yet are NaN.
     """
 
-    def __init__(self, fmu: Plant, binding: Binding, gives: str) -> None:
+    def __init__(self, fmu: LoopPlant, binding: Binding, gives: str) -> None:
         """Decide by an open FMU that has not been started; `gives` is the name of its output, demand or command."""
         self._fmu = fmu
         self._inputs, self._places = np.zeros(binding.inputs.size), binding.inputs.layout

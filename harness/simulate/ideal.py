@@ -30,7 +30,7 @@ from railgrip.scenario.faults import READ_BY
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.loop import Ending
-from railgrip.simulate.parts import assembled, judged
+from railgrip.simulate.parts import assemble, evaluate_stop
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.bound import regained_adhesion, with_bound
 from railgrip.trace.contact import peak
@@ -92,7 +92,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
             speed=speed[:moving],
             usable=usable,
             limit=bound["brake_limit"].values,
-            load=formation.summed(loads),
+            load=formation.sum_by_group(loads),
             rotating_mass=rotating_mass,
         )
         used = np.minimum(ideal + regained, usable)
@@ -103,7 +103,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         rows[:moving, at["group_adhesion"]] = used
         rows[:moving, at["slip"]] = bound["peak_slip"].values
         before = distance[end or -1]
-        speed, distance, acceleration = _integrated(scenario.start.speed, slowing, count, period)
+        speed, distance, acceleration = _integrate(scenario.start.speed, slowing, count, period)
         end_index = _end(speed, scenario.limits.stop_speed)
         if bool(end_index) == bool(end) and abs(distance[end_index or -1] - before) < _CLOSE:
             break
@@ -120,7 +120,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
         reason=f"Could stop {place}" if end_index else f"Still rolls with {speed[samples - 1]:.2f} m/s {place}",
         samples=samples,
     )
-    return judged(vehicle, recorder, ending, {vehicle.file.file.name: vehicle.file})
+    return evaluate_stop(vehicle, recorder, ending, {vehicle.file.file.name: vehicle.file})
 
 
 def _require_unchanged_rail(scenario: Scenario) -> None:
@@ -142,7 +142,7 @@ def _full_braking(
         Speeds, rising, shape (k,) [m/s]; pad friction of each group there, shape (k, groups); running resistance
         there, shape (k,) [N]; load that a wheelset gains with the deceleration, shape (wheelsets,) [kg].
     """
-    with assembled(_full_brake(scenario)) as parts:
+    with assemble(_full_brake(scenario)) as parts:
         reference = parts.stop(parts.run(progress))
     truth = reference.trace.isel(time=slice(round(_BUILD_UP / scenario.periods.communication), None))
     if reference.outcome is not Outcome.STANDSTILL or truth.sizes["time"] < 2:
@@ -194,7 +194,7 @@ class _Tracking:
         if observation.time >= self._due:
             self._due = observation.time + _PEAK_PERIOD
             self._look(observation.time, distance, speed, load)
-        group_load = self._formation.summed(load)
+        group_load = self._formation.sum_by_group(load)
         slip, deceleration = row[at["slip"]], float(row[at["acceleration"]][0])
         adhesion = np.where(slip < self._slip, self._most, row[at["group_adhesion"]] * self._change)
         turning = _RATE * (self._slip - slip) * speed - (1.0 - slip) * deceleration
@@ -247,7 +247,7 @@ def tracking_stop(scenario: Scenario, progress: Callable[[float], None] | None =
             brakes.
     """
     faults = [fault.model_dump(mode="json") for fault in scenario.faults if fault.part not in READ_BY]
-    with assembled(_bare(scenario, {"faults": faults})) as parts:
+    with assemble(_bare(scenario, {"faults": faults})) as parts:
         controller = _Tracking(VehicleData(scenario), parts.recorder)
         parts = replace(parts, parts=replace(parts.parts, controller=controller))
         ending = parts.run(progress)
@@ -290,7 +290,7 @@ def _first_guess(scenario: Scenario, time: Array) -> tuple[Array, Array, Array]:
     return speed, np.concatenate([[0.0], np.cumsum(speed[:-1]) * (time[1] - time[0])]), np.full(len(time), -0.8)
 
 
-def _integrated(start: float, slowing: Array, count: int, period: float) -> tuple[Array, Array, Array]:
+def _integrate(start: float, slowing: Array, count: int, period: float) -> tuple[Array, Array, Array]:
     """Integrate a deceleration over time by the trapezoidal rule; after its end its last value is held."""
     acceleration = -np.concatenate([slowing, np.full(count - len(slowing), slowing[-1])])
     steps = 0.5 * (acceleration[1:] + acceleration[:-1]) * period

@@ -56,7 +56,7 @@ def class_of(table: Custom, role: Role, folders: Sequence[Path] = ()) -> type:
             "package"
         )
     with _path_without_current_folder(() if is_installed else folders):
-        loaded: Any = custom.foreign(
+        loaded: Any = custom.call_user_code(
             lambda: import_module(module),
             lambda problem: ScenarioError(f"{who}: the module {cut(module)} cannot be imported: {problem}"),
         )
@@ -80,7 +80,7 @@ def instance_of(kind: type, parameters: Mapping[str, Any], where: str) -> Any:
     Raises:
         ScenarioError: The class does not take these parameters, or raises; the message begins with `where`.
     """
-    return custom.foreign(
+    return custom.call_user_code(
         lambda: kind(**parameters),
         lambda problem: ScenarioError(
             f"{where} {kind.__name__} cannot be made with parameters {short(dict(parameters))}: {problem}"

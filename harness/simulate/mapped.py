@@ -13,12 +13,12 @@ from railgrip.base.units import GRAVITY, mistake, mistaken_factor
 from railgrip.controllers.law import FULL_PRESSURE
 from railgrip.fmi import Description, Signal, bind, open_plant, shared_budget
 from railgrip.fmi.description import Causality
-from railgrip.fmi.draft import drafted, sizes_of
+from railgrip.fmi.draft import draft_mapping, sizes_of
 from railgrip.simulate.files import parameters_of
 from railgrip.simulate.foreign_controller import controller_signals
 from railgrip.simulate.loop.plausible import slowing_of
 from railgrip.simulate.plant import plant_signals
-from railgrip.simulate.trial import GOOD_RAIL, Finding, Trial, Trials, findings, on_both_rails
+from railgrip.simulate.trial import GOOD_RAIL, SignalCheck, Trial, Trials, findings, on_both_rails
 from railgrip.simulate.vehicle import catalogue_brakes, catalogue_counts
 from railgrip.vehicle.formation import Formation, carried_mass
 from railgrip.vehicle.parameters import (
@@ -49,7 +49,7 @@ _LOCKED = 0.3
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class SignalMapping:
     """One signal of [vehicle.map].
 
     Attributes:
@@ -64,10 +64,10 @@ class Entry:
     scale: float
     unit: str
 
-    def scaled(self, factor: float) -> "Entry":
+    def rescale(self, factor: float) -> "SignalMapping":
         """Return the entry with harness values `factor` times as large, by another unit where that expresses it."""
-        unit = _UNITS.get((self.signal.unit, _rounded(1.0 / factor))) if self.unit == self.signal.unit else None
-        return replace(self, unit=unit) if unit else replace(self, scale=_rounded(self.scale * factor))
+        unit = _UNITS.get((self.signal.unit, _round(1.0 / factor))) if self.unit == self.signal.unit else None
+        return replace(self, unit=unit) if unit else replace(self, scale=_round(self.scale * factor))
 
     @property
     def plain(self) -> Any:
@@ -82,7 +82,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Draft:
+class MappingDraft:
     """Tables of a scenario for an FMU.
 
     Attributes:
@@ -96,13 +96,13 @@ class Draft:
         findings: Results of the run with the table.
     """
 
-    table: Mapping[str, Entry]
+    table: Mapping[str, SignalMapping]
     missing: Sequence[Signal]
     formation: Formation
     declared: frozenset[str] = frozenset()
     nominal: Mapping[str, Sequence[float]] = field(default_factory=dict[str, Sequence[float]])
     corrections: Sequence[str] = ()
-    findings: Sequence[Finding] = ()
+    findings: Sequence[SignalCheck] = ()
     unused: Sequence[str] = ()
 
     def lines(self) -> Iterator[str]:
@@ -152,12 +152,12 @@ class Draft:
 
 def controller_lines(description: Description) -> Iterator[str]:
     """Yield TOML to paste for a controller FMU, drafted by names; see `ControllerFmu`."""
-    drafts: list[dict[str, Entry]] = []
+    drafts: list[dict[str, SignalMapping]] = []
     for groups in sizes_of(description, "output") or (1,):
         inputs, outputs = controller_signals(groups)
         signals: dict[str, tuple[Signal, Causality]] = {s.name: (s, "input") for s in inputs}
         signals |= {s.name: (s, "output") for s in outputs}
-        found = drafted(description, signals)
+        found = draft_mapping(description, signals)
         drafts.append({name: _entry(description, signals[name][0], variables) for name, variables in found.items()})
     draft = max(drafts, key=len)
     if "demand" in draft:
@@ -167,7 +167,7 @@ def controller_lines(description: Description) -> Iterator[str]:
     yield f"file = {_toml(description.file.name)}"
     yield ""
     yield "[controller.map]"
-    yield from Draft(table=draft, missing=(), formation=Formation((1,))).map_lines()
+    yield from MappingDraft(table=draft, missing=(), formation=Formation((1,))).map_lines()
     if not {"demand", "command"} & draft.keys():
         yield "# demand = ?  # required, in Pa: the brake cylinder pressure of each group"
     groups = max(sizes_of(description, "output"), default=1)
@@ -177,14 +177,14 @@ def controller_lines(description: Description) -> Iterator[str]:
         yield f"# not used: {_some(unused)}"
 
 
-def mapped(
+def find_mapping(
     description: Description,
     *,
     wheelsets_per_group: tuple[int, ...],
     speed: float,
     period: float,
     notify: Callable[[str], None] = lambda sentence: None,
-) -> Draft:
+) -> MappingDraft:
     """Return a mapping that agrees with a short run of the FMU, as far as such a mapping exists.
 
     Args:
@@ -199,18 +199,18 @@ def mapped(
         PlantFailed: The run ended early.
     """
     declared = frozenset(name.partition("[")[0] for name in description.names("parameter")) & DESCRIPTIVE.keys()
-    draft = replace(_drafted(description, wheelsets_per_group), declared=declared)
+    draft = replace(_draft_mapping(description, wheelsets_per_group), declared=declared)
     if draft.missing:
-        draft = replace(draft, unused=_unused(description, draft))
+        draft = replace(draft, unused=_unused_variables(description, draft))
     else:
         first_draft, numbers = draft, itertools.count(1)
 
-        def run(table: Mapping[str, Entry]) -> Trials:
+        def run(table: Mapping[str, SignalMapping]) -> Trials:
             notify(f"{description.file.name}: trial run {next(numbers)}")
             return _run(description, first_draft.formation, table, speed=speed, period=period)
 
         with shared_budget():
-            draft = _corrected(draft, run, speed)
+            draft = _correct(draft, run, speed)
     return replace(draft, nominal={**draft.nominal, **_nominal_parameters(description, draft.formation)})
 
 
@@ -236,29 +236,29 @@ def _signals(formation: Formation) -> dict[str, tuple[Signal, Causality]]:
     return signals
 
 
-def _drafted(description: Description, wheelsets_per_group: tuple[int, ...]) -> Draft:
+def _draft_mapping(description: Description, wheelsets_per_group: tuple[int, ...]) -> MappingDraft:
     """Return the draft by names, for the formation with the fewest missing signals."""
     declared = wheelsets_per_group or counts_of(parameters_of(description))
     sizes = [(1,) * size for size in sizes_of(description, "input")]
     choices = [declared] if declared else [catalogue_counts(), *sizes, (1,)]
-    drafts: list[Draft] = []
+    drafts: list[MappingDraft] = []
     for counts in choices:
         signals = _signals(Formation(counts))
-        found = drafted(description, signals)
+        found = draft_mapping(description, signals)
         table = {name: _entry(description, signals[name][0], variables) for name, variables in found.items()}
         missing = [signal for name, (signal, _) in signals.items() if signal.needed and name not in table]
-        drafts.append(Draft(table=table, missing=missing, formation=Formation(counts)))
+        drafts.append(MappingDraft(table=table, missing=missing, formation=Formation(counts)))
     return min(drafts, key=lambda draft: len(draft.missing))
 
 
-def _unused(description: Description, draft: Draft) -> tuple[str, ...]:
+def _unused_variables(description: Description, draft: MappingDraft) -> tuple[str, ...]:
     used = {name for entry in draft.table.values() for name in _variables(entry, draft.formation.wheelsets)}
     return tuple(
         name for kind in ("input", "output", "parameter") for name in description.names(kind) if name not in used
     )
 
 
-def _variables(entry: Entry, count: int) -> Iterator[str]:
+def _variables(entry: SignalMapping, count: int) -> Iterator[str]:
     """Yield the FMU variables of an entry of the map, the pattern of an array with numbers up to `count`."""
     for name in (entry.variables,) if isinstance(entry.variables, str) else entry.variables:
         yield from (name.replace("{i}", str(i)) for i in range(1, count + 1))
@@ -268,21 +268,21 @@ def _some(names: Sequence[str]) -> str:
     return ", ".join([*names[:_NAMED], *(["…"] if len(names) > _NAMED else [])])
 
 
-def _entry(description: Description, signal: Signal, variables: str | tuple[str, ...]) -> Entry:
+def _entry(description: Description, signal: Signal, variables: str | tuple[str, ...]) -> SignalMapping:
     names = (variables,) if isinstance(variables, str) else variables
     scale = -1.0 if names[0].startswith("-") else 1.0
     bare = tuple(name.removeprefix("-") for name in names)
     first = description.variables[bare[0].replace("{i}", "1")]
     unit = "" if first.unit or first.unit_name or signal.unit == "1" else signal.unit
-    return Entry(signal, bare[0] if isinstance(variables, str) else bare, scale, unit)
+    return SignalMapping(signal, bare[0] if isinstance(variables, str) else bare, scale, unit)
 
 
-Run = Callable[[Mapping[str, Entry]], Trials]
+Run = Callable[[Mapping[str, SignalMapping]], Trials]
 """Function that runs the FMU with a table."""
 
 
 def _run(
-    description: Description, formation: Formation, table: Mapping[str, Entry], *, speed: float, period: float
+    description: Description, formation: Formation, table: Mapping[str, SignalMapping], *, speed: float, period: float
 ) -> Trials:
     """Return the trials of an FMU on a good rail and on a poor one."""
     layout = layout_of(formation)
@@ -303,7 +303,7 @@ def _run(
     return on_both_rails(opening, layout, period=period, release=(0.0,) * formation.groups, brake=full)
 
 
-def _rescaled(trials: Trials, factors: Mapping[str, float]) -> Trials:
+def _rescale(trials: Trials, factors: Mapping[str, float]) -> Trials:
     def one(trial: Trial) -> Trial:
         rows = trial.rows.copy()
         for name, factor in factors.items():
@@ -321,7 +321,7 @@ def _radius(trial: Trial) -> list[float]:
         return (float(trial.rows[last, outputs["speed"].start]) / wheels).tolist()
 
 
-def _judged(trials: Trials, formation: Formation, speed: float) -> list[Finding]:
+def _judge_trials(trials: Trials, formation: Formation, speed: float) -> list[SignalCheck]:
     """Return the findings of two trials; any usual wheel radius is accepted."""
     groups, measured = catalogue_brakes(formation.groups), _radius(trials[0])
     radius = [
@@ -339,7 +339,7 @@ def _judged(trials: Trials, formation: Formation, speed: float) -> list[Finding]
     rolling = last[layout.output["speed"].start] / np.array(radius)
     if np.all(last[layout.output["wheelset_speed"]] < _LOCKED * rolling):
         sentence = f"locks all wheels on a rail with friction of {GOOD_RAIL:g}; full brakes of a train do not"
-        found.append(Finding(signal="pressure_command", good=False, sentence=sentence))
+        found.append(SignalCheck(signal="pressure_command", good=False, sentence=sentence))
     return found
 
 
@@ -347,17 +347,17 @@ Factors = Mapping[str, float]
 """Signal → factor on its values in the harness."""
 
 
-def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
+def _correct(draft: MappingDraft, run: Run, speed: float) -> MappingDraft:
     """Return the draft with the corrections that leave the fewest contradictions in the run."""
     table, corrections = dict(draft.table), list[str]()
     trials = run(table)
-    found = _judged(trials, draft.formation, speed)
+    found = _judge_trials(trials, draft.formation, speed)
     for _ in range(_ROUNDS):
         wrong = [finding for finding in found if not finding.good]
-        best: tuple[int, Factors, Trials, list[Finding]] | None = None
+        best: tuple[int, Factors, Trials, list[SignalCheck]] | None = None
         for factors in _proposals(wrong, trials[0]):
-            changed = _applied(trials, table, factors, run)
-            after = _judged(changed, draft.formation, speed)
+            changed = _apply_correction(trials, table, factors, run)
+            after = _judge_trials(changed, draft.formation, speed)
             count = _doubt(after)
             if count < (_doubt(found) if best is None else best[0]):
                 best = count, factors, changed, after
@@ -369,7 +369,7 @@ def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
             break
         _, factors, trials, found = best
         corrections += [_sentence(name, factor, found=wrong) for name, factor in factors.items()]
-        table |= {name: table[name].scaled(factor) for name, factor in factors.items()}
+        table |= {name: table[name].rescale(factor) for name, factor in factors.items()}
     for name in {finding.signal.partition("[")[0] for finding in found if not finding.good} & table.keys():
         if not table[name].signal.needed:
             del table[name]
@@ -389,20 +389,20 @@ def _corrected(draft: Draft, run: Run, speed: float) -> Draft:
     )
 
 
-def _doubt(found: Sequence[Finding]) -> int:
+def _doubt(found: Sequence[SignalCheck]) -> int:
     """Return a weighted number of contradictions; a train that does not brake hides other mistakes."""
     return sum(3 if finding.signal == "pressure_command" else 1 for finding in found if not finding.good)
 
 
-def _applied(trials: Trials, table: Mapping[str, Entry], factors: Factors, run: Run) -> Trials:
+def _apply_correction(trials: Trials, table: Mapping[str, SignalMapping], factors: Factors, run: Run) -> Trials:
     """Return the trials with a correction; the run is repeated only if an input is corrected."""
     layout: Layout = trials[0].layout
     if all(name in layout.output for name in factors):
-        return _rescaled(trials, factors)
-    return run(dict(table) | {name: table[name].scaled(factor) for name, factor in factors.items()})
+        return _rescale(trials, factors)
+    return run(dict(table) | {name: table[name].rescale(factor) for name, factor in factors.items()})
 
 
-def _proposals(wrong: Sequence[Finding], trial: Trial) -> Iterator[Factors]:
+def _proposals(wrong: Sequence[SignalCheck], trial: Trial) -> Iterator[Factors]:
     """Yield corrections that may explain the contradictions, starting with those that need no further run."""
     by_signal = {finding.signal.partition("[")[0]: finding for finding in wrong}
     outputs = [name for name in by_signal if name in trial.layout.output]
@@ -443,13 +443,13 @@ def _wheel_correction(measured: Sequence[float]) -> Factors:
     return {}
 
 
-def _sentence(name: str, factor: float, *, found: Sequence[Finding]) -> str:
+def _sentence(name: str, factor: float, *, found: Sequence[SignalCheck]) -> str:
     shown = next((finding for finding in found if finding.signal.partition("[")[0] == name), found[0])
     likely = mistake(1.0 / factor) or f"{1.0 / factor:.4g} times what is meant"
     return f"{name} had {likely}; in the first run {shown.signal} {shown.sentence}"
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.12g}")
 
 

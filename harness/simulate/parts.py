@@ -22,12 +22,12 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import OwnSensors
 from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.simulate import custom
-from railgrip.simulate.controller import controlling, law_states, over_the_train, valve_logic_of
+from railgrip.simulate.controller import law_states, open_controller, over_the_train, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import origin_of, part_of, table_of
 from railgrip.simulate.loop.loop import Ending, Loop
-from railgrip.simulate.loop.parts import Clock, Controller, Instruments, Parts, Plant, StateEstimator
+from railgrip.simulate.loop.parts import Clock, Instruments, LoopController, LoopPlant, Parts, StateEstimator
 from railgrip.simulate.plant import fmu_plant, python_plant
 from railgrip.simulate.rail import doubts, driver_of, rail_of
 from railgrip.simulate.vehicle import VehicleData
@@ -35,9 +35,9 @@ from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import over_the_rail
 from railgrip.trace.metrics import measure
 from railgrip.trace.recorder import Recorder
-from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, sent
+from railgrip.vehicle.signals import DEMANDED, DRIVEN, ESTIMATES, REFERENCE, TRACTION, Signal, plant_inputs
 
-_MOST_OF_THE_RAIL = 1.005
+_MAXIMUM_UTILISATION = 1.005
 """Used adhesion over that at the peak of the creep curve; the peak is found to 1e-5, and 10 ms apart."""
 
 
@@ -56,7 +56,7 @@ class CustomParts:
     plant: custom.Plant | None = None
     folders: tuple[Path, ...] = ()
 
-    def standing_for(self, scenario: Scenario) -> Scenario:
+    def declare_in(self, scenario: Scenario) -> Scenario:
         """Return the scenario with these objects' classes in its tables, which results of a stop must name."""
         tables: dict[str, Any] = {}
         if self.controller is not None:
@@ -77,7 +77,7 @@ NO_CUSTOM_PARTS = CustomParts()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Assembled:
+class StopAssembly:
     """The opened parts of a stop.
 
     Attributes:
@@ -118,7 +118,7 @@ class Assembled:
         """Return the stop of a run of the loop."""
         # A plant that fails to start leaves one row, which must not show the old contents of the memory.
         self.recorder.rows[self.recorder.written : 1] = np.nan
-        stop = judged(self.vehicle, self.recorder, ending, self.fmus)
+        stop = evaluate_stop(self.vehicle, self.recorder, ending, self.fmus)
         return replace(
             stop,
             classes=self.classes,
@@ -128,12 +128,12 @@ class Assembled:
 
 
 @contextmanager
-def assembled(
+def assemble(
     scenario: Scenario,
     notify: Callable[[str], None] = lambda sentence: None,
     objects: CustomParts = NO_CUSTOM_PARTS,
     capacity: int | None = None,
-) -> Generator[Assembled]:
+) -> Generator[StopAssembly]:
     """Open the parts of a scenario's stop; they are closed when the block ends.
 
     Args:
@@ -145,21 +145,21 @@ def assembled(
         ScenarioError: The scenario requires something that its parts cannot do.
         FmuError: An FMU does not fit.
     """
-    scenario = objects.standing_for(scenario)
+    scenario = objects.declare_in(scenario)
     vehicle = VehicleData(scenario)
     fmus = {} if isinstance(scenario.vehicle.source, PythonClass) else {vehicle.file.file.name: vehicle.file}
     formation, layout = vehicle.nominal.formation, vehicle.layout
     radius = tuple(group.wheel_radius for group in formation.brakes)
-    clock, players = _clock(scenario), _Players(objects)
+    clock, user_objects = _clock(scenario), _UserObjects(objects)
     for doubt in doubts(scenario):
         notify(doubt)
     with shared_budget(), ExitStack() as stack:
-        plant = _plant(vehicle, players, stack, notify)
-        filter_, estimates = _estimator(vehicle, players, fmus, stack, notify)
-        if (law := players.part("controllers", scenario.controller, objects.controller)) is not None:
+        plant = _plant(vehicle, user_objects, stack, notify)
+        filter_, estimates = _estimator(vehicle, user_objects, fmus, stack, notify)
+        if (law := user_objects.part("controllers", scenario.controller, objects.controller)) is not None:
             controller, commands_valves = custom.CustomController(law, formation), False
         else:
-            controller, commands_valves = controlling(vehicle, estimates, fmus, notify, stack)
+            controller, commands_valves = open_controller(vehicle, estimates, fmus, notify, stack)
         place = controller.place if isinstance(controller, custom.CustomController) else "The controller"
         limits = custom.DemandLimits(formation, place)
         is_limited = not commands_valves and not isinstance(controller, Sampled)
@@ -172,7 +172,7 @@ def assembled(
             layout=layout,
             plant=plant,
             rail=rail_of(vehicle),
-            sensors=_sensors(vehicle, players, radius[0]),
+            sensors=_sensors(vehicle, user_objects, radius[0]),
             estimator=filter_,
             controller=controller,
             limits=limits if is_limited else None,
@@ -190,11 +190,11 @@ def assembled(
             stop_speed=scenario.limits.stop_speed,
             recorder=Recorder(signals, formation, min(capacity or clock.samples + 1, clock.samples + 1)),
         )
-        yield Assembled(vehicle=vehicle, parts=parts, fmus=fmus, classes=players.classes, limits=limits)
+        yield StopAssembly(vehicle=vehicle, parts=parts, fmus=fmus, classes=user_objects.classes, limits=limits)
 
 
 @dataclass(frozen=True, slots=True)
-class _Players:
+class _UserObjects:
     """The user-defined objects among the parts of a stop.
 
     Attributes:
@@ -209,9 +209,9 @@ class _Players:
         """Return the user-defined object for a part; None if the part is built-in."""
         if not isinstance(table, Custom):
             return None
-        player = part_of(table, role, self.objects.folders) if instance is None else instance
-        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(player, table.parameters)
-        return player
+        user_object = part_of(table, role, self.objects.folders) if instance is None else instance
+        self.classes[role if role == "sensors" else role.removesuffix("s")] = origin_of(user_object, table.parameters)
+        return user_object
 
 
 def _clock(scenario: Scenario) -> Clock:
@@ -225,25 +225,27 @@ def _clock(scenario: Scenario) -> Clock:
     )
 
 
-def _plant(vehicle: VehicleData, players: _Players, stack: ExitStack, notify: Callable[[str], None]) -> Plant:
-    source, plant = vehicle.scenario.vehicle.source, players.objects.plant
+def _plant(
+    vehicle: VehicleData, user_objects: _UserObjects, stack: ExitStack, notify: Callable[[str], None]
+) -> LoopPlant:
+    source, plant = vehicle.scenario.vehicle.source, user_objects.objects.plant
     if not isinstance(source, PythonClass):
         return fmu_plant(vehicle, notify, stack)
     arguments = {key: value.entry for key, value in vehicle.scenario.vehicle.parameters.items()}
     table = Custom(kind=source.name, parameters=arguments) if plant is None else table_of(plant)
-    return python_plant(vehicle, players.part("plants", table, plant))
+    return python_plant(vehicle, user_objects.part("plants", table, plant))
 
 
 def _estimator(
     vehicle: VehicleData,
-    players: _Players,
+    user_objects: _UserObjects,
     fmus: dict[str, Description],
     stack: ExitStack,
     notify: Callable[[str], None],
 ) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
     """Return the estimator of a stop, and the names of its estimates; a prediction FMU is added to `fmus`."""
     scenario = vehicle.scenario
-    if (estimator := players.part("estimators", scenario.estimator, players.objects.estimator)) is not None:
+    if (estimator := user_objects.part("estimators", scenario.estimator, user_objects.objects.estimator)) is not None:
         custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
         return custom_estimator, frozenset(custom_estimator.provides)
     if isinstance(scenario.estimator, KalmanFilter):
@@ -252,11 +254,11 @@ def _estimator(
     return None, frozenset()
 
 
-def _sensors(vehicle: VehicleData, players: _Players, radius: float) -> Instruments:
+def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) -> Instruments:
     """Return the sensors of a stop; `radius` is that of the leading wheels [m]."""
     scenario = vehicle.scenario
-    if (instruments := players.part("sensors", scenario.sensors, players.objects.sensors)) is None:
-        return scenario.sensors.opened(scenario, vehicle.layout, radius)
+    if (instruments := user_objects.part("sensors", scenario.sensors, user_objects.objects.sensors)) is None:
+        return scenario.sensors.open(scenario, vehicle.layout, radius)
     noise = generator(scenario.seed, "sensors.custom")
     period = scenario.periods.communication
     return custom.CustomSensors(instruments, vehicle.layout, vehicle.nominal.formation, period, noise)
@@ -269,7 +271,7 @@ def _signals(
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
         *layout.signals["output"],
-        *sent(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
+        *plant_inputs(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
         *layout.signals["reading"],
         *of_controller,
         *(DRIVEN if demand is not None else ()),
@@ -288,7 +290,7 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
         )
 
 
-def _require_estimates(scenario: Scenario, controller: Controller, estimates: Collection[str]) -> None:
+def _require_estimates(scenario: Scenario, controller: LoopController, estimates: Collection[str]) -> None:
     """Raise an error for a law that needs quantities that are not estimated."""
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
@@ -299,7 +301,7 @@ def _require_estimates(scenario: Scenario, controller: Controller, estimates: Co
         )
 
 
-def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
+def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mapping[str, Description]) -> Stop:
     """Return the stop of a run of the loop, with ideal bound and metrics."""
     scenario = vehicle.scenario
     trace = recorder.trace(max(ending.samples, 1), scenario.periods.communication)
@@ -310,7 +312,7 @@ def judged(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus: Mappi
             trace, vehicle.contact, vehicle.true.brakes, scenario.limits.alpha_max, vehicle.resistance_lever
         )
     share = over_the_rail(trace)
-    if ending.outcome is Outcome.STANDSTILL and share > _MOST_OF_THE_RAIL:
+    if ending.outcome is Outcome.STANDSTILL and share > _MAXIMUM_UTILISATION:
         ending = Ending(
             outcome=Outcome.IMPLAUSIBLE,
             reason=f"The plant used {100 * share:.1f} % of the adhesion at the peak of the creep curve; more than "

@@ -26,7 +26,7 @@ from railgrip.simulate.loop.library import headers, kernel, texts
 from railgrip.simulate.loop.loop import Loop
 from railgrip.simulate.loop.parts import Parts, StateEstimator
 from railgrip.simulate.loop.sensors import IdealSensors, ServiceSensors, WhiteSensors
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.parts import assemble
 from railgrip.vehicle.signals import BELIEVED, DRIVEN, OBSERVED, Layout, Role, Signal, names_of
 
 Kind = Literal["onboard", "estimator", "sensors", "track"]
@@ -82,7 +82,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
         FmuError: The plant does not fit.
     """
     scenario = _with_filter_in_c(scenario)
-    with assembled(scenario) as opened:
+    with assemble(scenario) as opened:
         parts, struct = opened.parts, Loop(opened.parts).struct
         role = {"onboard": _onboard, "estimator": _estimator, "sensors": _sensors, "track": _track}[kind]
         return _system(scenario, parts, kind, role(scenario, parts, struct))
@@ -90,7 +90,7 @@ def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
 
 def readings_of(scenario: Scenario) -> NDArray[np.float64]:
     """Return the inputs of the onboard part in each sample of a scenario's stop, shape (samples, inputs)."""
-    with assembled(_with_filter_in_c(scenario)) as opened:
+    with assemble(_with_filter_in_c(scenario)) as opened:
         opened.run()
         recorder, parts = opened.recorder, opened.parts
         rows = recorder.rows[: recorder.written]
@@ -154,7 +154,7 @@ def _system(scenario: Scenario, parts: Parts, kind: Kind, role: _Role) -> Discre
         *(f"#define {name} {value}" for name, value in macros.items()),
         *(f'#include "{name}"' for name in _UNITS),
         memory.in_c(role.struct, headers(layout).values()),
-        *(_called(name, formula) for name, formula in role.formulas.items()),
+        *(_write_call(name, formula) for name, formula in role.formulas.items()),
         "int step_plain(double *block);",
         "static int sample(unsigned long long *memory, long long k, const double *given, const double *parameter,",
         "                  double *shown)",
@@ -188,7 +188,7 @@ _DESCRIPTIONS = {
 }
 
 
-def _called(name: str, formula: Sampled) -> str:
+def _write_call(name: str, formula: Sampled) -> str:
     """Return C code of a formula with the signature of `Call` in cycle.h."""
     step, count = formula.step, formula.state.size
     sizes = [step.numel_in(0), step.numel_in(1), formula.parameters.size]
@@ -210,7 +210,7 @@ def _called(name: str, formula: Sampled) -> str:
 def _track(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     recovers = parts.rail.field is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
-    given, places = _given(parts.layout, struct, needed)
+    given, places = _select_outputs(parts.layout, struct, needed)
     layout = parts.layout
     sent = [signal for signal in layout.signals["input"] if signal.name != "command"]
     starts = np.zeros(layout.inputs)
@@ -219,7 +219,7 @@ def _track(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     return _Role(
         given=given,
         shown=(*shown, *_of(DRIVEN, parts.layout, parts.driver.full)),
-        struct=struct.copied(*_FIELDS["track"]),
+        struct=struct.copy_with(*_FIELDS["track"]),
         formulas={},
         macros={"GIVEN": places, "SHOWN": _positions("input", sent, layout)},
     )
@@ -235,18 +235,18 @@ def _sensors(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
     deviation = np.zeros(1) if isinstance(sensors, IdealSensors) else sensors.deviation
     if isinstance(sensors, ServiceSensors):
         needed = ("distance", "speed", "acceleration", "wheelset_speed", "cylinder_pressure", "deflection")
-        changes["service"] = sensors.struct.copied(noise=np.zeros(deviation.size), block=1)
+        changes["service"] = sensors.struct.copy_with(noise=np.zeros(deviation.size), block=1)
     else:
         needed = [n for n, at in layout.output.items() if np.isin(sensors.places, np.arange(at.start, at.stop)).any()]
         if isinstance(sensors, WhiteSensors):
             changes["noise"] = np.zeros(deviation.size)
-    given, places = _given(layout, struct, needed)
+    given, places = _select_outputs(layout, struct, needed)
     start, meaning = float(scenario.seed % 2**32), "of the noise, a whole number"
     seed = Variable(name="seed", unit="1", start=start, description=meaning, minimum=0.0)
     return _Role(
         given=given,
         shown=_of(layout.signals["reading"], layout),
-        struct=struct.copied(*_FIELDS["sensors"], **changes),
+        struct=struct.copy_with(*_FIELDS["sensors"], **changes),
         formulas={},
         parameters=(seed,),
         macros={"GIVEN": places, "DEVIATIONS": ", ".join(map(repr, deviation.tolist()))},
@@ -298,7 +298,7 @@ def _onboard(scenario: Scenario, parts: Parts, struct: Struct) -> _Role:
 def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, dict[str, Sampled]]:
     """Return the fields of the filter, and the formula that substitutes a silent radar, if there is one."""
     estimator = parts.estimator
-    belief = struct.copied(*_FIELDS["estimator"])
+    belief = struct.copy_with(*_FIELDS["estimator"])
     belief.view("reference")[0] = np.nan
     if estimator is None:
         return belief, {}
@@ -316,7 +316,7 @@ def _belief(scenario: Scenario, parts: Parts, struct: Struct) -> tuple[Struct, d
     return belief, {"free_wheel": free_wheel}
 
 
-def _given(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
+def _select_outputs(layout: Layout, struct: Struct, names: Sequence[str]) -> tuple[list[Variable], str]:
     """Return those of the named plant outputs that exist as inputs, and their positions among all outputs, for C."""
     absent = np.isnan(struct.view("truth"))
     signals = [s for s in layout.signals["output"] if s.name in names and not absent[layout.output[s.name]].any()]

@@ -13,15 +13,15 @@ from railgrip.base.units import GRAVITY
 from railgrip.fmi import Binding, Description, Signal, bind, open_plant
 from railgrip.scenario.seed import generator
 from railgrip.scenario.track.table import STEEPEST
-from railgrip.scenario.vehicle import CompiledHere, Nudge, OfOurParts, Recipe, TrainFile
+from railgrip.scenario.vehicle import LibraryPlant, ModelicaPlant, Nudge, RecipePlant, TrainFile
 from railgrip.simulate import custom
 from railgrip.simulate.files import is_trusted, parameters_of
-from railgrip.simulate.loop.parts import Plant
-from railgrip.simulate.readback import V_SMALL, probed, require_curve, require_radius
+from railgrip.simulate.loop.parts import LoopPlant
+from railgrip.simulate.readback import V_SMALL, probe_outputs, require_curve, require_radius
 from railgrip.simulate.trial import findings, on_both_rails
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.parameters import COUNTS, DESCRIPTIVE
-from railgrip.vehicle.signals import Layout, sent
+from railgrip.vehicle.signals import Layout, plant_inputs
 
 Vector = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def plant_signals(
             size=0 if s.extent == "train" else formation.width(s.extent),
             needed=s.name != "track_force" or track_force,
         )
-        for s in sent(layout, pneumatic=pneumatic)
+        for s in plant_inputs(layout, pneumatic=pneumatic)
     )
     outputs = tuple(
         Signal(
@@ -87,12 +87,12 @@ def binding_of(vehicle: VehicleData) -> Binding:
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
     """Return the parameters of the plant's FMU that the scenario sets, in its names and units, before any nudge."""
     scenario, variables = vehicle.scenario, vehicle.file.variables
-    surface, is_recipe = scenario.adhesion.polach.plant_parameters(), isinstance(scenario.vehicle.source, Recipe)
+    surface, is_recipe = scenario.adhesion.polach.plant_parameters(), isinstance(scenario.vehicle.source, RecipePlant)
     shape = {name: value for name, value in surface.items() if is_recipe or name in variables}
     return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
 
 
-def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> Plant:
+def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitStack) -> LoopPlant:
     """Open the plant FMU of a scenario; a foreign one makes two short runs first.
 
     Raises:
@@ -110,19 +110,19 @@ def fmu_plant(vehicle: VehicleData, notify: Callable[[str], None], stack: ExitSt
         binding,
         period=scenario.periods.communication,
         begin=scenario.plant_begin,
-        parameters=values if table.nudge is None else values | nudged(values, description, table.nudge),
+        parameters=values if table.nudge is None else values | perturb_parameters(values, description, table.nudge),
         trusted=is_trusted(scenario),
         limits=scenario.limits.fmu,
     )
     # The class of a train file consists of built-in parts; delays by a distributor or a long pipe would fail the trial.
-    if not isinstance(source, OfOurParts) or (isinstance(source, TrainFile) and table.map):
+    if not isinstance(source, LibraryPlant) or (isinstance(source, TrainFile) and table.map):
         # The stop will report the failure.
         with suppress(PlantFailed):
             quiet = partial(opening, notify=lambda sentence: None)
             _refuse_unfit(f"[vehicle.map] does not fit {description.file.name}", vehicle, quiet)
     key = (description.digest, scenario.actuation.kind, *values.items(), *vehicle.curves[0])
     if (
-        isinstance(source, CompiledHere)
+        isinstance(source, ModelicaPlant)
         and not {"slip", "adhesion"} & set(binding.outputs.absent)
         and key not in _read_back
     ):
@@ -136,7 +136,7 @@ _read_back: set[tuple[object, ...]] = set()
 """FMUs with the parameters for which the read-back has been done in this process."""
 
 
-def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters: Mapping[str, float]) -> None:
+def _require_compiled_parameters(vehicle: VehicleData, plant: LoopPlant, parameters: Mapping[str, float]) -> None:
     """Compare wheel radius and creep curve of a plant's contacts with its parameters.
 
     The contact law of a user's class may differ, so its curve is not compared.
@@ -149,13 +149,13 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
     ideal = scenario.actuation.kind == "ideal"
     brake = tuple(group.pressure_max if ideal else 1.0 for group in vehicle.nominal.formation.brakes)
     curve = dict(zip(scenario.adhesion.polach.plant_parameters(), vehicle.curves[0].tolist(), strict=True))
-    rows = probed(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
+    rows = probe_outputs(plant, layout, period=scenario.periods.communication, brake=brake, curve=curve)
     radii = [parameters.get(f"r_wheel[{g + 1}]", parameters.get("r_wheel")) for g in range(groups)]
     known = tuple(radius for radius in radii if radius is not None)
     if len(known) < groups:
         return
     require_radius(file, layout, rows, known, parameters.get("v_small", V_SMALL))
-    if isinstance(scenario.vehicle.source, OfOurParts):
+    if isinstance(scenario.vehicle.source, LibraryPlant):
         # A wheel on a roller contacts it like a smaller wheel on a rail: their curvatures add.
         bend = 1.0 / parameters["r_roller"] if "r_roller" in parameters else 0.0
         contacts = tuple(
@@ -164,7 +164,7 @@ def _require_compiled_parameters(vehicle: VehicleData, plant: Plant, parameters:
         require_curve(file, layout, rows, contacts, curve)
 
 
-def python_plant(vehicle: VehicleData, part: custom.Plant) -> Plant:
+def python_plant(vehicle: VehicleData, part: custom.Plant) -> LoopPlant:
     """Return a plant in Python, after two short runs of it.
 
     Raises:
@@ -191,7 +191,7 @@ def _refuse_steep_track(vehicle: VehicleData) -> None:
         )
 
 
-def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
+def perturb_parameters(values: Mapping[str, float], description: Description, nudge: Nudge) -> dict[str, float]:
     """Return all real parameters of a plant, each multiplied by a random factor, uniform within 1 ± `nudge.relative`.
 
     A parameter at its bound stays there if it would be moved beyond. Parameters that only describe the vehicle get no
@@ -215,7 +215,7 @@ def nudged(values: Mapping[str, float], description: Description, nudge: Nudge) 
     return nudges
 
 
-def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[Plant]]) -> None:
+def _refuse_unfit(who: str, vehicle: VehicleData, opening: Callable[[], AbstractContextManager[LoopPlant]]) -> None:
     """Raise an error for a foreign plant that contradicts physics in short runs, on a good rail and on a poor one."""
     scenario, brakes = vehicle.scenario, vehicle.nominal.formation.brakes
     pressure, radius = tuple(g.pressure_max for g in brakes), tuple(g.wheel_radius for g in brakes)

@@ -12,8 +12,8 @@ from railgrip.fmi import Binding
 from railgrip.fmus.native.ctext import number
 from railgrip.fmus.native.package import Source
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import CompiledHere
-from railgrip.simulate.plant import binding_of, nudged, values_of
+from railgrip.scenario.vehicle import ModelicaPlant
+from railgrip.simulate.plant import binding_of, perturb_parameters, values_of
 from railgrip.simulate.rail import rail_of
 from railgrip.simulate.vehicle import VehicleData
 
@@ -29,7 +29,7 @@ def plant_fmu(scenario: Scenario) -> Source:
     """
     vehicle = VehicleData(scenario)
     file = vehicle.file.file
-    if not isinstance(scenario.vehicle.source, CompiledHere):
+    if not isinstance(scenario.vehicle.source, ModelicaPlant):
         raise ScenarioError(
             f"{scenario.name}: the plant {file.name} is not compiled from Modelica here and cannot be exported with "
             "other parameters; use it as it is and set them there"
@@ -46,12 +46,12 @@ def plant_fmu(scenario: Scenario) -> Source:
     binding = binding_of(vehicle)
     values = values_of(vehicle, binding)
     if scenario.vehicle.nudge is not None:
-        values |= nudged(values, vehicle.file, scenario.vehicle.nudge)
+        values |= perturb_parameters(values, vehicle.file, scenario.vehicle.nudge)
     values |= _inputs_at_start(vehicle, binding)
     model = _with_starts(files["model.c"], vehicle, values)
     description = vehicle.file.co_simulation
     assert description is not None
-    return Source.of(description.identifier, files | {"model.c": model}, _described(xml, values))
+    return Source.of(description.identifier, files | {"model.c": model}, _write_start_values(xml, values))
 
 
 def _inputs_at_start(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
@@ -78,7 +78,7 @@ def _with_starts(model: str, vehicle: VehicleData, values: Mapping[str, float]) 
     return model
 
 
-def _described(xml: str, values: Mapping[str, float]) -> str:
+def _write_start_values(xml: str, values: Mapping[str, float]) -> str:
     def changed(row: re.Match[str]) -> str:
         value = values.get(ET.fromstring(row[0]).get("name", ""))
         return row[0] if value is None else re.sub(r' start="[^"]*"', f' start="{value!r}"', row[0])

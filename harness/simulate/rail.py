@@ -13,7 +13,7 @@ from railgrip.scenario.profile import FromTable
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import TrainFile
 from railgrip.simulate.loop.driver import Driver
-from railgrip.simulate.loop.rail import Field, SandedRail, Sander, TabulatedRail
+from railgrip.simulate.loop.rail import Field, LoopSander, SandedRail, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.vehicle.formation import Formation
 
@@ -39,7 +39,7 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     return TabulatedRail(layout, profile_of(scenario, formation), vehicle.track_force, field, sand, vehicle.curves)
 
 
-def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
+def _sanders(scenario: Scenario, formation: Formation) -> list[LoopSander]:
     """Return the sanders of a scenario, or of its train file if the scenario lists no sanders."""
     sanders, source = scenario.sanders, scenario.vehicle.source
     if not sanders and isinstance(source, TrainFile):
@@ -51,7 +51,7 @@ def _sanders(scenario: Scenario, formation: Formation) -> list[Sander]:
                 f"{formation.wheelsets}"
             )
     return [
-        Sander(
+        LoopSander(
             rate=sander.rate,
             density=inf if sander.density is None else sander.density,
             begin=sander.begin + sander.delay,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import FmuError
-from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.trace.contact import Contact
 from railgrip.vehicle.signals import CURVE, Layout
 
@@ -35,8 +35,8 @@ _ADVICE = "the compiler lost a modifier: report it with the compiler's version, 
 V_SMALL = 0.1  # m/s, of a plant that does not declare it: RailBraking.Components.Wheelsets
 
 
-def probed(
-    plant: Plant, layout: Layout, *, period: float, brake: tuple[float, ...], curve: Mapping[str, float]
+def probe_outputs(
+    plant: LoopPlant, layout: Layout, *, period: float, brake: tuple[float, ...], curve: Mapping[str, float]
 ) -> Matrix:
     """Return the outputs of a plant that brakes on a poor rail until its wheels slide, one row per sample.
 

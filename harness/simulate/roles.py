@@ -9,7 +9,7 @@ from railgrip.base.errors import FmuError
 from railgrip.fmi import Description
 from railgrip.fmi.draft import OTHER_NAMES, arrays_of, likeness
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.vehicle import CompiledHere, PythonClass, Recipe
+from railgrip.scenario.vehicle import ModelicaPlant, PythonClass, RecipePlant
 
 Role = Literal["onboard", "sensors", "estimator", "track", "plant", "controller", "prediction"]
 
@@ -106,9 +106,9 @@ def require_plant(scenario: Scenario, description: Description) -> None:
             f"= '{remedy}', or name a plant that takes {sent}."
         )
     require_role(description, "plant", where)
-    if isinstance(source, CompiledHere) and role_of(description) is None:
+    if isinstance(source, ModelicaPlant) and role_of(description) is None:
         others = ""
-        if isinstance(source, Recipe):
+        if isinstance(source, RecipePlant):
             others = f", or a train of `railgrip list trains` in [vehicle] train: {', '.join(registry.names('trains'))}"
         raise FmuError(
             f"{where}: {file} is not a train: it has neither pressure_command nor valve_command among its inputs; name "

@@ -11,7 +11,7 @@ from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.ideal import ANALYSES
 from railgrip.simulate.loop.loop import Ending
-from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts, assembled
+from railgrip.simulate.parts import NO_CUSTOM_PARTS, CustomParts, assemble
 from railgrip.trace.measures import distance_travelled, since_brake_demand
 
 
@@ -35,7 +35,7 @@ def run_stop(
     analysis = ANALYSES.get(scenario.controller.kind)
     if analysis is not None and objects.controller is None and objects.plant is None:
         return analysis(scenario, progress)
-    with assembled(scenario, notify, objects) as parts:
+    with assemble(scenario, notify, objects) as parts:
         ending = parts.run(progress)
     return parts.stop(ending)
 
@@ -46,7 +46,7 @@ def braking_distance(scenario: Scenario, import_from: Sequence[Path] = ()) -> fl
     Classes that the scenario names are imported from the folders `import_from`.
     """
     # If a driver demands the brake later, all samples are needed to find the demand; else first and last suffice.
-    ending, trace = _unjudged(scenario, import_from, capacity=2 if scenario.demand is None else None)
+    ending, trace = _run_loop(scenario, import_from, capacity=2 if scenario.demand is None else None)
     return distance_travelled(since_brake_demand(trace)) if ending.outcome is Outcome.STANDSTILL else None
 
 
@@ -58,15 +58,15 @@ def trace_of(scenario: Scenario, import_from: Sequence[Path] = ()) -> xarray.Dat
     Raises:
         ScenarioError: The run ended with a failure.
     """
-    ending, trace = _unjudged(scenario, import_from)
+    ending, trace = _run_loop(scenario, import_from)
     if ending.outcome not in (Outcome.STANDSTILL, Outcome.HORIZON):
         raise ScenarioError(f"{scenario.name}: ended with {ending.outcome.value}: {ending.reason}")
     return trace
 
 
-def _unjudged(
+def _run_loop(
     scenario: Scenario, import_from: Sequence[Path], capacity: int | None = None
 ) -> tuple[Ending, xarray.Dataset]:
-    with assembled(scenario, objects=CustomParts(folders=tuple(import_from)), capacity=capacity) as parts:
+    with assemble(scenario, objects=CustomParts(folders=tuple(import_from)), capacity=capacity) as parts:
         ending = parts.run()
     return ending, parts.recorder.trace(max(ending.samples, 1), scenario.periods.communication)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.files import write_bytes
-from railgrip.fmus.native.package import Source, archive_bytes, zipped
+from railgrip.fmus.native.package import Source, archive_bytes, zip_files
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.vehicle import FmuFile
 from railgrip.simulate.export import controller_fmu, valves_fmu
@@ -68,7 +68,7 @@ def write_ssp(scenario: Scenario, path: Path, platforms: Sequence[str] = ()) -> 
     members = {f"resources/{name}.fmu": component.content for name, component in components.items()}
     members["SystemStructure.ssd"] = _bytes(_structure(scenario, components, connections))
     members[_PARAMETERS] = _bytes(_parameter_set(vehicle, components))
-    write_bytes(path, zipped(members))
+    write_bytes(path, zip_files(members))
     return path
 
 

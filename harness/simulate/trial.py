@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.units import GRAVITY, mistake
-from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.parts import LoopPlant
 from railgrip.simulate.loop.plausible import Slowing
 from railgrip.vehicle.signals import Layout
 
@@ -30,11 +30,11 @@ _CURVE = {"curve_k_A": 1.0, "curve_k_S": 0.4, "curve_A": 0.4, "curve_B": 0.6}
 """Polach (2005), dry."""
 _WEAR = 0.08
 """Difference of radius between a new wheel and a worn one; a larger one looks like a wheel in slide."""
-_LEAST_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
+_MIN_DECELERATION = 0.1  # m/s2; the weakest full brakes of freight trains reach 0.3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class SignalCheck:
     """Result of the run for one signal.
 
     Attributes:
@@ -77,9 +77,9 @@ class Trial:
         return float((speed[self.coasting - 1] - speed[-1]) / ((len(speed) - self.coasting) * self.period))
 
 
-def tried(
+def run_trial(
     layout: Layout,
-    plant: Plant,
+    plant: LoopPlant,
     *,
     period: float,
     release: tuple[float, ...],
@@ -121,19 +121,19 @@ Trials = tuple[Trial, Trial]
 """Trials on a good rail and on a poor one."""
 
 
-def on_both_rails(opening: Callable[[], AbstractContextManager[Plant]], layout: Layout, **how: Any) -> Trials:
-    """Return the trials of a plant on a good rail and on a poor one, opened for each; `how` as for `tried`."""
+def on_both_rails(opening: Callable[[], AbstractContextManager[LoopPlant]], layout: Layout, **how: Any) -> Trials:
+    """Return the trials of a plant on a good rail and on a poor one, opened for each; `how` as for `run_trial`."""
 
     def on(friction: float) -> Trial:
         with opening() as plant:
-            return tried(layout, plant, friction=friction, **how)
+            return run_trial(layout, plant, friction=friction, **how)
 
     return on(GOOD_RAIL), on(POOR_RAIL)
 
 
 def findings(
     trial: Trial, poor: Trial, *, speed: float, radius: tuple[float, ...], pressure: tuple[float, ...], slowing: Slowing
-) -> tuple[Finding, ...]:
+) -> tuple[SignalCheck, ...]:
     """Return the findings of two trials; signals that the plant lacks have none.
 
     Args:
@@ -151,27 +151,27 @@ def findings(
     )
 
 
-def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iterator[Finding]:
+def _of_train(trial: Trial, poor: Trial, speed: float, slowing: Slowing) -> Iterator[SignalCheck]:
     """Yield the findings for the whole train; arguments are those of `findings`."""
     v, x, a = (trial.output(name)[:, 0] for name in ("speed", "distance", "acceleration"))
     last, braking = trial.coasting - 1, trial.deceleration
     yield _ratio("speed", v[0], speed, 0.001, "m/s at the start, [start] speed is")
     yield _ratio("distance", x[-1] - x[0], float(np.trapezoid(v, dx=trial.period)), 0.01, "m, its speed gives")
-    sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_LEAST_DECELERATION:g} and more is expected"
-    yield Finding(signal="pressure_command", good=braking >= _LEAST_DECELERATION, sentence=sentence)
+    sentence = f"full brakes slow the train by {braking:.3g} m/s2, {_MIN_DECELERATION:g} and more is expected"
+    yield SignalCheck(signal="pressure_command", good=braking >= _MIN_DECELERATION, sentence=sentence)
     most = POOR_RAIL * GRAVITY + slowing.most(speed) + _CLOSE
     sentence = (
         f"does not bound the brakes: they slow the train by {braking:.3g} m/s2 with friction of {GOOD_RAIL:g} and by "
         f"{poor.deceleration:.3g} m/s2 with {POOR_RAIL:g}, where {most:.3g} and less is expected; brakes on the rail "
         "itself stand in [vehicle.formation] track_brakes"
     )
-    yield Finding(signal="mu0", good=poor.deceleration <= most, sentence=sentence)
+    yield SignalCheck(signal="mu0", good=poor.deceleration <= most, sentence=sentence)
     loss, integral = v[-1] - v[last], float(np.trapezoid(a[last:], dx=trial.period))
     if abs(loss) > 0.1:
         yield _ratio("acceleration", integral, loss, 0.1, "m/s as its integral in braking, the speed changes by")
 
 
-def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[Finding]:
+def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[SignalCheck]:
     """Yield the findings for a group with this radius [m] and full pressure [Pa], from the trial on a good rail."""
     last = trial.coasting - 1
     v, wheel, slip = (trial.output(name)[last, at] for name, at in (("speed", 0), ("wheelset_speed", g), ("slip", g)))
@@ -182,29 +182,29 @@ def _of_group(trial: Trial, g: int, radius: float, pressure: float) -> Iterator[
     if not near and not hint:
         slipping = f"{100 * (1 - radius / rolling):.0f} %"
         hint = f": a constant slip of {slipping}; give the controller and the estimator this r_wheel"
-    yield Finding(signal=f"wheelset_speed[{g + 1}]", good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}")
+    yield SignalCheck(signal=f"wheelset_speed[{g + 1}]", good=near, sentence=f"rolls with {rolling:.6g} {words}{hint}")
     if not math.isnan(slip):
         braking = trial.output("slip")[-1, g]
         good = abs(slip) <= 0.02 and braking > -0.005
         sentence = f"is {slip:.3g} coasting and {braking:.3g} in full braking; 0, and then above, is expected"
-        yield Finding(signal=f"slip[{g + 1}]", good=good, sentence=sentence)
+        yield SignalCheck(signal=f"slip[{g + 1}]", good=good, sentence=sentence)
     yield _ratio(f"cylinder_pressure[{g + 1}]", trial.output("cylinder_pressure")[-1, g], pressure, 0.5, "Pa of")
 
 
-def _of_wheelsets(trial: Trial) -> Iterator[Finding]:
+def _of_wheelsets(trial: Trial) -> Iterator[SignalCheck]:
     """Yield the findings for each wheelset whose adhesion the plant outputs, from the trial on a good rail."""
     for i, adhesion in enumerate(trial.output("adhesion")[-1]):
         if not math.isnan(adhesion):
             good = 0 < adhesion <= GOOD_RAIL * 1.01
             sentence = f"is {adhesion:.3g} in full braking; above 0 and at most mu0 = {GOOD_RAIL:g} is expected"
-            yield Finding(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence)
+            yield SignalCheck(signal=f"adhesion[{i + 1}]", good=good, sentence=sentence)
 
 
-def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> Finding:
+def _ratio(signal: str, value: float, expected: float, tolerance: float, words: str) -> SignalCheck:
     """Compare a value with the expected one, within a relative tolerance, and name the mistake that fits the ratio."""
     ratio = value / expected if expected else math.inf
     good = abs(ratio - 1) <= tolerance
-    return Finding(
+    return SignalCheck(
         signal=signal,
         good=good,
         sentence=f"shows {value:.6g} {words} {expected:.6g}{'' if good else _hint(ratio)}",

@@ -20,15 +20,22 @@ from railgrip.controllers.law import FULL_PRESSURE, GroupLaw
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.faults import TRUTH_KEYS
 from railgrip.scenario.kinds import Custom
+from railgrip.scenario.parts import BuiltInLaw as LawTable
 from railgrip.scenario.parts import ControllerFmu, KalmanFilter
-from railgrip.scenario.parts import Law as LawTable
 from railgrip.scenario.quantity import in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.track.table import TrackForce, force_along, track_force_of
-from railgrip.scenario.vehicle import CompiledHere, FormationTable, OfOurParts, PythonClass, TrainFile
+from railgrip.scenario.vehicle import FormationTable, LibraryPlant, ModelicaPlant, PythonClass, TrainFile
 from railgrip.simulate.contact import compiled_contact
 from railgrip.simulate.faults.brake import isolated_groups, isolated_units
-from railgrip.simulate.files import description_of, lowered, parameters_of, plant_description, recipe_file, units_of
+from railgrip.simulate.files import (
+    compile_class,
+    description_of,
+    parameters_of,
+    plant_description,
+    recipe_file,
+    units_of,
+)
 from railgrip.simulate.loop.plausible import UNBOUNDED, Slowing, slowing_of
 from railgrip.simulate.roles import require_plant
 from railgrip.trace.contact import Contact
@@ -38,7 +45,7 @@ from railgrip.vehicle.parameters import (
     COUNTS,
     DESCRIPTIVE,
     VALVES,
-    Vehicle,
+    VehicleParameters,
     array_of,
     counts_of,
     masses_by_name,
@@ -132,11 +139,11 @@ class VehicleData:
         if formation.load is not None:
             entries |= masses_by_name(carried_mass(formation.load))
         entries = with_each(entries, formation)
-        is_compiled_here = isinstance(vehicle.source, CompiledHere)
+        is_compiled_here = isinstance(vehicle.source, ModelicaPlant)
         values = with_each(self.fmu_parameters, formation) if is_compiled_here else self._arrays_named_alike(entries)
         if is_compiled_here:
             with suppress(ScenarioError):
-                values |= masses_by_name(Vehicle(formation, self.fmu_parameters).masses)
+                values |= masses_by_name(VehicleParameters(formation, self.fmu_parameters).masses)
         for name, value in values.items():
             if name in entries and not isclose(entries[name], value, rel_tol=1e-3):
                 key = "wheelset_load" if name.startswith("m_wheelset") else f"brakes {name}"
@@ -163,7 +170,7 @@ class VehicleData:
         return values
 
     @cached_property
-    def nominal(self) -> Vehicle:
+    def nominal(self) -> VehicleParameters:
         """Nominal vehicle of controller, estimator and driver: as declared, with [controller.parameters].
 
         Raises:
@@ -171,12 +178,12 @@ class VehicleData:
         """
         formation, nominal, controller = self.formation, self.declared, self.scenario.controller
         if isinstance(controller, ControllerFmu | Custom):
-            return Vehicle(formation, self._with_valves(nominal), required=self._required)
+            return VehicleParameters(formation, self._with_valves(nominal), required=self._required)
         units = units_of_nominal_data(formation)
         entries = {name: value for name, value in controller.parameters.items() if name in units}
         entries = in_units("[controller.parameters]", entries, units)
         nominal = with_each(nominal, formation)
-        known = nominal | {"m": Vehicle(formation, nominal).mass or 0.0}
+        known = nominal | {"m": VehicleParameters(formation, nominal).mass or 0.0}
         for name, value in with_each(entries, formation).items():
             is_off = value and known.get(name) and not 0.1 <= value / known[name] <= 10.0
             if is_off:
@@ -187,7 +194,7 @@ class VehicleData:
         nominal |= with_each(entries, formation)
         if "m" in entries and not any(name.startswith("m_wheelset") for name in entries):
             nominal |= masses_by_name(np.full(formation.wheelsets, entries["m"] / formation.wheelsets))
-        return Vehicle(formation, self._with_valves(nominal), required=self._required)
+        return VehicleParameters(formation, self._with_valves(nominal), required=self._required)
 
     @property
     def _required(self) -> frozenset[str]:
@@ -207,17 +214,17 @@ class VehicleData:
         return registry.part(registry.LAWS, table.kind, GroupLaw).brake_data | driver
 
     @cached_property
-    def true(self) -> Vehicle:
+    def true(self) -> VehicleParameters:
         """The simulated vehicle. A foreign plant's valve times are the nominal ones.
 
         Raises:
             ScenarioError: A change of the plant's parameters is wrong.
         """
         vehicle, parameters = self.scenario.vehicle, self.fmu_parameters | self.changes
-        if not isinstance(vehicle.source, CompiledHere):
+        if not isinstance(vehicle.source, ModelicaPlant):
             parameters |= self.nominal.valves
         isolated = isolated_groups(self.scenario, self.formation)
-        return Vehicle(self.formation, self._with_valves(parameters), tuple(isolated))
+        return VehicleParameters(self.formation, self._with_valves(parameters), tuple(isolated))
 
     def _with_valves(self, parameters: dict[str, float]) -> dict[str, float]:
         """Return parameters with all valve times, if the plant has valves; missing ones are those of the catalogue
@@ -226,7 +233,7 @@ class VehicleData:
         Args:
             parameters: Parameters of the plant.
         """
-        known = Vehicle(self.formation, parameters).valves
+        known = VehicleParameters(self.formation, parameters).valves
         if self.scenario.actuation.kind == "ideal" or known.keys() == VALVES.keys():
             return parameters
         catalogue = parameters_of(description_of(recipe_file(CATALOGUE_WITH_VALVES)))
@@ -282,7 +289,7 @@ class VehicleData:
         if "drive_torque" in self.shown:
             return UNBOUNDED
         vehicle = self.scenario.vehicle
-        known = self.true.mass if isinstance(vehicle.source, OfOurParts) else None
+        known = self.true.mass if isinstance(vehicle.source, LibraryPlant) else None
         brakes = 0.0 if vehicle.formation is None else vehicle.formation.track_brakes
         if isinstance(vehicle.source, TrainFile):
             of_train = load_train(vehicle.source.file.path).track_brake_force
@@ -314,7 +321,7 @@ class VehicleData:
         """
         scenario, track = self.scenario, self.scenario.track
         known, origin = self.true.mass, "the plant has"
-        if self.formation.load is not None and not isinstance(scenario.vehicle.source, CompiledHere):
+        if self.formation.load is not None and not isinstance(scenario.vehicle.source, ModelicaPlant):
             known, origin = carried_mass(float(self.formation.load.sum())), "[vehicle.formation] wheelset_load gives"
         given = track.train_mass
         if given is not None and known is not None and abs(given / known - 1.0) > _MASS_TOLERANCE:
@@ -391,7 +398,7 @@ class VehicleData:
 
     def contact_with(self, parameters: Mapping[str, float]) -> Contact:
         """Return the contact with those of the plant's parameters that it has."""
-        model = lowered("RailBraking.FMUs.ContactPoint")
+        model = compile_class("RailBraking.FMUs.ContactPoint")
         shape = self.scenario.adhesion.polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
         return compiled_contact(
@@ -408,7 +415,7 @@ def catalogue_counts() -> tuple[int, ...]:
 
 def catalogue_brakes(groups: int) -> tuple[Brake, ...]:
     """Return the brakes of the catalogue train for a plant with `groups` groups that declares none; they repeat."""
-    brakes = Vehicle(Formation(catalogue_counts()), _catalogue()).formation.brakes
+    brakes = VehicleParameters(Formation(catalogue_counts()), _catalogue()).formation.brakes
     return tuple(brakes[g % len(brakes)] for g in range(groups))
 
 

@@ -18,11 +18,11 @@ from railgrip.fmus.build import build_class
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table, percent
+from railgrip.report.table import ReportTable, percent
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.modelica import CELLS_OF_A_CAR
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.file import located
+from railgrip.scenario.file import locate
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.trains.stops import dry_scenario, filling_of
@@ -102,7 +102,7 @@ def _front(description: Description, volume: float, conductance: float) -> float
     return float((middle[-1] - middle[0]) / (begin[-1] - begin[0]))
 
 
-def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> Table:
+def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> ReportTable:
     """Return the front over grids, and the grid error of the trains in files."""
     finest = max(speeds)
     rows = [
@@ -111,12 +111,12 @@ def table_of(speeds: Mapping[Any, Mapping[Case, float]]) -> Table:
         | {"grid error": speeds[CELLS_OF_A_CAR][litres, name] / speeds[finest][litres, name] - 1}
         for litres, name in speeds[finest]
     ]
-    return Table(rows, {"grid error": percent}, ("branch", "accelerators"), title="Front through ten coaches")
+    return ReportTable(rows, {"grid error": percent}, ("branch", "accelerators"), title="Front through ten coaches")
 
 
 def stop_row(equipment: str) -> dict[str, object]:
     """Return the dry stop of `loco_coaches` with some equipment in each car."""
-    text = located("loco_coaches", "trains").read_text(encoding="utf-8")
+    text = locate("loco_coaches", "trains").read_text(encoding="utf-8")
     table = EQUIPMENT[equipment]
     if table:
         kind, name = table.split("]")[0].strip().lstrip("[").split(".")
@@ -139,7 +139,7 @@ def stop_row(equipment: str) -> dict[str, object]:
 
 
 @dataclass(frozen=True)
-class BrakePipe(Study):
+class BrakePipeStudy(Study):
     """Measure the front in the brake pipe of ten coaches, over cells, branch volumes and accelerators."""
 
     write: Annotated[bool, Option("--write", help="Write the table into docs/train_models.md.")] = False
@@ -151,7 +151,7 @@ class BrakePipe(Study):
         speeds = dict(zip(grids, work.map(fronts, grids), strict=True))
         table, of_trains = table_of(speeds), speeds[CELLS_OF_A_CAR].values()
         rows = [] if self.quick else work.map(stop_row, EQUIPMENT)
-        stops = Table(rows, _FORMS, ("`loco_coaches` from 160 km/h",), title="Emergency stops on a dry rail")
+        stops = ReportTable(rows, _FORMS, ("`loco_coaches` from 160 km/h",), title="Emergency stops on a dry rail")
         if self.write:
             write_tables(PAGE, {"fronts": table, "stops": stops})
         return Page(
@@ -173,7 +173,7 @@ class BrakePipe(Study):
         return [Finding(f"accelerators {name}: front", speeds[3.0, name], "m/s", 0.1) for name in CONDUCTANCES]
 
 
-STUDY = BrakePipe
+STUDY = BrakePipeStudy
 
 _FORMS = {
     **dict.fromkeys(("simulated", "by hand"), "{:.1f} m"),

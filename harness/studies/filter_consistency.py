@@ -15,9 +15,9 @@ from railgrip.estimation.judge import rms
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table, whole_percent
+from railgrip.report.table import ReportTable, whole_percent
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.simulate.run import run_stop
 from railgrip.studies.study import Study
 from railgrip.studies.type_test.design import FAULTS
@@ -63,9 +63,9 @@ def errors_of(case: Case) -> Errors:
     """Run a case."""
     scenario, load, fault, seed, name = case
     rail = read_toml(_ROOT / "library" / f"{scenario}.toml")
-    table = merged(rail, read_toml(_ROOT / "equipment" / "service.toml"))
+    table = merge(rail, read_toml(_ROOT / "equipment" / "service.toml"))
     changes = {"estimator": FILTERS[name], "truth": {"load": load}, "seed": seed}
-    table = merged(merged(table, changes), FAULTS[fault]) | {"controller": {"kind": "slip_three_state"}}
+    table = merge(merge(table, changes), FAULTS[fault]) | {"controller": {"kind": "slip_three_state"}}
     trace = run_stop(scenario_of(table, directory=_ROOT / "library", origin=scenario)).trace
     moving = trace["speed"].values > SLOWEST
     error = (trace["estimate_adhesion"].values - trace["group_adhesion"].values)[moving]
@@ -76,7 +76,7 @@ def errors_of(case: Case) -> Errors:
 Results = Mapping[Case, Errors]
 
 
-def by_load(results: Results) -> Table:
+def by_load(results: Results) -> ReportTable:
     """Return the errors of each filter under each load, without a fault."""
     rows: list[dict[str, Any]] = []
     for load, name in product(LOADS, FILTERS):
@@ -85,10 +85,10 @@ def by_load(results: Results) -> Table:
             rmse, bias, _ = zip(*errors, strict=True)
             row = {"load": load, "filter": name, "stops": len(errors), "α RMSE": rms(np.array(rmse))}
             rows.append(row | {"α bias": float(np.mean(bias))} | _nees(errors))
-    return Table(rows, _FORMS, ("filter",), title="Adhesion by load")
+    return ReportTable(rows, _FORMS, ("filter",), title="Adhesion by load")
 
 
-def by_fault(results: Results) -> Table:
+def by_fault(results: Results) -> ReportTable:
     """Return the consistency of each filter under each fault, over the same loads."""
     rows: list[dict[str, Any]] = []
     for fault in FAULTS:
@@ -99,7 +99,7 @@ def by_fault(results: Results) -> Table:
                 for name, errors in of_filters.items()
             }
             rows.append({"fault": fault, "stops": len(next(iter(of_filters.values())))} | texts)
-    return Table(rows, left=("fault",), title="NEES by fault: 10 %, median, 90 %")
+    return ReportTable(rows, left=("fault",), title="NEES by fault: 10 %, median, 90 %")
 
 
 def _of(results: Results, name: str, loads: Sequence[float], fault: str) -> list[Errors]:

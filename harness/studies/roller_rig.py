@@ -28,7 +28,7 @@ from railgrip.estimators.observability import along
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, extreme, mean
 from railgrip.report.page import Page
-from railgrip.report.table import Form, Table, yes_no
+from railgrip.report.table import Form, ReportTable, yes_no
 from railgrip.scenario.load import load
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import run_stop
@@ -150,7 +150,7 @@ def row_of(scenario: Scenario, name: str, recording: xarray.Dataset, estimates: 
     }
 
 
-def tested(scenario: Scenario) -> tuple[xarray.Dataset, dict[str, xarray.Dataset]]:
+def run_test(scenario: Scenario) -> tuple[xarray.Dataset, dict[str, xarray.Dataset]]:
     """Return a run on the rig, and what each filter makes of it."""
     recording = recording_of_rig(scenario)
     return recording, {name: estimate_of(filter_, recording) for name, filter_ in _filters().items()}
@@ -184,14 +184,14 @@ def fit_of(case: tuple[str, float]) -> Row:
     """
     name, period = case
     specification = _filters()["rig-paper"]
-    recording = recording_of_rig(_resampled(name, period, 1e-9))
+    recording = recording_of_rig(_resample(name, period, 1e-9))
     speed, settings = recording["reading_speed"], settings_for(specification, period)
     prediction, equations = prediction_for(specification), equations_for(specification)
     row: Row = {"scenario": name, "period": period}
     for encoder in ENCODERS:
         found: list[dict[str, float]] = []
         for draw in range(1 if encoder == ENCODERS[0] else DRAWS):
-            read = with_signals(recording, {"speed": (encoded(speed.values, encoder, draw), "m/s")})
+            read = with_signals(recording, {"speed": (encode(speed.values, encoder, draw), "m/s")})
             estimates = estimate(read, prediction, settings, units=units_of(specification.model.class_))
             found.append(excursions(read, estimates, SETTLED))
         row[encoder] = float(np.median([found_["alpha_outside"] for found_ in found]))
@@ -207,7 +207,7 @@ def fit_of(case: tuple[str, float]) -> Row:
     return row
 
 
-def encoded(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.float64]:
+def encode(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.float64]:
     """Return speeds as one of `ENCODERS` reads them [m/s]."""
     random = np.random.default_rng([20, draw])
     if encoder == "white noise of R":
@@ -218,9 +218,9 @@ def encoded(speed: NDArray[np.float64], encoder: str, draw: int) -> NDArray[np.f
     return speed
 
 
-def fit_table(rows: Sequence[Row]) -> Table:
+def fit_table(rows: Sequence[Row]) -> ReportTable:
     """Return the errors of adhesion outside protection events at each period with each encoder."""
-    return Table(
+    return ReportTable(
         [
             {"test": row["scenario"], "period": f"{1e3 * row['period']:g} ms"}
             | {name: f"{row[name]:.4f}, kept {row[f'{name}, kept']}" for name in ENCODERS}
@@ -240,7 +240,7 @@ def _filters() -> dict[str, Specification]:
     }
 
 
-def _resampled(name: str, period: float, noise: float) -> Scenario:
+def _resample(name: str, period: float, noise: float) -> Scenario:
     """Return a test at another sampling period [s], with another encoder of the roller [m/s]."""
     periods = dict.fromkeys(("communication", "estimator", "trace"), period) | {"controller": max(period, 0.01)}
     changes = [f'periods.{who}="{each} s"' for who, each in periods.items()]
@@ -258,8 +258,8 @@ class RollerRig(Study):
     def page(self, work: Work) -> Page:
         """Return both tests with both filters, and the sliding test with other periods and encoders."""
         scenarios = [load(Path(name)) for name in SCENARIOS]
-        tests = dict(zip(SCENARIOS, work.map(tested, scenarios), strict=True))
-        others = [_resampled("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
+        tests = dict(zip(SCENARIOS, work.map(run_test, scenarios), strict=True))
+        others = [_resample("rig_slide", period, noise) for period in PERIODS for noise in SPEED_NOISES]
         sensitivity = [row for rows in work.map(with_encoder, others) for row in rows]
         rows = _rows(scenarios, list(tests.values()))
         fits = fit_table(work.map(fit_of, [(name, period) for name in SCENARIOS for period in FIT_PERIODS]))
@@ -288,7 +288,7 @@ class RollerRig(Study):
             template="studies/roller_rig.md.jinja",
             values=tables,
             figures={FIRST: figures[FIRST], **charts, **errors_of_tests},
-            tables={"scores.csv": Table(rows), "sensitivity.csv": Table(sensitivity)},
+            tables={"scores.csv": ReportTable(rows), "sensitivity.csv": ReportTable(sensitivity)},
             screen=(
                 tables["published"],
                 scores.without(("α bias", "α largest", "α NEES", "μ sd claimed")),
@@ -300,7 +300,7 @@ class RollerRig(Study):
         """Return errors of adhesion and pad friction in both tests, with both filters, and of the goods wagon."""
         scenarios = [load(Path(name)) for name in SCENARIOS]
         findings: list[Finding] = []
-        for row in _rows(scenarios, work.map(tested, scenarios)):
+        for row in _rows(scenarios, work.map(run_test, scenarios)):
             who = f"{row['scenario']}, {row['filter']}"
             findings += [
                 extreme(f"{who}: adhesion error outside protection events", row["alpha_outside"]),
@@ -331,9 +331,9 @@ def _rows(
     ]
 
 
-def table_of(rows: Sequence[Row], **first: str) -> Table:
+def table_of(rows: Sequence[Row], **first: str) -> ReportTable:
     """Return rows for readers, after the given columns: title → column of the files."""
-    return Table(
+    return ReportTable(
         [{title: row[name] for title, name in (first | _COLUMNS).items()} for row in rows],
         _FORMS,
         left=("scenario", "filter", "kept"),
@@ -367,9 +367,9 @@ def tunings(recording: xarray.Dataset, estimates: Mapping[str, xarray.Dataset]) 
         for row, (state, word) in enumerate((("alpha", "adhesion"), ("mu_b", "pad friction"))):
             at = axes[row, column]
             error = estimated["mean"].sel(state=state).values - truth_of(recording, state)
-            spread = 2.0 * estimated["sd"].sel(state=state).values
+            half_width = 2.0 * estimated["sd"].sel(state=state).values
             reach = max(1.3 * float(np.nanmax(np.abs(error[time >= time[0] + 0.5]))), 1e-3)
-            style.band(at, time, -spread, spread, palette.SKY, 0.35, label="±2σ claimed")
+            style.band(at, time, -half_width, half_width, palette.SKY, 0.35, label="±2σ claimed")
             at.plot(time, error, color=palette.VERMILION, lw=0.6, label="error")
             at.set_ylim(-reach, reach)
             style.dress(

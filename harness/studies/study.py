@@ -10,7 +10,7 @@ from typing import ClassVar
 from railgrip.base.errors import InputError
 from railgrip.base.names import nearest
 from railgrip.base.outputs import make_folder, require_own
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.sources import input_versions
 from railgrip.campaign.work import Work, work
 from railgrip.report.baseline import Finding, Findings
 from railgrip.report.page import FORMATS, Page
@@ -96,7 +96,7 @@ def conduct(
     make_folder(folder)
     with work(study.name, folder, workers=workers, scheduler=scheduler, fresh=fresh) as job:
         page = study.page(job)
-        origin = {"study": study.options, **made_by()}
+        origin = {"study": study.options, **input_versions()}
         page = replace(page, provenance={**origin, **page.provenance})
         job.notify("page")
         return page, page.write(folder, formats)

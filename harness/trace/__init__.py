@@ -9,11 +9,11 @@ both counted from 1, lead to trail. Every variable has its unit. The prefix says
     estimate_wheelset_speed  estimate of the estimator in the loop
 
     from railgrip.trace.netcdf import read_trace
-    from railgrip.trace.read import recorded
+    from railgrip.trace.read import read_recording
     from railgrip.trace.samples import recording_of, samples, truth_of
 
     trace = read_trace(Path("build/trapezoid/trace.nc"))          # a stop's own
-    trace = recorded(Path("run.csv"), table, …).recording         # csv, parquet, mat, mf4 by a map of columns
+    trace = read_recording(Path("run.csv"), table, …).recording   # csv, parquet, mat, mf4 by a map of columns
     trace = recording_of({"speed": (v, "m/s"), "wheelset_speed[1]": (w, "rad/s")}, period=0.01)
     samples(trace, ["speed", "wheelset_speed[1]"], ["m/s", "rad/s"])       # by the names of a model, shape (k, 2)
 

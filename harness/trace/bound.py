@@ -107,8 +107,8 @@ def with_bound(
         for number, member in enumerate(range(members.start, members.stop)):
             peak_each[:, member] = np.interp(time, time[instants], each[:, number])
 
-    group_load = formation.summed(load)
-    peak_adhesion = formation.summed(peak_each * load) / group_load
+    group_load = formation.sum_by_group(load)
+    peak_adhesion = formation.sum_by_group(peak_each * load) / group_load
     demanded = None
     if "driver_demand" in trace:
         # A row holds what was demanded until then: what is demanded now stands in the next one.

@@ -38,7 +38,7 @@ class Treatment:
     may_rest: bool
 
 
-def cleaned(signal: str, time: Vector, values: Vector, treatment: Treatment) -> tuple[Vector, Vector, list[Flag]]:
+def clean(signal: str, time: Vector, values: Vector, treatment: Treatment) -> tuple[Vector, Vector, list[Flag]]:
     """Return the remaining samples with their instants, and the flags.
 
     Args:
@@ -59,7 +59,7 @@ def cleaned(signal: str, time: Vector, values: Vector, treatment: Treatment) -> 
     if treatment.limits is not None:
         low, high = treatment.limits
         leave_out("range", (values < low) | (values > high))
-    still = standing(time, values, treatment.frozen)
+    still = find_repeats(time, values, treatment.frozen)
     zero = still & (values == 0.0)
     if not treatment.may_rest:
         # A locked wheel reads exactly zero for seconds; that must reach the filter, and be said.
@@ -72,7 +72,7 @@ def cleaned(signal: str, time: Vector, values: Vector, treatment: Treatment) -> 
     return time, values, flags
 
 
-def standing(time: Vector, values: Vector, longest: float) -> NDArray[np.bool_]:
+def find_repeats(time: Vector, values: Vector, longest: float) -> NDArray[np.bool_]:
     """Return where a signal repeats itself exactly for longer than `longest` [s], shape (k,)."""
     flags = np.zeros(values.size, dtype=np.bool_)
     if values.size < 2:

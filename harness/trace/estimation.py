@@ -31,16 +31,16 @@ def adhesion_errors(trace: xarray.Dataset) -> dict[str, tuple[float, ...] | None
     truth, estimate = _moving(trace, "group_adhesion"), _moving(trace, "estimate_adhesion")
     if truth is None or estimate is None or len(truth) < 2:
         return dict.fromkeys(_OF_ADHESION)
-    error, spread = estimate - truth, _moving(trace, "estimate_adhesion_sd")
+    error, deviation = estimate - truth, _moving(trace, "estimate_adhesion_sd")
     period = float(trace["time"].values[1] - trace["time"].values[0])
     errors = (
         _row(np.sqrt(np.mean(error**2, axis=0))),
         _row(np.mean(error, axis=0)),
         _row(np.quantile(np.abs(error), 0.95, axis=0)),
-        None if spread is None else _row(np.mean(spread, axis=0)),
-        None if spread is None else _row(np.mean((error / spread) ** 2, axis=0)),
+        None if deviation is None else _row(np.mean(deviation, axis=0)),
+        None if deviation is None else _row(np.mean((error / deviation) ** 2, axis=0)),
         _row(_delay(truth, estimate, period)),
-        None if spread is None else _row(_outside(error, spread)),
+        None if deviation is None else _row(_outside(error, deviation)),
     )
     return dict(zip(_OF_ADHESION, errors, strict=True))
 
@@ -74,8 +74,8 @@ def rmse(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] 
 
 def outside(trace: xarray.Dataset, estimated: str, true: str) -> tuple[float, ...] | None:
     """Return the share of time above 10 km/h with the truth outside ±2σ of an estimate, or None without it."""
-    error, spread = _error(trace, estimated, true), _moving(trace, f"{estimated}_sd")
-    return None if error is None or spread is None else _row(_outside(error, spread))
+    error, deviation = _error(trace, estimated, true), _moving(trace, f"{estimated}_sd")
+    return None if error is None or deviation is None else _row(_outside(error, deviation))
 
 
 def _error(trace: xarray.Dataset, estimated: str, true: str) -> Array | None:
@@ -84,9 +84,9 @@ def _error(trace: xarray.Dataset, estimated: str, true: str) -> Array | None:
     return None if estimate is None or truth is None or not len(estimate) else estimate - truth
 
 
-def _outside(error: Array, spread: Array) -> Array:
+def _outside(error: Array, deviation: Array) -> Array:
     """Return the share of samples beyond two deviations, shape (4,); NaN where the plant does not show the truth."""
-    return np.where(np.isnan(error).any(axis=0), np.nan, np.mean(np.abs(error) > 2.0 * spread, axis=0))
+    return np.where(np.isnan(error).any(axis=0), np.nan, np.mean(np.abs(error) > 2.0 * deviation, axis=0))
 
 
 def innovations(trace: xarray.Dataset) -> tuple[float | None, float | None]:

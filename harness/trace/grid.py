@@ -43,8 +43,8 @@ def on_grid(signal: str, time: Vector, values: Vector, grid: Vector, period: flo
             )
         return result, flags
     if spacing <= 0.5 * period:
-        return _averaged(time, values, grid, period), flags
-    return bridged(time, values, grid, 1.5 * max(spacing, period)), flags
+        return _average(time, values, grid, period), flags
+    return interpolate(time, values, grid, 1.5 * max(spacing, period)), flags
 
 
 def input_on_grid(
@@ -58,16 +58,16 @@ def input_on_grid(
     """
     spacing = float(np.median(np.diff(time)))
     longest = max(longest_gap, 1.5 * spacing)
-    samples = bridged(time, values, grid, longest)
+    samples = interpolate(time, values, grid, longest)
     if spacing <= 0.5 * period:
-        means = _averaged(time, values, grid, period)
+        means = _average(time, values, grid, period)
         samples = np.where(np.isfinite(means), means, samples)
     return samples, [
         f for f in gaps_of(signal, time, grid, 1.5 * max(spacing, period), "bridged") if f.end - f.begin <= longest
     ]
 
 
-def bridged(time: Vector, values: Vector, grid: Vector, longest_gap: float) -> Vector:
+def interpolate(time: Vector, values: Vector, grid: Vector, longest_gap: float) -> Vector:
     """Return a signal interpolated at every instant of `grid`; NaN in longer gaps and beyond the ends."""
     samples = np.interp(grid, time, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(time, grid, side="left"), 1, time.size - 1)
@@ -77,7 +77,7 @@ def bridged(time: Vector, values: Vector, grid: Vector, longest_gap: float) -> V
     return np.where((apart > longest_gap) & ~exact, np.nan, samples)
 
 
-def _averaged(time: Vector, values: Vector, grid: Vector, period: float) -> Vector:
+def _average(time: Vector, values: Vector, grid: Vector, period: float) -> Vector:
     """Return the mean of the samples within half a period of every instant; NaN without samples."""
     place = np.floor((time - grid[0]) / period + 0.5).astype(np.int64)
     inside = (place >= 0) & (place < grid.size)

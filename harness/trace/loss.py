@@ -17,7 +17,7 @@ from railgrip.trace.measures import since_brake_demand
 Array = NDArray[np.float64]
 
 _WIDTHS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0)
-_MOST_SECTIONS = 12
+_MAX_SECTIONS = 12
 _REST = 0.1
 """Share of a section below which the last piece of the track is joined to the section before."""
 
@@ -130,7 +130,7 @@ def _sections(course: StopCourse, lost: Array) -> tuple[SectionLoss, ...]:
     end = float(course.place[-1])
     if end <= 0.0:
         return ()
-    width = next((width for width in _WIDTHS if end / width <= _MOST_SECTIONS), end / _MOST_SECTIONS)
+    width = next((width for width in _WIDTHS if end / width <= _MAX_SECTIONS), end / _MAX_SECTIONS)
     edges = [*np.arange(0.0, end - _REST * width, width).tolist(), end]
     time, speed, so_far = (np.interp(edges, course.place, values) for values in (course.time, course.speed, lost))
     needed = np.diff(edges) - np.diff(so_far)

@@ -110,7 +110,7 @@ def adhesion_allowed(trace: xarray.Dataset) -> float:
     """
     if "peak_adhesion" not in trace:
         return float("nan")
-    load = formation_in(trace).summed(trace["wheelset_load"].values)
+    load = formation_in(trace).sum_by_group(trace["wheelset_load"].values)
     peak = (trace["peak_adhesion"].values * load).sum(axis=1) / load.sum(axis=1)
     square = trace["speed"].values ** 2
     inverse = -np.trapezoid(1.0 / peak, square)
@@ -139,7 +139,7 @@ def over_the_rail(trace: xarray.Dataset) -> float:
     """
     if "peak_adhesion" not in trace:
         return float("nan")
-    load = formation_in(trace).summed(trace["wheelset_load"].values)
+    load = formation_in(trace).sum_by_group(trace["wheelset_load"].values)
     impulse, possible = (
         np.trapezoid((trace[name].values * load).sum(axis=1), trace["time"].values)
         for name in ("group_adhesion", "peak_adhesion")

@@ -171,7 +171,7 @@ class Metrics:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the figures as JSON values."""
-        return {name: _listed(value) for name, value in asdict(self).items()}
+        return {name: _to_lists(value) for name, value in asdict(self).items()}
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> Self:
@@ -182,7 +182,7 @@ class Metrics:
         """
         hints = get_type_hints(cls)
         values: dict[str, Any] = {
-            name: None if value is None and hints.get(name) is not float else _tupled(value)
+            name: None if value is None and hints.get(name) is not float else _to_tuples(value)
             for name, value in plain.items()
         }
         metrics = cls(**dict(_table().model_validate(values)))
@@ -263,16 +263,16 @@ def _mean(values: Each | None) -> float | None:
     return None if values is None else float(np.mean(values))
 
 
-def _listed(value: Any) -> Any:
+def _to_lists(value: Any) -> Any:
     if not isinstance(value, tuple):
         return value
-    return [_listed(element) for element in cast("tuple[Any, ...]", value)]
+    return [_to_lists(element) for element in cast("tuple[Any, ...]", value)]
 
 
-def _tupled(value: Any) -> Any:
+def _to_tuples(value: Any) -> Any:
     if not isinstance(value, list):
         return float("nan") if value is None else value
-    return tuple(_tupled(element) for element in cast("list[Any]", value))
+    return tuple(_to_tuples(element) for element in cast("list[Any]", value))
 
 
 def air_used(trace: xarray.Dataset) -> float:

@@ -37,12 +37,12 @@ def write_trace(trace: xarray.Dataset, path: Path, about: Mapping[str, str | int
         of_all = {key: trace.attrs[key] for key in _OF_ALL if key in trace.attrs}
         for key, value in ({"Conventions": CONVENTIONS} | dict(about) | of_all).items():
             file.attrs[key] = value
-        scales = {name: _written(file, str(name), trace[name]) for name in trace.sizes}
+        scales = {name: _write_variable(file, str(name), trace[name]) for name in trace.sizes}
         for name, scale in scales.items():
             scale.make_scale(str(name))
         for name, samples in trace.variables.items():
             if name not in scales:
-                variable = _written(file, str(name), samples)
+                variable = _write_variable(file, str(name), samples)
                 for axis, dimension in zip(variable.dims, samples.dims, strict=True):
                     axis.attach_scale(scales[dimension])
         file.flush()
@@ -50,7 +50,7 @@ def write_trace(trace: xarray.Dataset, path: Path, about: Mapping[str, str | int
     write_bytes(path, image)
 
 
-def _written(file: h5py.File, name: str, samples: xarray.Variable | xarray.DataArray) -> Any:
+def _write_variable(file: h5py.File, name: str, samples: xarray.Variable | xarray.DataArray) -> Any:
     # A time stamp inside the file would make every file differ.
     variable = file.create_dataset(name, data=np.ascontiguousarray(samples.values), track_times=False)
     for key in sorted(samples.attrs):

@@ -14,7 +14,7 @@ from railgrip.base.errors import EstimationError, UnitError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import Unit, conversion, short, unit
 from railgrip.scenario.quantity import Magnitude
-from railgrip.trace.cleaning import Treatment, cleaned
+from railgrip.trace.cleaning import Treatment, clean
 from railgrip.trace.files import Series, read_series, unit_at_end
 from railgrip.trace.flag import Flag, flags_of, summary
 from railgrip.trace.grid import gaps_of, input_on_grid, on_grid
@@ -23,7 +23,7 @@ from railgrip.trace.table import Column, DataTable, factor_for
 
 Vector = NDArray[np.float64]
 
-_MOST_SAMPLES = 5_000_000
+_MAX_SAMPLES = 5_000_000
 """Of a recording on its grid: a day at 50 Hz."""
 _LARGEST = 1e30
 """Limit of readings in any SI unit; sums of larger numbers overflow."""
@@ -46,7 +46,7 @@ class FileRecording:
     flags: tuple[Flag, ...]
 
 
-def recorded(
+def read_recording(
     path: Path, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], outputs: Sequence[str]
 ) -> FileRecording:
     """Return the recording in a file.
@@ -122,7 +122,7 @@ def _columns(
             continue
         target = units[name.removeprefix(TRUTH)]
         time, values = _rising(path, name, series[column.column], flags)
-        unit_of_column, gain, shift = _converted(path, name, column, series[column.column].unit, target)
+        unit_of_column, gain, shift = _convert_unit(path, name, column, series[column.column].unit, target)
         values = gain * values + shift
         if column.minimum is not None:
             values = np.maximum(values, _si(f"[data.columns] {name} minimum", column.minimum, target))
@@ -132,7 +132,7 @@ def _columns(
             time, values = file_time, values[is_number]
         else:
             values = np.where(is_number, values, np.nan)
-            time, values, changes = cleaned(name, time, values, _treatment(name, column, table, target, name in inputs))
+            time, values, changes = clean(name, time, values, _treatment(name, column, table, target, name in inputs))
             flags += changes
         if time.size < 2:
             raise EstimationError(
@@ -145,7 +145,7 @@ def _columns(
 def require_signals(
     file: str, table: DataTable, units: Mapping[str, str], inputs: Sequence[str], outputs: Sequence[str]
 ) -> None:
-    """Compare the names of a column map with the signals of a model; arguments as for `recorded`.
+    """Compare the names of a column map with the signals of a model; arguments as for `read_recording`.
 
     Raises:
         EstimationError: The map has names that the model lacks, or lacks inputs; each problem in one line.
@@ -190,14 +190,16 @@ def _rising(path: Path, name: str, series: Series, flags: list[Flag]) -> tuple[V
     return time[~again], values[~again]
 
 
-def _converted(path: Path, name: str, column: Column, file_unit: str | None, target: str) -> tuple[str, float, float]:
+def _convert_unit(
+    path: Path, name: str, column: Column, file_unit: str | None, target: str
+) -> tuple[str, float, float]:
     """Return the unit of a column, and gain and shift from its numbers to the model's unit.
 
     Raises:
         EstimationError: No unit is known, its dimension is another, or file and map contradict each other.
     """
     where = f"{path.name}: {name} (column {short(column.column)})"
-    wanted = column.wanted(target)
+    wanted = column.expected_unit(target)
     file_unit = file_unit or unit_at_end(column.column or "", wanted.dimension)
     text = column.unit if column.unit is not None else file_unit
     if text is None:
@@ -265,13 +267,13 @@ def _grid(path: Path, table: DataTable, times: Mapping[str, Vector]) -> Vector:
     ends = [float(time[-1]) for time in times.values()] + ([] if table.end is None else [table.end])
     begin, end = max(begins), min(ends)
     count = math.floor(max((end - begin) / table.period, -1.0) + 1e-6) + 1
-    if count > _MOST_SAMPLES:
+    if count > _MAX_SAMPLES:
         slowest = max(times, key=lambda name: float(np.max(np.diff(times[name]))))
         steps = np.diff(times[slowest])
         at = int(np.argmax(steps))
         raise EstimationError(
             f"{path.name}: from {begin:.6g} s to {end:.6g} s are {count:.3g} samples of {table.period:g} s, and "
-            f"{_MOST_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
+            f"{_MAX_SAMPLES:.0e} are the most; the longest step, {steps[at]:.6g} s, follows "
             f"{times[slowest][at]:.6g} s: see the unit of [data.time], a jump in it, and period in [data]."
         )
     if count < 2:

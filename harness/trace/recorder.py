@@ -157,7 +157,7 @@ def require_stop(path: Path, trace: xarray.Dataset, *, groups: int) -> None:
         raise RecordError(f"{path}: is not the trace of a stop: {'; '.join(problems[:3])}")
 
 
-def thinned(trace: xarray.Dataset, every: int) -> xarray.Dataset:
+def thin(trace: xarray.Dataset, every: int) -> xarray.Dataset:
     """Return every n-th sample and the last one."""
     count = trace.sizes["time"]
     indices = np.unique(np.append(np.arange(0, count, every), count - 1))

@@ -108,7 +108,7 @@ def period_of(trace: xarray.Dataset) -> float:
     if time.size < 2:
         raise EstimationError(f"recording '{_name(trace)}': {time.size} samples; an estimate wants two at least.")
     steps = np.diff(time)
-    period = float(trace.attrs.get("period") or _counted(time))
+    period = float(trace.attrs.get("period") or _infer_period(time))
     worst = int(np.argmax(np.abs(steps - period)))
     if abs(steps[worst] - period) > _OFF_GRID * period:
         raise EstimationError(
@@ -118,7 +118,7 @@ def period_of(trace: xarray.Dataset) -> float:
     return period
 
 
-def _counted(time: Vector) -> float:
+def _infer_period(time: Vector) -> float:
     """Return the period that instants were counted with, of which their differences have lost the last bits."""
     step = float(np.median(np.diff(time)))
     short = float(f"{step:.7g}")

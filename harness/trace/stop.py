@@ -15,7 +15,7 @@ from typing import Any
 import xarray
 from pydantic import ValidationError
 
-from railgrip.base.errors import RecordError, Unwritten
+from railgrip.base.errors import RecordError, WriteFailed
 from railgrip.base.files import finite, write_json
 from railgrip.base.outputs import claim, discard, require_free
 from railgrip.base.records import LARGEST_TRACE, read_bounded, read_json, words_of
@@ -24,7 +24,7 @@ from railgrip.scenario.schema import Scenario
 from railgrip.trace.metrics import Metrics
 from railgrip.trace.netcdf import FILE_NAME as TRACE_FILE
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import require_stop, thinned
+from railgrip.trace.recorder import require_stop, thin
 from railgrip.trace.stored import StoredScenario, StoredStop
 
 STOP_FILE = "stop.json"
@@ -243,7 +243,7 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
 
     Raises:
         RecordError: The folder is that of a campaign, or files of the user are in the way.
-        Unwritten: The disk is full, or may not be written.
+        WriteFailed: The disk is full, or may not be written.
     """
     require_place(directory)
     claim(directory, *FILES)
@@ -265,9 +265,9 @@ def write_stop(stop: Stop, directory: Path, *, keep_trace: bool = True) -> None:
     path = directory / TRACE_FILE
     try:
         if keep_trace:
-            write_trace(thinned(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
+            write_trace(thin(stop.trace, int(stop.scenario.periods.every("trace"))), path, stop.attributes())
             content[_TRACE_DIGEST] = hashlib.sha256(path.read_bytes()).hexdigest()
-    except Unwritten:
+    except WriteFailed:
         _write_content(content, directory)
         raise
     _write_content(content, directory)

@@ -6,7 +6,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat
 
 from railgrip.base.errors import UnitError
 from railgrip.base.units import to_si
-from railgrip.scenario.table import Name, Seed, broken
+from railgrip.scenario.table import Name, Seed, table_error
 
 Digest = Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")]
 
@@ -17,39 +17,39 @@ class Stored(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="allow", allow_inf_nan=False)
 
 
-class _OfKind(Stored):
+class _StoredKind(Stored):
     kind: str
 
 
-class _Start(Stored):
+class _StoredStart(Stored):
     speed: Annotated[FiniteFloat, Field(ge=0, le=1e6)]
 
 
-class _Limits(Stored):
+class _StoredLimits(Stored):
     alpha_max: FiniteFloat
 
 
-class _Curve(Stored):
+class _StoredCurve(Stored):
     name: str
 
 
-class _Patch(Stored):
+class _StoredPatch(Stored):
     mu0: list[FiniteFloat] = []
-    polach: _Curve | None = None
+    polach: _StoredCurve | None = None
 
 
-class _Adhesion(_OfKind):
-    polach: _Curve
-    polach_of_wheelset: list[_Curve] = []
-    patch: list[_Patch] = []
+class _StoredAdhesion(_StoredKind):
+    polach: _StoredCurve
+    polach_of_wheelset: list[_StoredCurve] = []
+    patch: list[_StoredPatch] = []
     calibrated: dict[str, FiniteFloat] = {}
 
 
-class _Constant(_Adhesion):
+class _StoredConstant(_StoredAdhesion):
     mu0: list[FiniteFloat]
 
 
-class _Estimator(_OfKind):
+class _StoredEstimator(_StoredKind):
     model: str = ""
 
 
@@ -62,20 +62,20 @@ def _ratios(parameters: dict[str, Any]) -> dict[str, Any]:
         except UnitError:
             is_ratio = False
         if not is_ratio:
-            raise broken(f"{name} is not a ratio")
+            raise table_error(f"{name} is not a ratio")
     return parameters
 
 
-class _Controller(_OfKind):
+class _StoredController(_StoredKind):
     tuning: str = "paper"
     parameters: dict[str, Any] = {}
 
 
-class _SlipController(_Controller):
+class _StoredSlipController(_StoredController):
     parameters: Annotated[dict[str, Any], AfterValidator(_ratios)] = {}
 
 
-class _Vehicle(Stored):
+class _StoredVehicle(Stored):
     train: str | None = None
     model: str | None = None
     plant: str | None = None
@@ -87,14 +87,14 @@ class StoredScenario(Stored):
     name: Name
     description: str = ""
     seed: Seed
-    vehicle: _Vehicle
-    start: _Start
-    adhesion: _Adhesion
-    sensors: _OfKind
-    actuation: _OfKind
-    estimator: _Estimator
-    controller: _Controller
-    limits: _Limits
+    vehicle: _StoredVehicle
+    start: _StoredStart
+    adhesion: _StoredAdhesion
+    sensors: _StoredKind
+    actuation: _StoredKind
+    estimator: _StoredEstimator
+    controller: _StoredController
+    limits: _StoredLimits
 
     @classmethod
     def check(cls, table: dict[str, Any]) -> None:
@@ -105,9 +105,9 @@ class StoredScenario(Stored):
         """
         scenario = cls.model_validate(table)
         if scenario.adhesion.kind == "constant":
-            _Constant.model_validate(table["adhesion"])
+            _StoredConstant.model_validate(table["adhesion"])
         if scenario.controller.kind.startswith("slip_"):
-            _SlipController.model_validate(table["controller"])
+            _StoredSlipController.model_validate(table["controller"])
 
 
 class StoredStop(Stored):

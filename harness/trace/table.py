@@ -23,10 +23,10 @@ from pydantic import Field, StrictBool, model_validator
 from railgrip.base import units
 from railgrip.base.errors import UnitError
 from railgrip.base.units import conversion, quantity, turning_of, unit
-from railgrip.scenario.quantity import Magnitude, Number, Unit
-from railgrip.scenario.table import Period, Table, broken
+from railgrip.scenario.quantity import Magnitude, Number, UnitRange
+from railgrip.scenario.table import Period, Table, table_error
 
-Time = Annotated[float, Unit("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
+Time = Annotated[float, UnitRange("s", above=0, at_most=1e5, because="no recording of a braking lasts a day")]
 
 
 class TimeColumn(Table):
@@ -63,10 +63,10 @@ class Column(Table):
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
         if (self.column is None) == (self.value is None):
-            raise broken("wants either column or value")
+            raise table_error("wants either column or value")
         return self
 
-    def wanted(self, target: str) -> units.Unit:
+    def expected_unit(self, target: str) -> units.Unit:
         """Return a unit of the dimension that the column must have, which times the factor gives `target`."""
         factor = self.factor.entry
         return unit(target) / quantity(factor)[1] if isinstance(factor, str) else unit(target)
@@ -82,7 +82,7 @@ class Column(Table):
             UnitError: Column times factor has another dimension than the signal, or a factor with a unit multiplies
                 degrees Celsius or Fahrenheit.
         """
-        factor, wanted, times = self.factor.entry, self.wanted(target), ""
+        factor, wanted, times = self.factor.entry, self.expected_unit(target), ""
         number = float(factor) if not isinstance(factor, str) else quantity(factor)[0]
         if isinstance(factor, str):
             times = f" times factor '{factor}'"
@@ -118,8 +118,8 @@ class DataTable(Table):
     spike: Annotated[float, Field(gt=2.0, allow_inf_nan=False)] = Field(
         description="deviations from its neighbours that make a sample an outlier"
     )
-    begin: Annotated[float, Unit("s")] | None = Field(default=None, description="cut, on the file's own axis")
-    end: Annotated[float, Unit("s")] | None = Field(default=None, description="likewise")
+    begin: Annotated[float, UnitRange("s")] | None = Field(default=None, description="cut, on the file's own axis")
+    end: Annotated[float, UnitRange("s")] | None = Field(default=None, description="likewise")
     separator: Annotated[str, Field(min_length=1, max_length=1)] | None = Field(
         default=None, description="of a csv file; found unless given"
     )

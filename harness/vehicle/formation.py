@@ -131,7 +131,7 @@ class Formation:
             yield slice(first, first + count)
             first += count
 
-    def summed(self, values: Array) -> Array:
+    def sum_by_group(self, values: Array) -> Array:
         """Return the sums over the wheelsets of each group: shape (..., wheelsets) → (..., groups)."""
         return np.stack([values[..., members].sum(axis=-1) for members in self.members()], axis=-1)
 

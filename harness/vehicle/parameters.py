@@ -49,7 +49,7 @@ _MASS = "m_wheelset"
 
 
 @dataclass(frozen=True, eq=False)
-class Vehicle:
+class VehicleParameters:
     """A vehicle by its parameters: nominal, as controller and estimator assume it, or true, as it runs.
 
     Attributes:
@@ -73,7 +73,7 @@ class Vehicle:
         """
         self._require_data()
         try:
-            load = self.wheelsets.summed(self.load).tolist()
+            load = self.wheelsets.sum_by_group(self.load).tolist()
             brakes = tuple(Brake(load=load[group], **data) for group, data in enumerate(self._brake_data()))
         except ValueError as problem:
             raise ScenarioError(f"[controller.parameters]: {problem}") from problem
@@ -92,7 +92,7 @@ class Vehicle:
             return pressed and data["units"] > 0 and group not in self.isolated
 
         # Not every plant declares its masses, and the load on its wheels is not needed of a true brake.
-        load = np.full(self.wheelsets.groups, np.inf) if self.mass is None else self.wheelsets.summed(self.load)
+        load = np.full(self.wheelsets.groups, np.inf) if self.mass is None else self.wheelsets.sum_by_group(self.load)
         return tuple(
             Brake(load=float(load[group]), **data) if works(group, data) else None
             for group, data in enumerate(self._brake_data(missing=None))

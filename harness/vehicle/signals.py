@@ -290,7 +290,7 @@ def layout_of(formation: Formation, **vectors: tuple[Signal, ...]) -> Layout:
     return Layout(formation, MappingProxyType(dict(signals)), MappingProxyType(by_role))
 
 
-def sent(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
+def plant_inputs(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
     """Return the inputs of a plant, with the unit of the command: the position of a valve, or a pressure."""
     unit, meaning = ("1", "command to the valves: -1 vent, 0 hold, 1 fill") if pneumatic else (
         "Pa", "commanded brake cylinder pressure",

@@ -14,8 +14,8 @@ from pages import plots_of
 from railgrip.base.errors import RecordError
 from railgrip.base.outputs import RECORD
 from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import kept_result
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.run import find_result
+from railgrip.campaign.sources import input_versions
 from railgrip.scenario.campaign import load_campaign
 
 
@@ -179,12 +179,12 @@ def test_two_campaigns_in_one_command_have_a_report_each(railgrip, project):
 def test_what_another_scenario_or_another_program_left_is_run_again(project, monkeypatch):
     stop = load_campaign(project / "pair.toml").stops[0]
     directory = project / "there"
-    assert kept_result(stop, directory) is None
+    assert find_result(stop, directory) is None
     run(stop.scenario, directory, synthetic_runner.run_stop)
-    assert kept_result(stop, directory) is not None
-    assert kept_result(load_campaign(project / "pair.toml", ["seed=3"]).stops[0], directory) is None
+    assert find_result(stop, directory) is not None
+    assert find_result(load_campaign(project / "pair.toml", ["seed=3"]).stops[0], directory) is None
     monkeypatch.setattr("railgrip.campaign.sources.sources_digest", lambda study: "0" * 64)
-    assert kept_result(stop, directory) is None
+    assert find_result(stop, directory) is None
 
 
 @pytest.mark.parametrize("name", ["python", "casadi", "numpy", "fmpy", "scipy", "rumoca", "C compiler", "FMU compiler"])
@@ -192,10 +192,10 @@ def test_what_another_package_or_compiler_made_is_run_again(project, monkeypatch
     stop = load_campaign(project / "pair.toml").stops[0]
     directory = project / "there"
     run(stop.scenario, directory, synthetic_runner.run_stop)
-    assert kept_result(stop, directory) is not None
-    assert name in made_by()
-    monkeypatch.setattr("railgrip.campaign.run.made_by", lambda: made_by() | {name: "another"})
-    assert kept_result(stop, directory) is None
+    assert find_result(stop, directory) is not None
+    assert name in input_versions()
+    monkeypatch.setattr("railgrip.campaign.run.made_by", lambda: input_versions() | {name: "another"})
+    assert find_result(stop, directory) is None
 
 
 def cut_in_half(path):

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from railgrip.report import console
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 
 HEAVY = {"casadi", "h5py", "matplotlib", "numpy", "pandas", "pint", "scipy", "xarray"}
 
@@ -31,7 +31,7 @@ def test_what_users_wrote_is_shown_as_it_is(railgrip, text):
 
 
 def test_cells_of_a_table_are_shown_as_they_are(capfd):
-    console.show_table(Table([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t"))
+    console.show_table(ReportTable([{"a :x:": "[bold]:x:", "b": "[/]"}], title=":x: [red]t"))
     out = capfd.readouterr().out
     assert ":x: [red]t" in out
     assert "a :x:" in out
@@ -44,7 +44,7 @@ def test_a_table_wider_than_the_screen_keeps_all_columns(monkeypatch, capfd, wid
     numbers = {f"change against law {i}": f"−15.8 % [−15.8 %, −15.{i} %]" for i in range(8)}
     row = {"scenario": "random", "controller": "SBC, three-state, searched"} | numbers
     monkeypatch.setattr(console, "_out", console._console(width=width))
-    console.show_table(Table([row, row]))
+    console.show_table(ReportTable([row, row]))
     out = capfd.readouterr().out
     for text in ("scenario", "random", "controller", "SBC,", "searched", *numbers.values()):
         assert text in out
@@ -79,7 +79,7 @@ def test_what_is_done_before_the_first_line_leaves_none(capfd):
 
 WATCHED = """
 from railgrip.report import console
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 with console.progress("stop :x:", 4, is_count=True) as shown:
     shown.advance("[red]drawing")
 with console.progress("endless") as shown:

@@ -18,7 +18,7 @@ from railgrip.controllers.laws.slip_two_state import SlipLevels
 from railgrip.controllers.tuned import TYPE_TEST, file_of
 from railgrip.scenario.campaign import load_campaign
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.simulate.controller import controller_of
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.entrants import entrants, training
@@ -69,10 +69,10 @@ def test_what_was_found_lies_where_it_was_searched(law, actuation, slip, type_te
 def law_with(actuation: str, slip: str, **controller: str) -> Law:
     """The law of a scenario on this actuation and with this way to know the slip."""
     equipment = CAMPAIGNS.parent / "equipment" / f"{EQUIPMENT[actuation]}.toml"
-    table = merged(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(equipment))
-    table = merged(table, {"controller": controller})
+    table = merge(read_toml(CAMPAIGNS.parent / "library" / "plain.toml"), read_toml(equipment))
+    table = merge(table, {"controller": controller})
     if slip == "read":
-        table = merged(table, {"estimator": {"kind": "none"}})
+        table = merge(table, {"estimator": {"kind": "none"}})
     law = controller_of(VehicleData(scenario_of(table, directory=CAMPAIGNS, origin="plain.toml")))
     assert isinstance(law, Law)
     return law

@@ -26,7 +26,7 @@ class Ours:
 @pytest.mark.parametrize("kind", registry.modules(registry.LAWS))
 def test_laws_of_ours_keep_the_contract(kind):
     law = registry.part(registry.LAWS, kind, GroupLaw)
-    tuning = law.tuned_for("ideal", "read", period=1e-3, pressure_lag=0.0, adhesion_max=0.15)
+    tuning = law.load_tuning("ideal", "read", period=1e-3, pressure_lag=0.0, adhesion_max=0.15)
     check_controller(lambda: Ours(lambda brakes: law(brakes, tuning), law.needs))
 
 

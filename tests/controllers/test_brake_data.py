@@ -12,14 +12,14 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.testing import formations, observations
 from railgrip.vehicle.brake import Brake
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.parameters import Vehicle
+from railgrip.vehicle.parameters import VehicleParameters
 
 LAWS = sorted(registry.modules(registry.LAWS))
 KNOWN = {"m_wheelset[1]": 2e4, "m_wheelset[2]": 2e4, "p_max": 3.4e5, "r_wheel": 0.46}
 
 
 def demands(law: type[GroupLaw], brakes: tuple[Brake, ...], formation: Formation) -> np.ndarray:
-    own = law(brakes, law.tuned_for("ideal", "estimated", period=0.01, adhesion_max=0.15, pressure_lag=0.0))
+    own = law(brakes, law.load_tuning("ideal", "estimated", period=0.01, adhesion_max=0.15, pressure_lag=0.0))
     seen = [one for one in observations(formation, estimated=True) if math.isfinite(one.speed)]
     return np.array([own.decide(one) for one in seen])
 
@@ -38,7 +38,7 @@ def test_a_law_does_not_use_other_data_of_its_brakes_than_it_says(name):
 
 def test_all_missing_data_are_in_one_message_with_their_keys():
     with pytest.raises(ScenarioError) as lacking:
-        _ = Vehicle(Formation((1, 1)), {"r_wheel": 0.46}).formation
+        _ = VehicleParameters(Formation((1, 1)), {"r_wheel": 0.46}).formation
     message = str(lacking.value)
     assert message.startswith("[vehicle.formation] lacks wheelset_load (static force of each wheelset on the rail [N])")
     keys = ("p_max", "n_units", "r_friction", "J", "A_piston", "F_spring", "i_rigging", "eta_rigging")
@@ -48,10 +48,12 @@ def test_all_missing_data_are_in_one_message_with_their_keys():
 
 def test_data_that_no_part_uses_may_be_missing():
     required = frozenset({"pressure_max", "wheel_radius"})
-    formation = Vehicle(Formation((1, 1)), KNOWN, required=required).formation
+    formation = VehicleParameters(Formation((1, 1)), KNOWN, required=required).formation
     assert formation.pressure_max.tolist() == [3.4e5, 3.4e5]
     assert math.isnan(formation.brakes[0].inertia)
     with pytest.raises(ScenarioError, match=r"brakes = \{ n_units \(number of brake units\), r_friction "):
-        _ = Vehicle(Formation((1, 1)), KNOWN).formation
+        _ = VehicleParameters(Formation((1, 1)), KNOWN).formation
     with pytest.raises(ScenarioError, match=r"lacks brakes = \{ p_max \(highest brake cylinder pressure \[Pa\]\) \}"):
-        _ = Vehicle(Formation((1, 1)), {k: v for k, v in KNOWN.items() if k != "p_max"}, required=required).formation
+        _ = VehicleParameters(
+            Formation((1, 1)), {k: v for k, v in KNOWN.items() if k != "p_max"}, required=required
+        ).formation

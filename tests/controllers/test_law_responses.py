@@ -59,7 +59,7 @@ def tuned_laws():
         names = [name for name in SETS if has_set[name]] or [SEARCHED]
         for name, (actuation, period), slip in product(names, PERIODS.items(), ("read", "estimated")):
             try:
-                tuning = law.tuned_for(actuation, slip, name, period=period, adhesion_max=0.15, pressure_lag=0.0)
+                tuning = law.load_tuning(actuation, slip, name, period=period, adhesion_max=0.15, pressure_lag=0.0)
             except ValueError:
                 continue  # a set for valves only
             if (law, tuning, period) not in found.values():

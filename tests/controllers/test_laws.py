@@ -13,12 +13,12 @@ from railgrip.controllers.laws.slip_three_state import SlipThreeState
 from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 from railgrip.controllers.laws.slope_seeking import SlopeSeeking
 
-PAPER_LEVELS = SlipTwoState.tuned_for("ideal", "read", "paper")
-PEAK_SEEKING = AdhesionBased.tuned_for("ideal", "estimated", period=1e-3, adhesion_max=0.15)
-PRINTED = LiteralAdhesionBased.tuned_for(
+PAPER_LEVELS = SlipTwoState.load_tuning("ideal", "read", "paper")
+PEAK_SEEKING = AdhesionBased.load_tuning("ideal", "estimated", period=1e-3, adhesion_max=0.15)
+PRINTED = LiteralAdhesionBased.load_tuning(
     "ideal", "estimated", period=1e-3, adhesion_max=0.15, filter_time=4.2e-3, slip_small=3e-3, adhesion_small=0.015
 )
-SLOPE = SlopeSeeking.tuned_for("pneumatic", "estimated", period=10e-3, pressure_lag=0.0, adhesion_max=0.15)
+SLOPE = SlopeSeeking.load_tuning("pneumatic", "estimated", period=10e-3, pressure_lag=0.0, adhesion_max=0.15)
 
 
 def peak_seeking(**changes):
@@ -110,14 +110,14 @@ def test_two_level_control_keeps_the_slip_between_its_levels():
 
 
 def test_hold_keeps_the_pressure_that_is_measured():
-    law = SlipThreeState([GROUP], SlipThreeState.tuned_for("ideal", "read", "paper"))
+    law = SlipThreeState([GROUP], SlipThreeState.load_tuning("ideal", "read", "paper"))
     assert law.decide(observed(0, SPEED, 0, (0.12,), None, None, (1.234e5,))) == (1.234e5,)
 
 
 @pytest.mark.parametrize("kind", [SlipTwoState, SlipThreeState])
 def test_the_brake_is_applied_before_a_speed_is_known(kind):
     """A radar reads some 50 ms after the demand; a train that waited for it would roll on."""
-    law = kind([GROUP], kind.tuned_for("ideal", "read", "paper"))
+    law = kind([GROUP], kind.load_tuning("ideal", "read", "paper"))
     unknown = float("nan")
     assert law.decide(observed(0, unknown, 0, (unknown,), None, None, (0.0,))) == (3.4e5,)
 

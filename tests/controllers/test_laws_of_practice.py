@@ -134,4 +134,4 @@ def test_a_tuning_that_means_nothing_is_refused(change, sentence):
 @pytest.mark.parametrize("law", [WheelReference, ConstantSlip, ExtremumSeeking])
 def test_every_law_has_a_whole_set_for_each_actuation(law, actuation):
     for slip in ("read", "estimated"):
-        law.tuned_for(actuation, slip, period=PERIOD)
+        law.load_tuning(actuation, slip, period=PERIOD)

@@ -14,12 +14,12 @@ from scipy.io import savemat
 
 from railgrip.base.errors import EstimationError
 from railgrip.base.units import unit
-from railgrip.estimation.plausible import strange_signals
-from railgrip.scenario.load import validated
-from railgrip.trace.cleaning import spikes, standing
+from railgrip.estimation.plausible import check_signals
+from railgrip.scenario.load import validate_table
+from railgrip.trace.cleaning import find_repeats, spikes
 from railgrip.trace.flag import Flag, summary
 from railgrip.trace.grid import input_on_grid, on_grid
-from railgrip.trace.read import FileRecording, recorded
+from railgrip.trace.read import FileRecording, read_recording
 from railgrip.trace.samples import reading_of, unit_of
 from railgrip.trace.table import Column, DataTable
 
@@ -58,11 +58,11 @@ def table(**changes: Any) -> DataTable:
         "spike": 8.0,
     } | {key: value for key, value in changes.items() if key != "columns"}
     columns = {name: c for name, c in (columns | changes.get("columns", {})).items() if c is not None}
-    return validated(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
+    return validate_table(DataTable, written | {"columns": columns}, directory=Path(), origin="run.toml")
 
 
 def taken(path: Path, **changes: Any) -> FileRecording:
-    return recorded(path, table(**changes), UNITS, INPUTS, OUTPUTS)
+    return read_recording(path, table(**changes), UNITS, INPUTS, OUTPUTS)
 
 
 def csv(directory: Path, frame: pd.DataFrame, **options: Any) -> Path:
@@ -289,7 +289,7 @@ def test_a_fast_signal_is_averaged_and_a_slow_one_keeps_its_samples():
 def test_constant_stretches_are_measured_in_seconds():
     time = np.arange(10) * 0.1
     values = np.array([0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 3.0, 3.0, 4.0, 5.0])
-    assert np.flatnonzero(standing(time, values, 0.25)).tolist() == [1, 2, 3, 4]
+    assert np.flatnonzero(find_repeats(time, values, 0.25)).tolist() == [1, 2, 3, 4]
 
 
 def test_offset_and_factor_turn_absolute_into_gauge_pressure(tmp_path):
@@ -320,7 +320,7 @@ def test_the_recipe_of_the_documentation_gives_no_negative_force(tmp_path):
     recording = taken(csv(tmp_path, frame), columns={"pad_force": force}).recording
     expected = np.maximum(8e3 * frame[force["column"]] - 4e3, 0.0)
     np.testing.assert_allclose(reading_of(recording, "pad_force"), expected, rtol=1e-12, atol=1e-9)
-    assert strange_signals(recording, ["pad_force"]) == []
+    assert check_signals(recording, ["pad_force"]) == []
 
 
 PINT = pint.UnitRegistry()

@@ -17,7 +17,7 @@ from railgrip.studies.roller_rig import (
     ENCODERS,
     R_OF_SPEED,
     WRONG_START,
-    encoded,
+    encode,
     excursions,
     outside_events,
     recording_of_rig,
@@ -222,7 +222,7 @@ def test_encoders_err_with_the_variance_that_equation_20_states():
     """Rounding to steps of √(12 R) has the variance R where the speed passes many of them; 1e5 samples tell 1 %."""
     speed = np.linspace(33.0, 1.0, 100_000)
     for encoder in ENCODERS[1:]:
-        first, second = (encoded(speed, encoder, draw) - speed for draw in (0, 1))
+        first, second = (encode(speed, encoder, draw) - speed for draw in (0, 1))
         assert np.var(first) == pytest.approx(R_OF_SPEED, rel=0.02)
         assert not np.array_equal(first, second)
-    assert np.array_equal(encoded(speed, ENCODERS[0], 0), speed)
+    assert np.array_equal(encode(speed, ENCODERS[0], 0), speed)

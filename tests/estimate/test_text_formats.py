@@ -14,10 +14,10 @@ from railgrip.base.errors import EstimationError
 from railgrip.base.units import conversion, unit
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.scenario.curve import read_curve
-from railgrip.scenario.load import validated
+from railgrip.scenario.load import validate_table
 from railgrip.trace.delimited import read_delimited
 from railgrip.trace.files import unit_at_end
-from railgrip.trace.read import recorded
+from railgrip.trace.read import read_recording
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import DataTable
 
@@ -77,7 +77,7 @@ def table(headers: dict[str, str]) -> DataTable:
         "spike": 1e6,  # the ramps are no sensors, and their rounding no noise
         "columns": {name: {"column": headers[name]} for name in SIGNALS},
     }
-    return validated(DataTable, written, directory=Path(), origin="run.toml")
+    return validate_table(DataTable, written, directory=Path(), origin="run.toml")
 
 
 @given(files())
@@ -86,7 +86,7 @@ def test_a_file_of_any_format_reads_back_to_the_same_values(tmp_path_factory, fi
     path = tmp_path_factory.mktemp("format") / "run.csv"
     path.write_bytes(content)
     units = {name: target for name, (target, _) in SIGNALS.items()}
-    recording = recorded(path, table(headers), units, [], list(SIGNALS)).recording
+    recording = read_recording(path, table(headers), units, [], list(SIGNALS)).recording
     assert recording.sizes["time"] == SAMPLES
     for name, expected in values.items():
         # Instants and units are rounded once each: 1e-9 of the largest value.
@@ -176,7 +176,9 @@ def test_the_key_decimal_settles_what_a_comma_means(tmp_path):
     arguments = {"pad_force": "N"}, ["pad_force"], []
 
     def read(decimal):
-        return recorded(path, validated(DataTable, table | decimal, directory=tmp_path, origin="run.toml"), *arguments)
+        return read_recording(
+            path, validate_table(DataTable, table | decimal, directory=tmp_path, origin="run.toml"), *arguments
+        )
 
     assert reading_of(read({"decimal": ","}).recording, "pad_force").tolist() == [50e3, 48.5e3]
     for decimal in ({}, {"decimal": "."}):
@@ -219,16 +221,20 @@ def test_a_second_header_line_has_the_units(tmp_path, row, decimal):
         "columns": {name: {"column": column, "may_rest": True} for name, column in columns.items()},
     }  # fmt: skip
     units = {"speed": "m/s", "wheelset_speed": "rad/s", "pad_force": "N"}
-    table_of_file = validated(DataTable, written, directory=Path(), origin="run.toml")
-    recording = recorded(path, table_of_file, units, ["pad_force"], ["speed", "wheelset_speed"]).recording
+    table_of_file = validate_table(DataTable, written, directory=Path(), origin="run.toml")
+    recording = read_recording(path, table_of_file, units, ["pad_force"], ["speed", "wheelset_speed"]).recording
     assert reading_of(recording, "speed")[0] == pytest.approx(20.0)
     assert reading_of(recording, "wheelset_speed")[0] == pytest.approx(10 * np.pi)
     assert reading_of(recording, "pad_force")[0] == pytest.approx(12.5e3)
     assert not inspect_recording(path, Path("rig_own")).unrecognised
     written["columns"]["speed"]["unit"] = "m/s"
     with pytest.raises(EstimationError, match="the file says it is in 'km/h', the map says 'm/s'"):
-        recorded(
-            path, validated(DataTable, written, directory=Path(), origin="run.toml"), units, ["pad_force"], list(units)
+        read_recording(
+            path,
+            validate_table(DataTable, written, directory=Path(), origin="run.toml"),
+            units,
+            ["pad_force"],
+            list(units),
         )
 
 

@@ -15,7 +15,7 @@ from railgrip.trace.samples import reading_of, truth_of
 PRINTED = {"adhesion_share": 0.5, "resistance_transfer": 1.0, "adhesion_transfer": 0.0}
 
 
-NOISE = load_specification(LIBRARY / "wagon.toml").simulated().noise
+NOISE = load_specification(LIBRARY / "wagon.toml").source_scenario().noise
 
 
 def run(name="wagon_stop", seed=None, noise=NOISE):

@@ -5,12 +5,12 @@ import pytest
 from spread import chi_square_bounds, nees
 
 from railgrip.base.errors import EstimatorError
-from railgrip.estimators.belief import Estimate
+from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.consistency import FAR, WINDOW, delay, loss_step, nis_ratio
 
 
 def test_nees_of_an_error_of_one_standard_deviation_along_one_axis_is_one():
-    estimate = Estimate(mean=np.array([1.0, 2.0]), covariance=np.diag([4.0, 9.0]))
+    estimate = GaussianEstimate(mean=np.array([1.0, 2.0]), covariance=np.diag([4.0, 9.0]))
     assert nees(estimate, np.array([3.0, 2.0])) == pytest.approx(1.0, rel=1e-14)
     assert nees(estimate, np.array([3.0, 5.0])) == pytest.approx(2.0, rel=1e-14)
     assert nees(estimate, np.array([3.0, 5.0]), states=[1]) == pytest.approx(1.0, rel=1e-14)
@@ -23,7 +23,7 @@ def test_nees_holds_for_variances_that_hide_each_other():
     2/(1 − c).
     """
     c, unit = 0.999_999, np.array([1e-12, 1.0, 1e3])
-    estimate = Estimate(mean=np.zeros(3), covariance=((1.0 - c) * np.eye(3) + c) * np.outer(unit, unit))
+    estimate = GaussianEstimate(mean=np.zeros(3), covariance=((1.0 - c) * np.eye(3) + c) * np.outer(unit, unit))
     # 1 − c has ten digits left of sixteen.
     assert nees(estimate, unit) == pytest.approx(3.0 / (1.0 + 2.0 * c), rel=1e-9)
     assert nees(estimate, unit * np.array([1.0, -1.0, 0.0])) == pytest.approx(2.0 / (1.0 - c), rel=1e-9)
@@ -57,7 +57,7 @@ def test_questions_without_an_answer_get_a_sentence():
     with pytest.raises(EstimatorError, match=r"before the step at 5\.0 s"):
         delay(np.arange(3.0), np.zeros(3), np.zeros(3), 5.0, 0.1)
     with pytest.raises(EstimatorError, match=r"a mean of 2 states wants a covariance of shape \(2, 2\)"):
-        Estimate(mean=np.zeros(2), covariance=np.eye(3))
+        GaussianEstimate(mean=np.zeros(2), covariance=np.eye(3))
 
 
 def test_the_nis_ratio_of_a_consistent_filter_is_one_whatever_its_sensors_deliver():

@@ -14,7 +14,7 @@ from small_models import runge_kutta
 from spread import chi_square_bounds, nees
 
 from railgrip.base.errors import EstimatorError, FilterDiverged
-from railgrip.estimators.belief import Estimate
+from railgrip.estimators.belief import GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.consist import Consist, Part, part_equations
 from railgrip.estimators.decentralised import DecentralisedFilter
@@ -229,7 +229,7 @@ def test_mean_nees_and_nis_lie_in_their_chi_square_bounds(train, sensors, releas
             filter_.advance()
             squares[k, run] = filter_.squared_innovation
             if k + 1 in INSTANTS:
-                belief = Estimate(mean=filter_.mean.copy(), covariance=filter_.joint())
+                belief = GaussianEstimate(mean=filter_.mean.copy(), covariance=filter_.joint())
                 errors[INSTANTS.index(k + 1), run] = nees(belief, true.state[k, run])
     confidence = 1.0 - 0.05 / 60
     low, high = chi_square_bounds(n, RUNS, confidence)

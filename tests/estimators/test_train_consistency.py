@@ -40,7 +40,7 @@ from scipy.optimize import root
 from small_models import runge_kutta
 from spread import chi_square_bounds, nees
 
-from railgrip.estimators.belief import Estimate, Matrix, Vector
+from railgrip.estimators.belief import GaussianEstimate, Matrix, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS, pad_gate
@@ -191,7 +191,7 @@ def checks(
         for j, (begin, end) in enumerate(zip((0, *INSTANTS), INSTANTS, strict=False)):
             part = slice(begin, end)
             followed = ours.follow(belief, true.held[part], true.seen[part, run])
-            belief = Estimate(mean=ours.mean.copy(), covariance=ours.covariance.copy())
+            belief = GaussianEstimate(mean=ours.mean.copy(), covariance=ours.covariance.copy())
             errors[j, run] = nees(belief, true.state[end - 1, run])
             squares[part, run] = followed.squared_innovation
             innovations[part, run] = true.seen[part, run] - followed.expectation

@@ -8,14 +8,23 @@ import pytest
 
 from railgrip.base.errors import EstimationError, EstimatorError, ScenarioError
 from railgrip.campaign.work import work
-from railgrip.estimation.braking import braked, braking_of, driven
+from railgrip.estimation.braking import brake_mask, braking_of, traction_mask
 from railgrip.estimation.observable import observe, with_estimates_as_truth
 from railgrip.estimation.sources import recording_for
 from railgrip.estimation.spec import estimate_of
 from railgrip.report.style import save
 from railgrip.rolling_stock.files import load_train
 from railgrip.studies.field_test import figures, filtering
-from railgrip.studies.field_test.filtering import NOISES, PHYSICAL, Noise, follow, load_noise, lost, save_noise, task_of
+from railgrip.studies.field_test.filtering import (
+    NOISES,
+    PHYSICAL,
+    Noise,
+    divergence_time,
+    follow,
+    load_noise,
+    save_noise,
+    task_of,
+)
 from railgrip.studies.field_test.published import oscillation
 from railgrip.studies.field_test.runs import cases
 from railgrip.studies.field_test.runs import run as run_case
@@ -51,7 +60,7 @@ def filter_(task, model):
 
 
 def test_the_case_is_driven_as_in_table_4(run):
-    brakes = int(np.argmax(braked(run)))
+    brakes = int(np.argmax(brake_mask(run)))
     # The driver compares the speed every 5 ms: 65 km/h to 1 mm/s.
     assert truth_of(run, "v")[brakes] * 3.6 == pytest.approx(65.0, abs=0.01)
     pressures = [reading_of(run, f"cylinder_pressure[{i}]")[-1] / 1e5 for i in (1, 2)]
@@ -63,10 +72,10 @@ def test_case_6_has_the_times_of_figure_3():
     """Drives to 20 s and from 38 to 70 s, braking from 80 s at 85 km/h, standstill at 102 s."""
     run = run_case(("c6", cases()["c6"])).recording
     time, speed = run["time"].values, truth_of(run, "v")
-    starts = np.flatnonzero(np.diff(driven(run).astype(int)) == 1) + 1
+    starts = np.flatnonzero(np.diff(traction_mask(run).astype(int)) == 1) + 1
     # A sample of the trace; the demand changes between two of them.
     assert time[starts] == pytest.approx([0.0, 38.0], abs=0.03)
-    brakes = int(np.argmax(braked(run)))
+    brakes = int(np.argmax(brake_mask(run)))
     assert time[brakes] == pytest.approx(80.0, abs=0.03)
     # The paper rounds speeds to 1 km/h and times to 1 s.
     assert 3.6 * speed[brakes] == pytest.approx(85.0, abs=0.5)
@@ -106,9 +115,11 @@ def test_the_friction_of_the_train_is_found_but_not_its_shares(task, filter_):
 
 def test_innovations_reveal_an_overconfident_filter(task, filter_):
     """With variances scaled by 1e-8 gains and means are unchanged, so only innovations can reveal it."""
-    assert lost(task, follow(task, filter_, PHYSICAL)) is None
-    overconfident = follow(task, filter_, PHYSICAL.scaled(1e-8, 1e-8), start_scale=1e-8)
-    assert lost(task, overconfident) == pytest.approx(100 * task.data.period)  # after the first window of steps
+    assert divergence_time(task, follow(task, filter_, PHYSICAL)) is None
+    overconfident = follow(task, filter_, PHYSICAL.scale(1e-8, 1e-8), start_scale=1e-8)
+    assert divergence_time(task, overconfident) == pytest.approx(
+        100 * task.data.period
+    )  # after the first window of steps
 
 
 def test_five_rates_do_not_determine_eight_frictions(model):
@@ -133,7 +144,7 @@ def test_a_file_of_the_train_gives_the_estimates_of_the_run(run, tmp_path):
     specification = filtering.specification()
     data, columns = specification.data, {"time": run["time"].values}
     factors = {"km/h": 3.6, "rev/min": 30.0 / np.pi, "bar": 1e-5}
-    train = with_signals(run, {"driving": (driven(run), "1"), "braking": (braked(run), "1")})
+    train = with_signals(run, {"driving": (traction_mask(run), "1"), "braking": (brake_mask(run), "1")})
     for name, column in data.columns.items():
         columns[column.column] = reading_of(train, name) * factors.get(column.unit, 1.0)
     other_columns = {name: column for name, column in data.columns.items() if name != "braking"}
@@ -154,7 +165,7 @@ def test_a_file_of_the_train_gives_the_estimates_of_the_run(run, tmp_path):
 
 
 def test_a_retuned_filter_equals_a_new_one(task, model):
-    noise, data = PHYSICAL.scaled(3.0, 0.2), task.data
+    noise, data = PHYSICAL.scale(3.0, 0.2), task.data
     new, other = filtering.filter_of(model, data.period, noise), filtering.filter_of(model, data.period)
     other.retune(noise.process, noise.readings)
     start = new.start(data.mean, data.variance)
@@ -170,7 +181,7 @@ def test_the_objective_of_the_paper_has_blind_spots(task, filter_):
     # Gains are equal but for rounding; the claimed variance follows the factor exactly.
     np.testing.assert_allclose(sweep["deviation"], sweep["deviation"][0], rtol=1e-6)
     np.testing.assert_allclose(sweep["nees"] * sweep["factor"], sweep["nees"][0] * sweep["factor"][0], rtol=1e-6)
-    honest, blind = (terms_of(task, follow(task, filter_, PHYSICAL.scaled(f, 1.0))) for f in (1.0, 1e-7))
+    honest, blind = (terms_of(task, follow(task, filter_, PHYSICAL.scale(f, 1.0))) for f in (1.0, 1e-7))
     assert value("paper", [blind]) < 0.01 * value("paper", [honest])
     assert value("consistent", [blind]) > value("consistent", [honest])
 

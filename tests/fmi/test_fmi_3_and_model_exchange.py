@@ -21,7 +21,7 @@ from railgrip.fmus.native.toolchain import shared_library
 from railgrip.report.stop import Stop
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.simulate.mapped import mapped
+from railgrip.simulate.mapped import find_mapping
 from railgrip.simulate.run import run_stop
 
 ROOT = Path(__file__).parents[2]
@@ -271,7 +271,7 @@ def test_a_train_of_arrays_by_fmi_3_is_mapped_and_stops(tmp_path: Path):
         file = builder.FmuBuilder.build_FMU(script, folder, needsExecutionTool=False)
         description = describe(file)
         assert (description.fmi, description.co_simulation is None) == (3, way == "ModelExchange")
-        draft = mapped(description, wheelsets_per_group=(), speed=20.0, period=PERIOD)
+        draft = find_mapping(description, wheelsets_per_group=(), speed=20.0, period=PERIOD)
         table = {name: entry.plain for name, entry in draft.table.items()}
         assert table["wheelset_speed"] == "wheel_speed[{i}]"
         assert all(finding.good for finding in draft.findings)

@@ -14,7 +14,7 @@ from railgrip.fmi import (
     describe,
     open_plant,
 )
-from railgrip.simulate.loop.parts import Plant
+from railgrip.simulate.loop.parts import LoopPlant
 
 PERIOD = 1e-3
 AT_LEISURE = FmuLimits(patience=100.0)
@@ -32,7 +32,7 @@ def test_the_numbers_are_those_of_the_same_process(foundry: Path):
     outputs: list[np.ndarray] = []
     for kind in (CoSimulation, IsolatedCoSimulation):
         with kind(description, tied(description), period=PERIOD, parameters={"rate": 5.0}) as plant:
-            assert isinstance(plant, Plant)
+            assert isinstance(plant, LoopPlant)
             rows = [plant.start(inputs[0])]
             rows += [plant.step(u) for u in inputs]
             assert (plant.sample, plant.time) == (20, 0.02)

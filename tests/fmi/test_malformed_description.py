@@ -12,7 +12,7 @@ from tiny_fmu import tiny, xml
 
 from railgrip.base.errors import FmuError, RailgripError
 from railgrip.fmi import Description, Signal, bind, describe
-from railgrip.fmi.draft import drafted
+from railgrip.fmi.draft import draft_mapping
 from railgrip.fmi.parameters import assignments
 
 FUZZ = int(os.environ.get("RAILGRIP_FUZZ", "100"))
@@ -49,7 +49,7 @@ def use(file: Path) -> Description:
     signals = {name: Signal(name=name, unit=unit, size=0, needed=True) for name, unit in UNITS.items()}
     bind(description, inputs=[signals["u"]], outputs=[signals["x"], signals["y"]])
     assignments(description, {"rate": 5.0, "label": "x", "allowed": 3})
-    drafted(description, {"u": (signals["u"], "input"), "x": (signals["x"], "output")})
+    draft_mapping(description, {"u": (signals["u"], "input"), "x": (signals["x"], "output")})
     return description
 
 

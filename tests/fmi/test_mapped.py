@@ -11,9 +11,9 @@ from faulty_fmu import faulty_fmu
 from railgrip.base.units import conversion, unit
 from railgrip.fmi import Description, Signal, bind, describe
 from railgrip.fmi.description import Variable
-from railgrip.fmi.draft import arrays_of, drafted
-from railgrip.simulate.mapped import Draft, Entry, _corrected, mapped
-from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, tried
+from railgrip.fmi.draft import arrays_of, draft_mapping
+from railgrip.simulate.mapped import MappingDraft, SignalMapping, _correct, find_mapping
+from railgrip.simulate.trial import GOOD_RAIL, POOR_RAIL, run_trial
 from railgrip.simulate.vehicle import catalogue_brakes
 from railgrip.vehicle.formation import Formation
 from railgrip.vehicle.signals import layout_of
@@ -61,7 +61,7 @@ WHEELS = Signal(name="wheelset_speed", unit="rad/s", size=3, needed=True)
 def test_arrays_are_found_under_names_of_many_kinds(names, entry):
     description = described(output=[*names, "speed", "distance"])
     signals = {"wheelset_speed": (WHEELS, "output")}
-    table = drafted(description, signals)
+    table = draft_mapping(description, signals)
     assert table == {"wheelset_speed": entry}
     written = list(entry) if isinstance(entry, tuple) else entry
     stated = {"variable": written, "unit": "rad/s"} if isinstance(written, str) else [
@@ -78,7 +78,7 @@ def test_usual_abbreviations_are_recognised():
         "start_speed": (Signal(name="start_speed", unit="m/s", size=0, needed=False), "parameter"),
     }
     causalities = {"input": ["bcp_cmd_1", "bcp_cmd_2"], "output": ["bcp_1", "bcp_2"], "parameter": ["v_init", "r"]}
-    table = drafted(described(**causalities), signals)
+    table = draft_mapping(described(**causalities), signals)
     assert table == {"pressure_command": "bcp_cmd_{i}", "cylinder_pressure": "bcp_{i}", "start_speed": "v_init"}
 
 
@@ -93,7 +93,7 @@ def test_a_variable_is_used_once():
         "speed": (Signal(name="speed", unit="m/s", size=0, needed=True), "output"),
         "slip": (Signal(name="slip", unit="1", size=3, needed=False), "output"),
     }
-    table = drafted(described(output=["v", "omega_1", "omega_2", "omega_3"]), signals)
+    table = draft_mapping(described(output=["v", "omega_1", "omega_2", "omega_3"]), signals)
     assert table == {"wheelset_speed": "omega_{i}", "speed": "v"}
 
 
@@ -146,19 +146,19 @@ class Train:
         return row
 
 
-def corrected(factors) -> Draft:
+def corrected(factors) -> MappingDraft:
     table = {
-        name: Entry(Signal(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
+        name: SignalMapping(Signal(name=name, unit=own, size=0, needed=True), name, 1.0, "" if own == "1" else own)
         for name, own in UNITS.items()
     }
 
     def run(now):
         return tuple(
-            tried(LAYOUT, Train(factors, now), period=PERIOD, release=(0.0, 0.0), brake=FULL, friction=friction)
+            run_trial(LAYOUT, Train(factors, now), period=PERIOD, release=(0.0, 0.0), brake=FULL, friction=friction)
             for friction in (GOOD_RAIL, POOR_RAIL)
         )
 
-    return _corrected(Draft(table=table, missing=(), formation=FORMATION), run, START)
+    return _correct(MappingDraft(table=table, missing=(), formation=FORMATION), run, START)
 
 
 KMH, BAR, KPA, RPM = 3.6, 1e-5, 1e-3, 30 / np.pi
@@ -199,10 +199,13 @@ def test_units_and_signs_that_a_run_shows_to_be_wrong_are_corrected_and_told(fac
 
 def test_a_unit_is_stated_where_the_fmu_has_none_and_scaled_where_it_has():
     signal = Signal(name="speed", unit="m/s", size=0, needed=True)
-    assert Entry(signal, "v", 1.0, "m/s").scaled(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
-    assert Entry(signal, "v", 1.0, "").scaled(1 / 3.6).plain == {"variable": "v", "scale": pytest.approx(1 / 3.6)}
-    assert Entry(signal, "v", 1.0, "").scaled(-1.0).plain == "-v"
-    assert Entry(signal, ("a", "b"), -1.0, "").plain == ["-a", "-b"]
+    assert SignalMapping(signal, "v", 1.0, "m/s").rescale(1 / 3.6).plain == {"variable": "v", "unit": "km/h"}
+    assert SignalMapping(signal, "v", 1.0, "").rescale(1 / 3.6).plain == {
+        "variable": "v",
+        "scale": pytest.approx(1 / 3.6),
+    }
+    assert SignalMapping(signal, "v", 1.0, "").rescale(-1.0).plain == "-v"
+    assert SignalMapping(signal, ("a", "b"), -1.0, "").plain == ["-a", "-b"]
 
 
 def test_the_printed_tables_are_toml_that_binds(foundry: Path):
@@ -210,7 +213,7 @@ def test_the_printed_tables_are_toml_that_binds(foundry: Path):
     theirs = ("front.n", "axle2.n", "axle3.n", "rear.n")
     names |= {f"wheelset_speed[{i}]": name for i, name in enumerate(theirs, start=1)}
     description = describe(faulty_fmu(foundry, names=names, defined=("SIGN=-1", "GRIP=0.0981")))
-    draft = mapped(description, wheelsets_per_group=(), speed=20.0, period=1e-3)
+    draft = find_mapping(description, wheelsets_per_group=(), speed=20.0, period=1e-3)
     text = "\n".join(draft.lines())
     table = tomllib.loads(text)["vehicle"]["map"]
     assert table["wheelset_speed"] == list(theirs)
@@ -222,6 +225,6 @@ def test_the_printed_tables_are_toml_that_binds(foundry: Path):
 
 def test_what_is_not_found_is_told_with_its_unit(foundry: Path):
     description = describe(faulty_fmu(foundry, names={"speed": "quantity_12"}))
-    lines = list(mapped(description, wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
+    lines = list(find_mapping(description, wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
     assert "# speed = ?  # needed, in m/s: nothing like it was found" in lines
     assert any(line.startswith("# not used: ") and "quantity_12" in line for line in lines)

@@ -19,7 +19,7 @@ from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.export import controller_fmu
-from railgrip.simulate.mapped import mapped
+from railgrip.simulate.mapped import find_mapping
 from railgrip.simulate.parts_in_c import part_fmu
 from railgrip.simulate.roles import role_of
 from railgrip.simulate.run import run_stop
@@ -187,7 +187,7 @@ def completed(text: str, wheelsets: int, leave_out: str = "") -> str:
 def plant_text(foundry: Path) -> str:
     """Return what is printed for a plant that declares nothing of itself, of a formation unlike the library's."""
     file = faulty_fmu(foundry, names={"speed": "v_train"})
-    return "\n".join(mapped(describe(file), wheelsets_per_group=(), speed=20.0, period=1e-2).lines())
+    return "\n".join(find_mapping(describe(file), wheelsets_per_group=(), speed=20.0, period=1e-2).lines())
 
 
 def scenario_with(text: str, foundry: Path, folder: Path, controller: str) -> Path:
@@ -215,7 +215,7 @@ def test_a_line_that_is_always_required_is_named_when_it_is_missing(plant_text, 
 
 
 def test_a_plant_with_parameters_of_our_names_is_printed_with_their_values():
-    lines = list(mapped(describe(fmu("TwoPartTrain")), wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
+    lines = list(find_mapping(describe(fmu("TwoPartTrain")), wheelsets_per_group=(), speed=20.0, period=1e-3).lines())
     table = tomllib.loads("\n".join(lines))["vehicle"]["formation"]
     assert table["brakes"]["p_max"] == [3.4e5, 2e5, 2e5, 3.4e5]
     assert table["brakes"]["n_units"] == [3, 2, 2, 3]

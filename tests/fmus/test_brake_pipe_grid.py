@@ -45,7 +45,7 @@ def test_the_table_states_the_error_of_the_grid_of_trains():
 def test_the_quick_form_has_an_error_against_a_finer_grid():
     """A front that is faster by 1 % with every cell: the error is that of the cells between both grids."""
     work = SimpleNamespace(map=lambda function, grids: [{(0.0, "none"): 250.0 * 1.01**cells} for cells in grids])
-    (row,) = brake_pipe.BrakePipe(quick=True).page(work).screen[0].rows
+    (row,) = brake_pipe.BrakePipeStudy(quick=True).page(work).screen[0].rows
     finest = int(list(row)[-2].removesuffix(" cells"))
     assert finest > CELLS_OF_A_CAR
     assert row["grid error"] == pytest.approx(1.01 ** (CELLS_OF_A_CAR - finest) - 1)

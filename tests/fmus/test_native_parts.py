@@ -13,7 +13,7 @@ from small_fmus import FEATURES
 from railgrip.base.errors import BuildFailed, CompilerMissing
 from railgrip.fmus.native import equations, lower, toolchain
 from railgrip.fmus.native.code import RUNTIME
-from railgrip.fmus.native.elimination import MOST_ENTRIES, MOST_PRODUCTS, eliminate
+from railgrip.fmus.native.elimination import MAX_ENTRIES, MAX_PRODUCTS, eliminate
 from railgrip.fmus.native.straight import LONGEST, straight
 from railgrip.fmus.native.tape import interpreter, tape
 
@@ -74,7 +74,7 @@ def test_a_cancelled_pivot_is_reported():
     assert library.factor(at(jacobian), 6.0, at(factors)) == 0
 
 
-@pytest.mark.parametrize("n", [math.isqrt(MOST_ENTRIES) + 1, round((3 * MOST_PRODUCTS) ** (1 / 3)) + 2])
+@pytest.mark.parametrize("n", [math.isqrt(MAX_ENTRIES) + 1, round((3 * MAX_PRODUCTS) ** (1 / 3)) + 2])
 def test_elimination_with_too_many_entries_or_products_is_left_to_pivoting(n):
     """A full matrix of n unknowns has n² entries, and takes (n − 1) n (2 n − 1) / 6 products."""
     library, factors = elimination_library(n, [(i, j) for j in range(n) for i in range(n)])

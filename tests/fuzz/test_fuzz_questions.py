@@ -20,10 +20,10 @@ import railgrip.scenario
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.adhesion import profile_of
 from railgrip.scenario.campaign import campaign_of
-from railgrip.scenario.load import load, scenario_of, validated
-from railgrip.scenario.merge import merged
+from railgrip.scenario.load import load, scenario_of, validate_table
+from railgrip.scenario.merge import merge
 from railgrip.scenario.track.table import track_force_of
-from railgrip.trace.read import recorded
+from railgrip.trace.read import read_recording
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import DataTable
 
@@ -117,7 +117,7 @@ def changed(table, draw):
 def test_a_mutated_scenario_is_asked_about_or_refused(data):
     table = tomllib.loads(data.draw(st.sampled_from(SCENARIOS)).read_text(encoding="utf-8"))
     if data.draw(st.booleans()):
-        table = merged(table, SERVICE)
+        table = merge(table, SERVICE)
     for _ in range(data.draw(st.integers(1, 3))):
         changed(table, data.draw)
 
@@ -126,7 +126,7 @@ def test_a_mutated_scenario_is_asked_about_or_refused(data):
         scenario.digest()
         profile_of(scenario, TWO_PART_TRAIN)
         track_force_of(scenario.track, 84e3)
-        scenario.sensors.opened(scenario, LAYOUT, 0.38)
+        scenario.sensors.open(scenario, LAYOUT, 0.38)
 
     answered(question)
 
@@ -234,8 +234,8 @@ def test_a_damaged_recording_is_mended_or_refused(data, tmp_path):
     inputs = ["pad_force"]
 
     def question():
-        read = validated(DataTable, table, directory=tmp_path, origin="map.toml")
-        record = recorded(path, read, UNITS, inputs, ["speed", "wheelset_speed"])
+        read = validate_table(DataTable, table, directory=tmp_path, origin="map.toml")
+        record = read_recording(path, read, UNITS, inputs, ["speed", "wheelset_speed"])
         assert record.recording.sizes["time"] >= 2
         assert np.isfinite(reading_of(record.recording, "pad_force")).all()
 

@@ -15,7 +15,7 @@ from railgrip.studies.k_factors.rare import (
     Sample,
     estimates,
     importance_sample,
-    pooled,
+    pool_samples,
     states_of,
     subset_cost,
     subset_sample,
@@ -176,7 +176,7 @@ def test_the_quantile_of_equal_weights_is_that_of_the_empirical_distribution(val
 def test_the_quantile_of_a_mixture_lies_between_those_of_its_parts(first, second, share, probability):
     parts = [Sample(np.array(v), np.full(len(v), 1 / len(v))) for v in (first, second)]
     quantiles = sorted(part.quantile(probability) for part in parts)
-    result = pooled(parts, [share, 1 - share]).quantile(probability)
+    result = pool_samples(parts, [share, 1 - share]).quantile(probability)
     low, high = (Sample(part.values, part.weights) for part in parts)
     assert min(low.values[0], high.values[0]) <= result
     # rounding of the sums of weights may move it to the next value

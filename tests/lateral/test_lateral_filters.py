@@ -134,7 +134,7 @@ def test_innovations_reveal_a_lost_filter(plant, lost):
 
 STEPS = 300
 SPEED = 25.0
-CASE = LateralCase(test=TESTS[0].shortened(STEPS * PERIOD), speed=SPEED, plant="paper", seed=5)
+CASE = LateralCase(test=TESTS[0].shorten(STEPS * PERIOD), speed=SPEED, plant="paper", seed=5)
 
 
 def test_one_call_and_single_steps_agree_to_the_last_bit(monkeypatch):

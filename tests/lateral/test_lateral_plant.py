@@ -96,7 +96,7 @@ def test_the_force_never_exceeds_friction_times_load():
 def test_torque_of_the_motor_accelerates_train_and_wheels(name):
     """Force over the mass with that of the wheels, Newton's law: the wheels roll and no force is lost to wander."""
     variant = PLANTS[name]
-    drawn = course(TESTS[0].shortened(0.5), 1, variant)
+    drawn = course(TESTS[0].shorten(0.5), 1, variant)
     with wheelset(25.0, variant) as plant:
         plant.start(drawn.inputs[0])
         rows = plant.follow(drawn.inputs)

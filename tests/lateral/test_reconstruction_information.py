@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from railgrip.studies.lateral.reconstruction import information_of, observed, refused
+from railgrip.studies.lateral.reconstruction import information_of, observability_by_condition, surface_change_table
 from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 
@@ -11,7 +11,7 @@ from railgrip.studies.lateral.wheelset import CONDITIONS, PERIOD, TESTS
 @pytest.fixture(scope="module")
 def found():
     return information_of(
-        simulate(LateralCase(test=TESTS[-1].shortened(2.5), speed=25.0, plant="paper", seed=1), names=())
+        simulate(LateralCase(test=TESTS[-1].shorten(2.5), speed=25.0, plant="paper", seed=1), names=())
     )
 
 
@@ -29,5 +29,7 @@ def test_a_change_of_the_surface_is_beyond_the_process_noise(found):
     assert found.jump[0] > 0.05
     assert found.allowed == pytest.approx(np.sqrt(1e-12 * 0.5 / PERIOD))
     assert np.all(found.jump > 100 * found.allowed)
-    assert [row["state"] for row in refused([found]).texts] == ["friction", "force"]
-    assert [row["condition"] for row in observed([found]).texts] == [condition.name for condition in CONDITIONS]
+    assert [row["state"] for row in surface_change_table([found]).texts] == ["friction", "force"]
+    assert [row["condition"] for row in observability_by_condition([found]).texts] == [
+        condition.name for condition in CONDITIONS
+    ]

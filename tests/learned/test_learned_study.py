@@ -8,12 +8,12 @@ from one_process import one_process
 
 from railgrip.campaign.work import work
 from railgrip.estimators.learned.preprocessing import COMBINATIONS
-from railgrip.report.page import rendered
+from railgrip.report.page import render
 from railgrip.report.style import save
 from railgrip.studies.axle_box.evaluate import TrainingRecipe
 from railgrip.studies.axle_box.reduction import LabelledRun
-from railgrip.studies.axle_box.results import compared, draw, tables_of
-from railgrip.studies.axle_box.training import QUICK, concluded, dry_or_not, estimators_of, passes
+from railgrip.studies.axle_box.results import compare_with_paper, draw, tables_of
+from railgrip.studies.axle_box.training import QUICK, dry_or_not, estimators_of, passes, train_and_judge
 
 SIZE = replace(QUICK, starts=2, members=6)
 
@@ -36,12 +36,12 @@ def study():
     numbers = iter(range(1000))
     runs = {name: [made_up(run, next(numbers)) for run in part] for name, part in sets.items()}
     with one_process(), work("axle_box") as own:
-        return concluded(SIZE, runs, TrainingRecipe(starts=2, steps=40), own)
+        return train_and_judge(SIZE, runs, TrainingRecipe(starts=2, steps=40), own)
 
 
 def report(study):
-    tables = tables_of(study) | {"compared": compared(study)}
-    return rendered("studies/axle_box/report.md.jinja", **tables, figures={})
+    tables = tables_of(study) | {"compared": compare_with_paper(study)}
+    return render("studies/axle_box/report.md.jinja", **tables, figures={})
 
 
 def test_the_study_reveals_that_networks_recognise_runs(study):
@@ -56,7 +56,7 @@ def test_the_error_beside_figure_13_is_that_of_the_network_drawn(study):
     for run in study.runs[60]:
         # The last fifth of 100 blocks, which training did not have.
         run_errors.append(study.networks[60](study.recipe.blocks(run)[80:]) - run.friction)
-    rows = {row["figure"]: row for row in compared(study).texts}
+    rows = {row["figure"]: row for row in compare_with_paper(study).texts}
     assert rows["Fig. 13"]["published"] == "0.0027"
     assert rows["Fig. 13"]["ours"] == f"{np.abs(run_errors).mean():.4f}"
     # A number that was chosen after the published one is not compared with it.

@@ -9,7 +9,7 @@ from railgrip.estimators.learned import network as nn
 from railgrip.estimators.learned.ensemble import fit
 from railgrip.estimators.learned.preprocessing import BLOCKS, COMBINATIONS, Chain, Scale, motions
 from railgrip.estimators.learned.spectral import Spectral
-from railgrip.studies.axle_box.evaluate import TrainingRecipe, exchanged, within_runs, without_each
+from railgrip.studies.axle_box.evaluate import TrainingRecipe, exchange_labels, within_runs, without_each
 from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun
 
 
@@ -18,7 +18,7 @@ def test_the_high_pass_keeps_the_offset_of_the_first_sample():
     chain = Chain(rate=512, block=8)
     raw = np.full((512 * 20, 1), 270.0)
     raw[0] = 268.5  # vibration at the first sample
-    first = chain.filtered(raw)[-1, 0]
+    first = chain.filter(raw)[-1, 0]
     assert first == pytest.approx(1.5 * np.exp(-20 * 2 * np.pi * 1e-4), rel=1e-3)
 
 
@@ -26,7 +26,7 @@ def test_the_low_pass_is_half_power_at_1_hz():
     chain = Chain(rate=512, block=8)
     time = np.arange(0, 40, 1 / 512)
     for frequency, gain in ((0.1, 1.0), (1.0, np.sqrt(0.5)), (10.0, 0.01)):
-        out = chain.filtered(np.sin(2 * np.pi * frequency * time)[:, None])[512 * 20 :, 0]
+        out = chain.filter(np.sin(2 * np.pi * frequency * time)[:, None])[512 * 20 :, 0]
         assert np.ptp(out) / 2 == pytest.approx(gain, rel=0.02)
 
 
@@ -101,7 +101,7 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
     frictions = [0.1, 0.17, 0.22, 0.24, 0.31, 0.37]
     runs = [run(f"run {k}", mu, draw.uniform(0, 3, 4), draw) for k, mu in enumerate(frictions)]
     recipe = TrainingRecipe(starts=2, steps=60)
-    own, other = within_runs(runs, recipe), within_runs(exchanged(runs), recipe)
+    own, other = within_runs(runs, recipe), within_runs(exchange_labels(runs), recipe)
     assert own.best < 0.005
     assert other.best < 0.005
     assert without_each(runs, recipe).mae > 0.5 * own.mae_of_mean
@@ -110,7 +110,7 @@ def test_the_papers_split_cannot_tell_recognition_from_estimation():
 def test_exchanged_labels_are_those_of_other_runs():
     draw = np.random.default_rng(4)
     runs = [run(f"run {k}", mu, np.ones(4), draw) for k, mu in enumerate([0.1, 0.2, 0.3])]
-    labels = [one.friction for one in exchanged(runs)]
+    labels = [one.friction for one in exchange_labels(runs)]
     assert sorted(labels) == [0.1, 0.2, 0.3]
     assert all(label != one.friction for label, one in zip(labels, runs, strict=True))
 

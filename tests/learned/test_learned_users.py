@@ -10,7 +10,7 @@ from railgrip.base.errors import EstimationError, ScenarioError
 from railgrip.campaign.work import work
 from railgrip.estimators.learned.online import BOXES
 from railgrip.estimators.learned.trained import GeneralEstimator, PaperEstimator
-from railgrip.report.page import rendered
+from railgrip.report.page import render
 from railgrip.studies.axle_box.evaluate import TrainingRecipe
 from railgrip.studies.axle_box.recordings import (
     PERIOD,
@@ -71,7 +71,7 @@ def test_runs_become_a_report_and_estimators(dataset):
     recipe = TrainingRecipe(inputs="left, right", starts=1, steps=10)
     with one_process(), work("axle_box") as own:
         tables, trained = judge_recordings(dataset[0], recipe, own, members=12)
-    text = rendered("studies/axle_box/recordings.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])
+    text = render("studies/axle_box/recordings.md.jinja", **tables, count=4, remarks=["0.parquet: mended."])
     assert "a run left out" in text
     assert "Inputs: left, right; bias inside; 1 random start." in text
     assert "- 0.parquet: mended." in text

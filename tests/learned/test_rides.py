@@ -16,12 +16,12 @@ from railgrip.fmi import describe
 from railgrip.fmus.native.package import pack
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import Pass, Ride, held_speed, in_axes_of_car, ride
-from railgrip.studies.axle_box.reduction import measured
+from railgrip.studies.axle_box.reduction import measure_run
 from railgrip.studies.axle_box.ride import (
     INPUTS,
     LIBRARY,
     belief_of,
-    bound_estimator,
+    bind_estimator,
     outputs_of,
     outputs_of_fmu,
     read_ride,
@@ -73,7 +73,7 @@ def files(estimators, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def samples():
-    readings = measured(RIDE, ride(RIDE, rate=RATE), RATE, held_speed(RIDE))
+    readings = measure_run(RIDE, ride(RIDE, rate=RATE), RATE, held_speed(RIDE))
     direction = np.full(len(readings.speed), -1.0)
     return dict(zip(INPUTS, (*readings.boxes.T, readings.speed, direction), strict=True))
 
@@ -83,7 +83,7 @@ def test_the_exported_fmu_equals_the_estimator(kind, files, estimators, samples)
     """The same operations in the same order, so only the C compiler's fused or reordered operations differ."""
     beliefs = belief_of(outputs_of(estimators[kind], samples))
     assert validate_fmu(str(files[kind])) == []
-    friction, deviation = belief_of(outputs_of_fmu(*bound_estimator(files[kind]), RATE, samples))
+    friction, deviation = belief_of(outputs_of_fmu(*bind_estimator(files[kind]), RATE, samples))
     np.testing.assert_allclose(friction, beliefs[0], rtol=0, atol=ROUNDING)
     np.testing.assert_allclose(deviation, beliefs[1], rtol=1e-9)
 
@@ -96,7 +96,7 @@ def test_the_fmu_runs_at_the_loggers_rate_and_refuses_another(files):
         assert "accelerations of the axle boxes, 5120 a second" in description
         assert f'stepSize="{1 / 5120!r}"' in description
     with pytest.raises(Exception, match="whole number of periods"):
-        outputs_of_fmu(*bound_estimator(files["paper"]), 3 * RATE // 2, still())
+        outputs_of_fmu(*bind_estimator(files["paper"]), 3 * RATE // 2, still())
 
 
 def still(count=1):
@@ -154,7 +154,7 @@ def test_over_a_ride_an_estimator_is_the_same_online_and_offline(kind, estimator
 @pytest.mark.parametrize("trusted", [False, True])
 def test_an_fmu_rides_in_a_process_of_its_own_unless_it_is_trusted(trusted, files):
     sentences = []
-    outputs_of_fmu(*bound_estimator(files["paper"]), RATE, still(), trusted=trusted, notify=sentences.append)
+    outputs_of_fmu(*bind_estimator(files["paper"]), RATE, still(), trusted=trusted, notify=sentences.append)
     assert ["runs in a process of its own" in sentence for sentence in sentences] == [True] * (not trusted)
     assert all("trust = true under [estimator]" in sentence for sentence in sentences)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from synthetic import LAYOUT
 
-from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.loop.rail import TabulatedRail
 
@@ -12,7 +12,7 @@ STRAIGHT = TrackForce(begins=(-np.inf,), forces=(0.0,), rates=(0.0,))
 
 def constant_rail(mu0, **surface):
     """Return a level rail of this friction; `surface` is its field of recovery or its sand."""
-    profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
+    profile = FrictionTable(over_time=True, step=1.0, mu0_at=np.full((1, 6), mu0))
     return TabulatedRail(LAYOUT, profile, STRAIGHT, **surface)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic import FULL, LAYOUT, TWO_PART_TRAIN
 
-from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.loop.driver import Driver
@@ -49,7 +49,7 @@ def rail():
     """Friction that rises by 1e-6 a metre, and a force."""
     friction = np.linspace(0.1, 0.1 + 1e-4, 101)[:, None].repeat(6, axis=1)
     force = TrackForce(begins=(-np.inf,), forces=(5.0,), rates=(0.0,))
-    return TabulatedRail(LAYOUT, Profile(over_time=False, step=1.0, mu0_at=friction), force)
+    return TabulatedRail(LAYOUT, FrictionTable(over_time=False, step=1.0, mu0_at=friction), force)
 
 
 class Constant:

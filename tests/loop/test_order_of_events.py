@@ -22,7 +22,7 @@ from railgrip.controllers.laws.slip_two_state import SlipTwoState
 from railgrip.controllers.sampled import choose
 from railgrip.controllers.train_level import pass_through, with_redistribution
 from railgrip.controllers.valves import ValveLogic, ValveModel
-from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.polach import Polach
@@ -37,11 +37,11 @@ from railgrip.simulate.loop.plausible import Plausibility, Slowing, slowing_of
 from railgrip.simulate.loop.rail import Field, TabulatedRail
 from railgrip.simulate.loop.sensors import (
     BLOCK,
-    Course,
     IdealSensors,
     RoughRail,
     ServiceInstruments,
     ServiceSensors,
+    TrackQuantity,
     WhiteSensors,
 )
 from railgrip.trace.recorder import Recorder
@@ -59,9 +59,9 @@ GROUPS = (
 INSTRUMENTS = ServiceInstruments(
     pulses=100, pitch_error=3e-3, clock=1e-6, cut_off=0.3, wheel_radius=0.38, speed_noise=0.1,
     speed_factor=np.array([1.003, 1.002, np.nan, 1.001]),
-    gravity=Course(begin=-1.0, step=0.5, values=np.linspace(-0.2, 0.2, 9)),
+    gravity=TrackQuantity(begin=-1.0, step=0.5, values=np.linspace(-0.2, 0.2, 9)),
     rail=RoughRail(
-        height=Course(begin=-40.0, step=0.02, values=np.random.default_rng(7).normal(0.0, 1e-3, 2200)),
+        height=TrackQuantity(begin=-40.0, step=0.02, values=np.random.default_rng(7).normal(0.0, 1e-3, 2200)),
         position=np.array(TWO_PART_TRAIN.wheelset_position), forward=np.array([0.9, -1.8, 0.9]),
         back=np.array([-1.8, 0.85]), state=np.zeros((6, 2)),
     ),
@@ -174,8 +174,8 @@ def law_that_ends(calls):
 STEPS = TrackForce(begins=(-np.inf, 0.5, 3.0, 3.0001), forces=(0.0, 1e3, -2e3, 5e2), rates=(0.0, 0.0, 7e3, -3e2))
 
 
-SLIP = lambda: SlipTwoState(GROUPS, SlipTwoState.tuned_for("ideal", "read", "paper"))
-HOLD = lambda: SlipThreeState(GROUPS, SlipThreeState.tuned_for("ideal", "read", "paper"))
+SLIP = lambda: SlipTwoState(GROUPS, SlipTwoState.load_tuning("ideal", "read", "paper"))
+HOLD = lambda: SlipThreeState(GROUPS, SlipThreeState.load_tuning("ideal", "read", "paper"))
 VALVES = ValveModel(period=1e-3, dead_time=0.004, fill_time=0.4, vent_time=0.2, band=6e3, pulse_min=0.02)
 
 
@@ -209,7 +209,7 @@ def parts_of(
     return Parts(
         layout=LAYOUT,
         plant=plant,
-        rail=TabulatedRail(LAYOUT, Profile(over_time=over_time, step=5e-3, mu0_at=friction), STEPS, field()),
+        rail=TabulatedRail(LAYOUT, FrictionTable(over_time=over_time, step=5e-3, mu0_at=friction), STEPS, field()),
         sensors=SENSORS[sensors](),
         estimator=state_estimator(filter_) if filter_ else None,
         controller=controller,
@@ -631,6 +631,6 @@ def test_a_law_for_fewer_groups_is_not_called_from_c():
     """C writes four numbers where it would find room for one."""
     with pytest.raises(LoopError, match="takes 8 inputs, and 26 belong to 4 groups"):
         same(
-            controller=lambda: SlipTwoState(GROUPS[:1], SlipTwoState.tuned_for("ideal", "read", "paper")),
+            controller=lambda: SlipTwoState(GROUPS[:1], SlipTwoState.load_tuning("ideal", "read", "paper")),
             sensors="ideal",
         )

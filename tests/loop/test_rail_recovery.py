@@ -20,7 +20,7 @@ from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.profile import Recovery
 from railgrip.simulate.loop.rail import Field
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import run_stop
 
 Falling = namedtuple("Falling", "A B")
@@ -134,7 +134,7 @@ def test_beyond_the_reach_the_rail_is_the_last_cell_s():
 
 def test_the_heat_of_the_contacts_is_on_the_rail():
     scenario = load(LIBRARY / "plain.toml", [*LOW, WRITTEN, "limits.horizon=4 s"])
-    with assembled(scenario) as parts:
+    with assemble(scenario) as parts:
         ended = parts.run()
         field, trace = parts.parts.rail.field, parts.recorder.trace(ended.samples, 1e-3)
     # Of both wheels of each wheelset; the plant's heat is that of all slip, the rail's that of samples 1 ms apart.

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic import LAYOUT
 
-from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.adhesion import FrictionTable
 from railgrip.simulate.loop.rail import TabulatedRail
 
 Sections = namedtuple("Sections", "begins forces rates")
@@ -14,7 +14,7 @@ VALUES = np.array([0.10, 0.11, 0.12, 0.13])
 
 
 def rail(over_time):
-    table = Profile(over_time=over_time, step=0.5, mu0_at=np.repeat(VALUES[:, None], 6, axis=1))
+    table = FrictionTable(over_time=over_time, step=0.5, mu0_at=np.repeat(VALUES[:, None], 6, axis=1))
     return TabulatedRail(LAYOUT, table, Sections((-np.inf, 10.0, 30.0), (0.0, 1e3, -2e3), (0.0, 0.0, 50.0)))
 
 

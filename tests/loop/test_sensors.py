@@ -6,11 +6,11 @@ from kernel_calls import Encoder, read
 from synthetic import LAYOUT
 
 from railgrip.simulate.loop.sensors import (
-    Course,
     IdealSensors,
     MissingTeeth,
     ServiceInstruments,
     ServiceSensors,
+    TrackQuantity,
     WhiteSensors,
 )
 
@@ -155,7 +155,7 @@ def test_a_lost_reading_is_none_and_factors_go_on_in_turn():
 
 def test_an_accelerometer_feels_the_slope_under_it():
     """A ramp of gravity from 0 at 10 m to 0.1 m/s² at 20 m; as at its ends before and beyond."""
-    gravity = Course(begin=10.0, step=5.0, values=np.array([0.0, 0.05, 0.1]))
+    gravity = TrackQuantity(begin=10.0, step=5.0, values=np.array([0.0, 0.05, 0.1]))
     perfect = dict(acceleration_noise=0.0, acceleration_bias=0.0)
     sensors = ServiceSensors(LAYOUT, instruments(gravity=gravity, **perfect), PERIOD, np.random.default_rng(3))
     ramp = {0.0: 0.0, 10.0: 0.0, 12.5: 0.025, 16.0: 0.06, 20.0: 0.1, 99.0: 0.1}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from railgrip.api import Scenario
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import trace_of
 from railgrip.studies.papers.table1 import Candidate, law_of
 
@@ -23,7 +23,7 @@ BROAD = Candidate(k_A=0.1991, k_S=0.03971, A=0.1018, B=0.6175, filter_time=0.092
 def stop():
     rail = {"adhesion.polach": BROAD.polach, "adhesion.level": 1.85603}
     scenario = Scenario.load("trapezoid", rail | law_of(BROAD))
-    with assembled(scenario) as parts:
+    with assemble(scenario) as parts:
         contact = parts.vehicle.contact
     trace = trace_of(scenario)
     time, v = trace["time"].values, trace["speed"].values

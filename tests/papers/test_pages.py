@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.studies.papers.pages import PaperRow, comparison
 
 
 @pytest.mark.parametrize(
@@ -21,14 +21,14 @@ from railgrip.studies.papers.pages import Compared, comparison
     ],
 )
 def test_a_difference_is_a_change_or_the_distance_to_a_range(published, ours, shown, difference):
-    quantity = Compared(figure="Fig. 1", quantity="length", published=published, ours=ours, form="{:.2f} m")
+    quantity = PaperRow(figure="Fig. 1", quantity="length", published=published, ours=ours, form="{:.2f} m")
     row = comparison([quantity]).texts[0]
     assert (row["published"], row["difference"]) == (shown, difference)
 
 
 def test_a_number_chosen_after_the_published_one_has_no_difference():
     chosen, found = (
-        Compared("Fig. 1", "speed", 120.0, 120.0, is_chosen=is_chosen, form="{:.0f} km/h")
+        PaperRow("Fig. 1", "speed", 120.0, 120.0, is_chosen=is_chosen, form="{:.0f} km/h")
         for is_chosen in (True, False)
     )
     assert [row["difference"] for row in comparison([chosen, found]).texts] == ["*chosen*", "+0.0 %"]

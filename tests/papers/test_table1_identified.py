@@ -25,7 +25,7 @@ from railgrip.studies.papers.table1 import (
     SBC,
     SCENARIOS,
     SPEED,
-    Fitted,
+    CandidateFit,
     candidate_at,
     median_distance,
     point_of,
@@ -124,7 +124,7 @@ def test_a_fit_that_lacks_a_sentence_is_not_admissible():
     course = dict.fromkeys(COURSE, 0.0) | {"used_before": 0.95, "used_coupled": 0.8, "used_after": 0.93}
     course |= {"chatter_before": 0.001, "chatter_after": 0.002, "over": 0.05}
     levels = dict.fromkeys(SCENARIOS, 1.0)
-    good = Fitted(candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC, share=0.61, course=course)
+    good = CandidateFit(candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC, share=0.61, course=course)
     assert good.is_admissible
     assert good.cost == good.largest == 0.0
     for worse in (
@@ -143,7 +143,9 @@ def test_a_third_distance_is_predicted_by_the_fit_to_the_other_two():
     """Of two fits each of which misses another distance, one by 10 %, one by 20 %."""
     course, levels = dict.fromkeys(COURSE, float("nan")), dict.fromkeys(SCENARIOS, 1.0)
     fits = [
-        Fitted(candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC | {name: share * ABC[name]}, share=0.7, course=course)
+        CandidateFit(
+            candidate=DEFAULT, levels=levels, sbc=SBC, abc=ABC | {name: share * ABC[name]}, share=0.7, course=course
+        )
         for name, share in (("trapezoid", 1.1), ("random", 0.8))
     ]
     fits.append(replace(fits[0], abc=dict(ABC), share=0.5))  # its curve is not plausible

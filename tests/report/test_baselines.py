@@ -7,13 +7,13 @@ import pytest
 
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import (
-    Accepted,
+    AcceptedFigure,
+    AcceptedValue,
     Baseline,
-    Beside,
     Finding,
     Findings,
     accept,
-    beyond_accepted,
+    baseline_deviations,
     compare,
     comparison_table,
     findings_of,
@@ -23,7 +23,7 @@ from railgrip.report.baseline import (
     write_findings,
 )
 from railgrip.report.results import by_compiler, read_results
-from railgrip.scenario.conditioning import Repeated
+from railgrip.scenario.conditioning import RepeatedDistances
 from railgrip.scenario.outcome import Outcome
 
 TWO = {"trapezoid-ideal-slip_two_state", "trapezoid-ideal-full_brake"}
@@ -43,7 +43,7 @@ def distance(results, name):
 
 def baseline(**distances):
     stops = {
-        name.replace("__", "-"): Accepted(unit="m", value=value, tolerance=0.5, reason="First.")
+        name.replace("__", "-"): AcceptedValue(unit="m", value=value, tolerance=0.5, reason="First.")
         for name, value in distances.items()
     }
     return Baseline(campaign="c.toml", accepted=stops)
@@ -57,8 +57,8 @@ def test_what_moved_appeared_or_went_is_said_first(results):
     before = Baseline(
         campaign="c.toml",
         accepted={
-            SBC: Accepted(unit="m", value=distance(results, SBC) + 0.6, tolerance=0.5, reason="First."),
-            "gone": Accepted(unit="m", value=100, tolerance=1, reason="First."),
+            SBC: AcceptedValue(unit="m", value=distance(results, SBC) + 0.6, tolerance=0.5, reason="First."),
+            "gone": AcceptedValue(unit="m", value=100, tolerance=1, reason="First."),
         },
     )
     comparisons = compare(before, findings_of(results))
@@ -69,7 +69,7 @@ def test_what_moved_appeared_or_went_is_said_first(results):
 
 def test_a_distance_inside_its_tolerance_is_kept(results):
     stops = {
-        name: Accepted(unit="m", value=distance(results, name) + shift, tolerance=0.5, reason="First.")
+        name: AcceptedValue(unit="m", value=distance(results, name) + shift, tolerance=0.5, reason="First.")
         for name, shift in ((SBC, 0.49), (FULL, -0.49))
     }
     assert set(states(compare(Baseline(campaign="c", accepted=stops), findings_of(results))).values()) == {"kept"}
@@ -77,11 +77,11 @@ def test_a_distance_inside_its_tolerance_is_kept(results):
 
 def test_accepting_moves_only_what_moved_and_keeps_the_relative_tolerance(results):
     moved_distance = distance(results, SBC)
-    baseline = Accepted(unit="m", value=distance(results, FULL) + 0.1, tolerance=0.5, reason="First.")
+    baseline = AcceptedValue(unit="m", value=distance(results, FULL) + 0.1, tolerance=0.5, reason="First.")
     before = Baseline(
         campaign="c",
         accepted={
-            SBC: Accepted(unit="m", value=moved_distance / 2, tolerance=moved_distance / 200, reason="First."),
+            SBC: AcceptedValue(unit="m", value=moved_distance / 2, tolerance=moved_distance / 200, reason="First."),
             FULL: baseline,
         },
     )
@@ -114,7 +114,7 @@ def test_a_stop_that_did_not_stand_cannot_be_accepted(results):
 
 
 def test_a_stop_without_result_is_not_forgotten(results):
-    before = Baseline(campaign="c", accepted={"x": Accepted(unit="m", value=1, tolerance=1, reason="r")})
+    before = Baseline(campaign="c", accepted={"x": AcceptedValue(unit="m", value=1, tolerance=1, reason="r")})
     with pytest.raises(ScenarioError, match="x has no result; run the campaign first"):
         accept(before, findings_of(replace(results, missing=("x",))), "Gone.")
     assert "x" not in accept(before, findings_of(results), "No longer planned.").accepted
@@ -142,7 +142,7 @@ def study(**figures):
 
 
 def figure(value, reason="First."):
-    return Accepted(value=value, tolerance=0.01, unit="1", reason=reason)
+    return AcceptedValue(value=value, tolerance=0.01, unit="1", reason=reason)
 
 
 def test_figures_of_a_study_are_kept_moved_and_missed_as_distances_are():
@@ -177,7 +177,7 @@ def test_a_baseline_is_of_a_campaign_or_of_a_study(tmp_path):
 
 def test_across_compilers_a_distance_keeps_to_half_a_percent_and_one_that_differs_lies_between_what_both_gave():
     """The law as printed stopped in 324.3 m with our FMU and in 279.8 m with OpenModelica's, 1e-7 apart."""
-    plain = Accepted(unit="m", value=380.0, tolerance=0.38, reason="First.")
+    plain = AcceptedValue(unit="m", value=380.0, tolerance=0.38, reason="First.")
     differing = plain.model_copy(update={"value": 324.3, "compilers": {"openmodelica": 279.8}})
     wide = Baseline(campaign="c.toml", accepted={"plain": plain, "differing": differing}).across_compilers()
 
@@ -197,7 +197,7 @@ def test_across_compilers_a_distance_keeps_to_half_a_percent_and_one_that_differ
 
 
 def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
-    stop = Accepted(unit="m", value=324.3, tolerance=0.33, reason="First.", compilers={"openmodelica": 279.8})
+    stop = AcceptedValue(unit="m", value=324.3, tolerance=0.33, reason="First.", compilers={"openmodelica": 279.8})
     before = Baseline(campaign="c.toml", accepted={SBC: stop})
     after = accept(before, Findings(values=(Finding(name=SBC, value=300.0, unit="m"),)), "Another law.")
     assert after.accepted[SBC].compilers == {"openmodelica": 279.8}
@@ -208,8 +208,8 @@ def test_what_another_compiler_gave_is_kept_when_the_distance_moves(tmp_path):
 def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, tmp_path):
     """Nothing where all FMUs are ours: their distances have tolerances of their own."""
     stops = {
-        SBC: Accepted(unit="m", value=distance(results, SBC) * 1.01, tolerance=0.1, reason="First."),
-        FULL: Accepted(unit="m", value=distance(results, FULL) * 1.004, tolerance=0.1, reason="First."),
+        SBC: AcceptedValue(unit="m", value=distance(results, SBC) * 1.01, tolerance=0.1, reason="First."),
+        FULL: AcceptedValue(unit="m", value=distance(results, FULL) * 1.004, tolerance=0.1, reason="First."),
     }
     file = tmp_path / "table1.toml"
     write_baseline(Baseline(campaign="c.toml", accepted=stops), file)
@@ -219,16 +219,16 @@ def test_distances_of_another_compiler_beyond_half_a_percent_are_told(results, t
         made = tuple(replace(stop, record=replace(stop.record, versions=versions)) for stop in results.stops)
         return replace(results, stops=made)
 
-    (sentence,) = beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), file)
+    (sentence,) = baseline_deviations(made_by("OpenModelica Compiler v1.27.0"), file)
     assert sentence.startswith(f"{SBC}: {distance(results, SBC):.2f} m by FMUs of another compiler")
     assert sentence.endswith("-1.0 %.")
-    assert beyond_accepted(made_by("railgrip (rumoca 0.10)"), file) == []
-    assert beyond_accepted(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
+    assert baseline_deviations(made_by("railgrip (rumoca 0.10)"), file) == []
+    assert baseline_deviations(made_by("OpenModelica Compiler v1.27.0"), tmp_path / "none.toml") == []
     assert by_compiler(made_by("OpenModelica v1.27.0").stops) == ["FMUs by OpenModelica v1.27.0: TwoPartTrain.fmu."]
 
 
 def repeats(distances=(300.0, 300.0, 300.01, 300.0), **figures):
-    return Repeated(digest="d", distances=distances, figures=figures)
+    return RepeatedDistances(digest="d", distances=distances, figures=figures)
 
 
 def stop_with(repeated=None, value=300.0, **figures):
@@ -236,8 +236,12 @@ def stop_with(repeated=None, value=300.0, **figures):
 
 
 def test_a_stop_moves_with_a_figure_beside_its_distance_and_the_table_names_it():
-    accepted = Accepted(
-        unit="m", value=300.0, tolerance=0.3, reason="r", figures={"nis_ratio": Beside(value=1.0, tolerance=1e-3)}
+    accepted = AcceptedValue(
+        unit="m",
+        value=300.0,
+        tolerance=0.3,
+        reason="r",
+        figures={"nis_ratio": AcceptedFigure(value=1.0, tolerance=1e-3)},
     )
     before = Baseline(campaign="c", accepted={SBC: accepted})
     assert states(compare(before, stop_with(nis_ratio=1.0009))) == {SBC: "kept"}
@@ -275,7 +279,9 @@ def test_repeats_decide_which_figures_are_accepted_and_how_closely(tmp_path):
 
 
 def test_a_smooth_distance_is_kept_to_two_centimetres_and_does_not_move():
-    before = Baseline(campaign="c", accepted={SBC: Accepted(unit="m", value=300.005, tolerance=0.3, reason="First.")})
+    before = Baseline(
+        campaign="c", accepted={SBC: AcceptedValue(unit="m", value=300.005, tolerance=0.3, reason="First.")}
+    )
     smooth, rough = accept(before, stop_with(repeats()), "Smooth."), repeats((300.0, 300.03))
     assert smooth.accepted[SBC] == before.accepted[SBC].model_copy(update={"tolerance": 0.02})
     assert accept(before, stop_with(rough), "Rough.").accepted == before.accepted

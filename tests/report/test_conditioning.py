@@ -12,7 +12,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.conditioning import campaign_of, conditioning_of, repeats_of, with_divided_steps
 from railgrip.campaign.run import write_description
 from railgrip.report.baseline import (
-    Accepted,
+    AcceptedValue,
     Baseline,
     Finding,
     Findings,
@@ -24,12 +24,12 @@ from railgrip.report.baseline import (
 from railgrip.report.distances import STALE, rows_of, spread_text
 from railgrip.report.results import read_results
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.conditioning import Conditioning, Repeated, read_conditioning, text_of
+from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, read_conditioning, text_of
 from railgrip.trace.stop import write_stop
 
 CAMPAIGNS = Path(railgrip.scenario.__file__).parent / "campaigns"
-CHAOTIC = Repeated(digest="d", distances=(280.0, 300.0, 324.0, None))
-FIRM = Repeated(digest="d", distances=(280.0, 280.001, 280.002))
+CHAOTIC = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0, None))
+FIRM = RepeatedDistances(digest="d", distances=(280.0, 280.001, 280.002))
 
 
 def test_repeats_without_standstill_are_endless():
@@ -53,7 +53,7 @@ def test_repeats_of_another_stop_are_called_stale(digest, distance, text):
 
 
 def test_a_range_is_told_with_what_the_other_compiler_gives():
-    repeats = Repeated(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
+    repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 324.0), compilers={"native": 290.0})
     assert spread_text(repeats, "d", 330.0) == "300.00 m (280.00 – 324.00 m); native 290.0 m"
     assert spread_text(repeats, "d", 336.0) == STALE  # beyond a quarter of the range
 
@@ -97,11 +97,12 @@ def test_what_a_divided_step_moves_is_compared_with_what_rounding_moves():
     """Against draws: of medians of 5 and of 20 normal draws, 95 % differ by less than the noise that is stated."""
     draws = np.random.default_rng(1).normal(300.0, 1.0, (2000, 25))
     repeats = [
-        Repeated(digest="d", distances=tuple(sorted(row[:20])), steps={2: tuple(row[20:])}) for row in draws.tolist()
+        RepeatedDistances(digest="d", distances=tuple(sorted(row[:20])), steps={2: tuple(row[20:])})
+        for row in draws.tolist()
     ]
     within = [abs(each.moved_by_step(2)) < each.noise_of_step(2) for each in repeats]
     assert np.mean(within) == pytest.approx(0.95, abs=0.02)
-    moved = Repeated(digest="d", distances=(299.0, 300.0, 301.0), steps={2: (303.0,), 4: (None,)})
+    moved = RepeatedDistances(digest="d", distances=(299.0, 300.0, 301.0), steps={2: (303.0,), 4: (None,)})
     assert moved.moved_by_step(2) == pytest.approx(0.01)
     assert moved.moved_by_step(4) == np.inf
 
@@ -110,8 +111,8 @@ def test_a_divided_step_keeps_the_periods_of_all_other_parts(tmp_path, write_cam
     """And stops whose repeats are of another scenario get none."""
     campaign = write_campaign(tmp_path, lambda stop: stop.name.startswith("trapezoid-ideal-"))
     stop, *others = campaign.stops
-    repeated = Repeated(digest=stop.scenario.digest(), distances=(300.0, 301.0, 302.0))
-    before = Conditioning(relative=1e-7, stops={stop.name: repeated})
+    repeated = RepeatedDistances(digest=stop.scenario.digest(), distances=(300.0, 301.0, 302.0))
+    before = ConditioningFile(relative=1e-7, stops={stop.name: repeated})
     seen = []
 
     class Work:
@@ -145,8 +146,8 @@ def finding(value, repeated=None):
 
 
 def test_a_chaotic_stop_is_accepted_as_the_range_of_its_repeats_and_kept_anywhere_in_it(tmp_path):
-    repeats = Repeated(digest="d", distances=(280.0, 300.0, 320.0))
-    before = Baseline(campaign="c", accepted={"x": Accepted(value=319, unit="m", tolerance=0.3, reason="First.")})
+    repeats = RepeatedDistances(digest="d", distances=(280.0, 300.0, 320.0))
+    before = Baseline(campaign="c", accepted={"x": AcceptedValue(value=319, unit="m", tolerance=0.3, reason="First.")})
     after = accept(before, finding(319.0, repeats), "A range.")
     stop = after.accepted["x"]
     assert (stop.value, stop.lowest, stop.highest, stop.tolerance) == (300, 280, 320, 10)

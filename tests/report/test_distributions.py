@@ -10,8 +10,8 @@ from pages import plots_of
 from scipy import stats
 from scipy.stats import norm
 
-from railgrip.report.distances import documented, rows_of, write_table
-from railgrip.report.distribution import distribution_table, distributions_of, paired, quantile_table
+from railgrip.report.distances import documentation_tables, rows_of, write_table
+from railgrip.report.distribution import compare_pairs, distribution_table, distributions_of, quantile_table
 from railgrip.report.distribution_figure import distribution_figure, exceedance_figure
 from railgrip.report.index import write_report
 from railgrip.report.results import read_results
@@ -66,7 +66,7 @@ def test_draws_are_compared_one_by_one():
 @pytest.mark.parametrize("actuations", [("ideal",), ("ideal", "pneumatic")])
 def test_a_table_for_the_documentation_names_settings_in_which_its_rows_differ(actuations):
     drawn = [replace(each, actuation=name) for name in actuations for each in rows(np.ones(3), np.ones(3))]
-    table = documented(drawn)["draws"]
+    table = documentation_tables(drawn)["draws"]
     assert ("actuation" in table.columns) == (len(actuations) > 1)
     assert not {"sensors", "creep curve"} & set(table.columns)
 
@@ -77,7 +77,7 @@ def test_the_interval_of_the_median_holds_what_it_says():
     misses = 0
     for _ in range(400):
         changes = rng.exponential(size=20)
-        one_draw = paired({n: 1 + change for n, change in enumerate(changes)}, [row(n, 1.0) for n in range(20)])
+        one_draw = compare_pairs({n: 1 + change for n, change in enumerate(changes)}, [row(n, 1.0) for n in range(20)])
         low, high = one_draw.change_interval
         misses += not low <= math.log(2) <= high
     assert misses <= stats.binom.ppf(0.999, 400, 0.05)
@@ -159,7 +159,7 @@ def test_the_published_thresholds_are_those_of_the_law():
     from railgrip.controllers.laws.slip_two_state import SlipTwoState
     from railgrip.report.reference import PUBLISHED
 
-    levels = SlipTwoState.tuned_for("ideal", "read", "paper")
+    levels = SlipTwoState.load_tuning("ideal", "read", "paper")
     assert (levels.low, levels.high) == PUBLISHED
 
 

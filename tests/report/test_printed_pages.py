@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import railgrip.studies
-from railgrip.report.distances import rows_of, shown
+from railgrip.report.distances import reader_tables, rows_of
 from railgrip.report.index import write_report
 from railgrip.report.page import Page
 from railgrip.report.results import read_results
@@ -54,7 +54,7 @@ def test_all_columns_of_a_campaign_are_on_paper(folder, tmp_path):
     assert sizes <= {
         (w + dx, h + dy) for w, h in A4 for dx in (-1, 0, 1) for dy in (-1, 0, 1)
     }  # rounded by the browser
-    sentence, table = shown(rows_of(read_results(folder)))
+    sentence, table = reader_tables(rows_of(read_results(folder)))
     (first,) = [text for text in texts if bare("adhesion used") in text][:1]
     assert bare(sentence) in first
     assert len(table.columns) >= 15

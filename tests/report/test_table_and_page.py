@@ -6,9 +6,9 @@ import math
 from pages import needs_nothing_else
 
 from railgrip.report.page import Page, write_page
-from railgrip.report.table import Link, Table, change, yes_no
+from railgrip.report.table import Link, ReportTable, change, yes_no
 
-TABLE = Table(
+TABLE = ReportTable(
     [
         {"stop": "<dry>", "distance": 12.34, "change": 0.1, "kept": True, "beside": None},
         {"stop": "wet", "distance": "none: horizon", "change": -0.05, "kept": False, "beside": math.nan},
@@ -18,7 +18,7 @@ TABLE = Table(
 
 
 def test_a_table_is_markdown():
-    assert str(TABLE.filled()) == (
+    assert str(TABLE.drop_empty_columns()) == (
         "| stop | distance | change | kept |\n"
         "|---|--:|--:|--:|\n"
         "| <dry> | 12.3 m | −10.0 % | yes |\n"
@@ -46,23 +46,23 @@ def test_a_table_is_html_in_a_page_of_html(tmp_path):
 def test_what_is_the_same_in_all_rows_is_said_once_above_the_table():
     """A column of numbers stays: it is a result. Links are on the first column that is left."""
     rows = [{"scenario": "dry", "actuation": "ideal", "controller": name, "distance": 12.34} for name in ("SBC", "ABC")]
-    sentence, table = Table(rows).parts(["sbc.html", None])
+    sentence, table = ReportTable(rows).parts(["sbc.html", None])
     assert sentence == "Same in all rows: scenario dry; actuation ideal."
     assert table.columns == ["controller", "distance"]
     assert [getattr(row["controller"], "address", None) for row in table.rows] == ["sbc.html", None]
-    (single,) = Table(rows[:1]).parts()
+    (single,) = ReportTable(rows[:1]).parts()
     assert single.columns == ["scenario", "actuation", "controller", "distance"]
-    assert Table([]).parts() == []
+    assert ReportTable([]).parts() == []
 
 
 def test_a_cell_links_to_a_page_and_is_text_elsewhere():
-    table = Table([{"stop": Link("a & b", "a/index.html")}])
+    table = ReportTable([{"stop": Link("a & b", "a/index.html")}])
     assert '<td class="text"><a href="a/index.html">a &amp; b</a></td>' in table.__html__()
     assert str(table).endswith("| a & b |")
 
 
 def test_a_command_is_code_in_html_and_in_markdown():
-    table = Table([{"stop": "`railgrip run < a`"}])
+    table = ReportTable([{"stop": "`railgrip run < a`"}])
     assert "<code>railgrip run &lt; a</code>" in table.__html__()
     assert str(table).endswith("| `railgrip run < a` |")
 
@@ -70,9 +70,9 @@ def test_a_command_is_code_in_html_and_in_markdown():
 def test_rows_that_do_not_fit_across_a_page_make_a_table_wide():
     """Long texts wrap, numbers with their intervals do not."""
     interval = "1.23e-05 [9.9e-06, 1.2e-05]"
-    assert 'class="data wide"' in Table([{str(column): interval for column in range(6)}]).__html__()
-    assert 'class="data"' in Table([{str(column): "1.0" for column in range(12)}]).__html__()
-    assert 'class="data"' in Table([{"stop": 10 * interval}]).__html__()
+    assert 'class="data wide"' in ReportTable([{str(column): interval for column in range(6)}]).__html__()
+    assert 'class="data"' in ReportTable([{str(column): "1.0" for column in range(12)}]).__html__()
+    assert 'class="data"' in ReportTable([{"stop": 10 * interval}]).__html__()
 
 
 def test_a_table_is_csv_with_its_values(tmp_path):
@@ -99,7 +99,7 @@ def test_a_page_of_markdown_escapes_what_markdown_would_interpret(tmp_path):
 VALUES = {
     "references": "",
     "changes": [],
-    "tables": [TABLE.filled()],
+    "tables": [TABLE.drop_empty_columns()],
     "quantiles": None,
     "worst": None,
     "notes": [],

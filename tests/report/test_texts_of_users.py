@@ -10,7 +10,7 @@ from markdown_it import MarkdownIt
 
 from railgrip.report.escape import as_html, as_markdown
 from railgrip.report.page import Page, write_page
-from railgrip.report.table import Link, Table
+from railgrip.report.table import Link, ReportTable
 
 TEXTS = st.text(
     st.sampled_from("<>&\"'`*_[]()!#|~\\-+=.:/ \n\t\r0123456789abcxyz\x00\x85\u2028") | st.characters(codec="utf-8"),
@@ -58,7 +58,7 @@ def words(text):
 
 
 def page_of(text, folder):
-    table = Table([{"stop": text, "controller": Link(text, text), "distance": 1.0}], title=text)
+    table = ReportTable([{"stop": text, "controller": Link(text, text), "distance": 1.0}], title=text)
     page = Page(
         title=text, question=text, answer=text, template="report/campaign.md.jinja",
         values={
@@ -98,7 +98,7 @@ def test_a_text_in_markdown_is_a_paragraph_of_text(text):
 @with_hostile
 @given(TEXTS)
 def test_a_table_of_a_markdown_file_keeps_its_columns(tmp_path_factory, text):
-    table = Table([{"stop": text, "distance": 1.0}, {"stop": "b", "distance": 2.0}])
+    table = ReportTable([{"stop": text, "distance": 1.0}, {"stop": "b", "distance": 2.0}])
     path = write_page(
         tmp_path_factory.mktemp("page") / "a.md", "report/distances.md.jinja", missing="", notes=[text],
         results={"name": "a", "description": text}, sections={("ideal", "ideal", "dry"): [table]},

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 
 from railgrip.base.errors import RecordError, ScenarioError
-from railgrip.report.baseline import Accepted, Baseline, load_baseline, write_baseline
+from railgrip.report.baseline import AcceptedValue, Baseline, load_baseline, write_baseline
 from railgrip.report.marked import END, write_tables
 from railgrip.report.style import save
 from railgrip.report.validation import TABLES, tables, tables_of_cases
 from railgrip.report.validation_figure import BASELINE, FILE, distances_figure
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.conditioning import Conditioning, Repeated, text_of
+from railgrip.scenario.conditioning import ConditioningFile, RepeatedDistances, text_of
 
 ROOT = Path(__file__).parents[2]
 BASELINES = ROOT / "tests" / "baselines"
@@ -153,7 +153,7 @@ def campaign(tmp_path):
 
 
 def stop(distance, **more):
-    return Accepted(value=distance, unit="m", tolerance=1, reason="r", **more)
+    return AcceptedValue(value=distance, unit="m", tolerance=1, reason="r", **more)
 
 
 @pytest.fixture
@@ -221,10 +221,12 @@ def campaign_with_lots(tmp_path, write_lots):
 def write_lots():
     def write(campaign, lots):
         repeats = {
-            one.name: Repeated(digest=one.scenario.digest(), distances=[lots[one.name][0]] * 20, lots=lots[one.name])
+            one.name: RepeatedDistances(
+                digest=one.scenario.digest(), distances=[lots[one.name][0]] * 20, lots=lots[one.name]
+            )
             for one in campaign.stops
         }
-        campaign.conditioning.write_text(text_of(Conditioning(relative=1e-7, stops=repeats)), encoding="utf-8")
+        campaign.conditioning.write_text(text_of(ConditioningFile(relative=1e-7, stops=repeats)), encoding="utf-8")
 
     return write
 

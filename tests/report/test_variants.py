@@ -13,7 +13,7 @@ from railgrip.report.headline import headline
 from railgrip.report.index import write_report
 from railgrip.report.limits import limits_of
 from railgrip.report.results import read_results
-from railgrip.report.variants import Reference, change_table, changes_against
+from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 
 SAND = """
 name = "sand"
@@ -53,7 +53,7 @@ def with_distances(results, shorter):
 
 
 def changes_of(results, text="none"):
-    reference = Reference.named(text, [stop.variants for stop in results.stops])
+    reference = ReferenceVariant.find(text, [stop.variants for stop in results.stops])
     return reference, changes_against(reference, results.stops, rows_of(results))
 
 
@@ -104,8 +104,8 @@ def test_a_variant_that_cannot_be_compared_is_refused(campaign, text, sentence):
 def test_a_variant_of_two_axes_needs_the_name_of_its_axis():
     stops = [{"sand": sand, "valves": valves} for sand in ("none", "some") for valves in ("none", "fast")]
     with pytest.raises(InputError, match="choose one of sand=none, valves=none"):
-        Reference.named("none", stops)
-    assert Reference.named("valves=none", stops) == Reference(axis="valves", variant="none")
+        ReferenceVariant.find("none", stops)
+    assert ReferenceVariant.find("valves=none", stops) == ReferenceVariant(axis="valves", variant="none")
 
 
 def test_page_and_terminal_show_the_pairs(campaign, capfd):
@@ -178,11 +178,11 @@ def test_a_longer_law_that_keeps_all_clauses_is_named_before_a_shorter_one_that_
 def test_the_clauses_are_judged_at_their_limits(campaign):
     record = harmless(read_results(campaign())).stops[0].record
     limits = limits_of()
-    assert limits.broken_by(record) == ()
+    assert limits.find_violations(record) == ()
     for figures, clause in (
         ({"longest_lock_fast": (0.0, np.nextafter(0.4, 1.0))}, "lock"),
         ({"utilisation": np.nextafter(0.85, 0.0)}, "utilisation"),
     ):
-        assert limits.broken_by(replace(record, metrics=replace(record.metrics, **figures))) == (clause,)
+        assert limits.find_violations(replace(record, metrics=replace(record.metrics, **figures))) == (clause,)
     at_limit = replace(record.metrics, longest_lock_fast=(0.4, 0.0), utilisation=0.85)
-    assert limits.broken_by(replace(record, metrics=at_limit)) == ()
+    assert limits.find_violations(replace(record, metrics=at_limit)) == ()

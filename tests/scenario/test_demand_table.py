@@ -11,7 +11,7 @@ from synthetic import LAYOUT, LIBRARY
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.demand import phases_of
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.simulate.loop.driver import Driver
 
 FULL = (3.4e5, 3.0e5)
@@ -19,7 +19,7 @@ FULL = (3.4e5, 3.0e5)
 
 def scenario_with(demand, directory=LIBRARY):
     table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
-    return scenario_of(merged(table, {"demand": demand}), directory=directory, origin="mine.toml")
+    return scenario_of(merge(table, {"demand": demand}), directory=directory, origin="mine.toml")
 
 
 def phases(demand, directory=LIBRARY):

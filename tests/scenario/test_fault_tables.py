@@ -13,7 +13,7 @@ from synthetic import LIBRARY
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import kinds_of_faults
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.vehicle import VehicleData
 
@@ -25,8 +25,8 @@ PARTS = {part for part, _ in PAIRS}
 
 def scenario_with(*faults, equipment="service", **tables):
     table = tomllib.loads((LIBRARY / "plain.toml").read_text(encoding="utf-8"))
-    table = merged(table, tomllib.loads((EQUIPMENT / f"{equipment}.toml").read_text(encoding="utf-8")))
-    return scenario_of(merged(table, {"faults": list(faults)} | tables), directory=LIBRARY, origin="mine.toml")
+    table = merge(table, tomllib.loads((EQUIPMENT / f"{equipment}.toml").read_text(encoding="utf-8")))
+    return scenario_of(merge(table, {"faults": list(faults)} | tables), directory=LIBRARY, origin="mine.toml")
 
 
 def parts(scenario):

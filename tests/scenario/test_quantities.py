@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import to_si
-from railgrip.scenario.merge import merged, nested, parts_of, read_overrides
+from railgrip.scenario.merge import merge, nest, parts_of, read_overrides
 from railgrip.scenario.quantity import BOOLEAN, Magnitude, Parameter, in_units
 
 
@@ -78,8 +78,8 @@ tables = st.recursive(scalars, lambda inner: st.dictionaries(keys, inner, max_si
 
 @given(base=st.dictionaries(keys, tables, max_size=4), change=st.dictionaries(keys, tables, max_size=4))
 def test_a_change_laid_over_tables_twice_is_laid_over_once(base, change):
-    once = merged(base, change)
-    assert merged(once, change) == once
+    once = merge(base, change)
+    assert merge(once, change) == once
     assert {key: once[key] for key in base if key not in change} == {k: v for k, v in base.items() if k not in change}
 
 
@@ -114,7 +114,7 @@ FILTER = {"estimator": {"kind": "fmu", "model": "TrainPrediction", "noise": "ide
     ],
 )
 def test_another_kind_starts_its_table_anew_and_the_same_kind_keeps_its_keys(base, change, expected):
-    assert merged(base, change) == expected
+    assert merge(base, change) == expected
 
 
 tree_keys = st.text(min_size=1, max_size=8).filter(lambda key: not ('"' in key and "'" in key))
@@ -127,7 +127,7 @@ def test_a_value_by_key_stays_what_it_is(key, value):
     """Any text is a key: in quotes, of which it holds the other sort at most."""
     quoted = [f"'{part}'" if '"' in part else f'"{part}"' for part in key]
     assert parts_of(" . ".join(quoted)) == tuple(key)
-    tree = nested({".".join(quoted): value})
+    tree = nest({".".join(quoted): value})
     for part in key:
         tree = tree[part]
     assert tree is value
@@ -138,7 +138,7 @@ def test_a_value_by_key_stays_what_it_is(key, value):
 )
 def test_a_key_of_no_table_is_refused(key):
     with pytest.raises(ScenarioError, match=r"is not a key such as|parts; tables are nested"):
-        nested({key: 1})
+        nest({key: 1})
 
 
 def test_a_text_of_several_lines_is_no_second_key():
@@ -149,4 +149,4 @@ def test_a_list_that_holds_itself_is_refused():
     endless = []
     endless.append(endless)
     with pytest.raises(ScenarioError, match="nested deeper than"):
-        nested({"a": endless})
+        nest({"a": endless})

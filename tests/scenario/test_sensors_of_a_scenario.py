@@ -7,7 +7,7 @@ from synthetic import LAYOUT, LIBRARY, TWO_PART_TRAIN
 
 from railgrip.base.errors import ScenarioError, SensorsFailed
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.track.geodesy import local
 from railgrip.scenario.track.irregularity import RIDE, spectrum
 from railgrip.vehicle.signals import EXTRA, PLANT, READINGS, layout_of
@@ -30,7 +30,7 @@ def scenario_with(track=None, **sensors):
 
 def reader(scenario):
     layout = layout_of(TWO_PART_TRAIN, reading=(*READINGS, *scenario.sensors.extra_readings(scenario, OUTPUTS)))
-    return layout, scenario.sensors.opened(scenario, layout, 0.4)
+    return layout, scenario.sensors.open(scenario, layout, 0.4)
 
 
 def test_quantities_of_the_noise_table_are_read_beside_those_of_every_train():
@@ -78,7 +78,7 @@ def test_accelerometers_feel_the_gradient_and_gnss_finds_the_train_on_its_track(
     assert along[0] == pytest.approx([-0.5 - 9.81 * np.sin(np.arctan(0.01))] * 4, abs=4 * 0.03)
     fixes = readings[:, layout.reading["latitude"].start : layout.reading["height"].stop]
     assert np.flatnonzero(np.isfinite(fixes[:, 0])).tolist() == list(range(0, 20001, 100))
-    north, east, _ = local(*fixes[::100].T, scenario.track.plan.laid().origin).T
+    north, east, _ = local(*fixes[::100].T, scenario.track.plan.alignment().origin).T
     error = np.column_stack([north - (400 - 300 * np.arange(201) / 200), east])
     # White steps of 0.02 m in the difference of neighbours, beside those of the wander, 0.2 sqrt(2 * 0.1/10).
     assert np.diff(error, axis=0).std() == pytest.approx(np.hypot(0.02 * np.sqrt(2), 0.2 * np.sqrt(0.02)), rel=0.15)
@@ -98,7 +98,7 @@ def service(step, **sensors):
     written = load(LIBRARY / "degraded.toml").resolved()
     changes = {"periods": dict.fromkeys(written["periods"], step), "vehicle": {"plant": "TwoPartTrain"}}
     changes |= {"actuation": {"kind": "ideal"}, "sensors": sensors, "faults": []}
-    return scenario_of(merged(written, changes), directory=LIBRARY, origin="mine.toml")
+    return scenario_of(merge(written, changes), directory=LIBRARY, origin="mine.toml")
 
 
 def test_instruments_do_not_know_the_communication_step():
@@ -108,7 +108,7 @@ def test_instruments_do_not_know_the_communication_step():
         scenario = service(step)
         every = scenario.sensors.sampled_every(scenario.periods.communication)
         assert every * scenario.periods.communication == 1e-3
-        sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
+        sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
         truths = np.linspace(30.0, 1.0, 1500)[:, None] * np.ones(LAYOUT.outputs)
         readings.append(np.array([read(sensors, k, truth) for k, truth in enumerate(truths)]))
     assert readings[0].tobytes() == readings[1].tobytes() == readings[2].tobytes()
@@ -119,7 +119,7 @@ def test_a_coarser_loop_reads_the_noise_of_the_instants_at_which_it_reads(times)
     """Noise is drawn each millisecond, also beyond a block of draws."""
     noises = []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
-        sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
+        sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
         readings = np.array([read(sensors, k, np.zeros(LAYOUT.outputs)) for k in range(6000 // step)])
         noises.append(readings[:, np.r_[LAYOUT.reading["acceleration"], LAYOUT.reading["deflection"]]])
     assert np.array_equal(noises[0][::times], noises[1])
@@ -132,7 +132,7 @@ def test_a_coarser_loop_reads_encoders_and_transducers_as_a_fine_one(times):
     places = np.r_[LAYOUT.reading["wheelset_speed"], LAYOUT.reading["cylinder_pressure"]]
     last = []
     for scenario, step in ((service("1 ms"), 1), (service(f"{times} ms"), times)):
-        sensors, newest, rows = scenario.sensors.opened(scenario, LAYOUT, 0.4), np.full(places.size, np.nan), []
+        sensors, newest, rows = scenario.sensors.open(scenario, LAYOUT, 0.4), np.full(places.size, np.nan), []
         for k in range(2000 // step):
             truth = np.zeros(LAYOUT.outputs)
             truth[LAYOUT.output["wheelset_speed"]], truth[LAYOUT.output["cylinder_pressure"]] = (
@@ -152,7 +152,7 @@ def test_a_pole_wheel_loses_teeth_at_the_same_time_with_any_communication_step()
     for step in ("0.25 ms", "1 ms", "5 ms"):
         table = service(step).resolved() | {"faults": [fault]}
         scenario = scenario_of(table, directory=LIBRARY, origin="mine.toml")
-        sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
+        sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
         period = max(1e-3, scenario.periods.communication)
         truth = np.where(np.arange(LAYOUT.outputs) == LAYOUT.output["wheelset_speed"].start, 40.0, 0.0)
         speed = np.array([read(sensors, k, truth) for k in range(round(2.0 / period))])
@@ -167,7 +167,7 @@ def test_a_coarser_loop_reads_the_radar_at_its_rate_and_age(step):
     """50 ms, also where these are 12.5 steps; the speed of the truth is its time."""
     scenario = service(step, speed={"noise": 0.0, "scale_error": 0.0}, acceleration={"noise": 0.0, "bias": 0.0})
     period = scenario.periods.communication
-    sensors, times = scenario.sensors.opened(scenario, LAYOUT, 0.4), period * np.arange(500)
+    sensors, times = scenario.sensors.open(scenario, LAYOUT, 0.4), period * np.arange(500)
     truths = times[:, None] * (np.arange(LAYOUT.outputs) == LAYOUT.output["speed"].start)
     speed = np.array([read(sensors, k, truth) for k, truth in enumerate(truths)])[:, LAYOUT.reading["speed"].start]
     due = np.flatnonzero(np.isfinite(speed))
@@ -190,7 +190,7 @@ def test_a_period_between_communication_steps_is_refused():
 
 def driven(scenario, speed=20.0, seconds=40.0):
     """Readings of a train that runs at a constant speed, and what they would be without errors [rows of LAYOUT]."""
-    sensors = scenario.sensors.opened(scenario, LAYOUT, 0.4)
+    sensors = scenario.sensors.open(scenario, LAYOUT, 0.4)
     rows = []
     for k in range(round(seconds / 1e-3)):
         truth = np.zeros(LAYOUT.outputs)
@@ -204,7 +204,7 @@ def test_drop_outs_and_drift_of_a_radar_are_those_of_the_table():
     times."""
     radar = {"noise": 0, "scale_error": 0, "drift": "1 %", "drift_time": "2 s"}
     radar |= {"dropouts": "25 %", "dropout_time": "0.5 s"}
-    longer = merged(service("1 ms", speed=radar).resolved(), {"limits": {"horizon": "410 s"}})
+    longer = merge(service("1 ms", speed=radar).resolved(), {"limits": {"horizon": "410 s"}})
     rows = driven(scenario_of(longer, directory=LIBRARY, origin="mine"), seconds=400.0)
     readings = rows[100::50, LAYOUT.reading["speed"].start]
     lost = np.isnan(readings)
@@ -224,7 +224,7 @@ def test_an_accelerometer_feels_the_gradients_of_the_track_and_an_unknown_one():
     gradient = [{"begin": "100 m", "slope": 0.02}, {"begin": "300 m", "slope": 0}]
     track = {"gradient": gradient}
     changes = {"track": track, "truth": {"gradient": 0.01}}
-    scenario = scenario_of(merged(scenario.resolved(), changes), directory=LIBRARY, origin="mine")
+    scenario = scenario_of(merge(scenario.resolved(), changes), directory=LIBRARY, origin="mine")
     read = driven(scenario, seconds=20.0)[:, LAYOUT.reading["acceleration"].start]
     g = 9.81
     assert read[[4000, 6000, 14000, 16000]] == pytest.approx([g * 0.01, g * 0.03, g * 0.03, g * 0.01], rel=1e-3)
@@ -267,4 +267,4 @@ def test_a_quantity_that_the_plant_lacks_is_refused():
     with pytest.raises(
         ScenarioError, match="names 'pad_force', which this plant does not show; its sensors read speed"
     ):
-        scenario.sensors.opened(scenario, without, 0.4)
+        scenario.sensors.open(scenario, without, 0.4)

@@ -46,7 +46,7 @@ PLAN = {
 def test_along_a_plan_the_force_is_that_of_the_slope_and_curvature_there(direction, start):
     plan = PLAN | {"direction": direction, "start": start}
     track = Track.model_validate({"plan": plan})
-    force, laid, way = track_force_of(track, 84e3), track.plan.laid(), 1.0 if direction == "forward" else -1.0
+    force, laid, way = track_force_of(track, 84e3), track.plan.alignment(), 1.0 if direction == "forward" else -1.0
     distance = np.linspace(0.0, 800.0, 3333)
     place = start + way * distance
     exact = force_along(way * laid.slope(place), laid.curvature(place), 84e3)

@@ -13,7 +13,7 @@ from railgrip.rolling_stock.files import train_of
 from railgrip.rolling_stock.schema import Train
 from railgrip.scenario.json_schema import scenario_schema, schema_of
 from railgrip.scenario.load import load
-from railgrip.scenario.unsupported import UNSUPPORTED, unsupported
+from railgrip.scenario.unsupported import UNSUPPORTED, explain_unsupported
 
 KEYS = {
     "ed_brake": "electrodynamic", "electrodynamic_brake": "electrodynamic", "regenerative_brake": "electrodynamic",
@@ -60,7 +60,7 @@ def names(schema: object) -> set[str]:
 def test_no_key_of_a_file_is_said_to_be_unsupported():
     supported = names(scenario_schema()) | names(schema_of(Train))
     assert {"track_brakes", "track_brake", "resistance", "demand"} <= supported
-    assert [key for key in supported if unsupported(key)] == []
+    assert [key for key in supported if explain_unsupported(key)] == []
 
 
 def test_each_entry_has_an_example_here():
@@ -70,5 +70,5 @@ def test_each_entry_has_an_example_here():
 
 def test_magnetic_track_brakes_are_supported():
     assert issubclass(Train, BaseModel)
-    assert not unsupported("track_brakes")
-    assert not unsupported("magnetic_track_brake")
+    assert not explain_unsupported("track_brakes")
+    assert not explain_unsupported("magnetic_track_brake")

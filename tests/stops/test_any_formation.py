@@ -17,7 +17,7 @@ from railgrip.controllers.observation import Observation
 from railgrip.fmus.build import build_class
 from railgrip.fmus.native.package import pack
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.by_hand import Bench
@@ -153,7 +153,7 @@ def test_the_train_says_where_its_wheelsets_are_and_what_they_carry():
     assert formation.position == pytest.approx(16.95 - np.array(ahead), abs=1e-12)
     assert formation.load == pytest.approx(9.81 * np.array([13400, 14100, 14500, 14500, 14100, 13400]))
     assert formation.wheelsets_per_car == (3, 3)
-    assert [brake.load for brake in formation.brakes] == pytest.approx(formation.summed(formation.load))
+    assert [brake.load for brake in formation.brakes] == pytest.approx(formation.sum_by_group(formation.load))
     wagon = VehicleData(load(LIBRARY / "wagon.toml")).nominal.formation
     assert (wagon.cars, wagon.position.tolist()) == (1, [0.0, 9.0])
     assert wagon.load == pytest.approx([40e3 * 9.81 / 2] * 2)
@@ -264,7 +264,7 @@ def freight_scenario(*changes: dict[str, Any]) -> Scenario:
     path = Path(FREIGHT)
     table = read_toml(path)
     for change in changes:
-        table = merged(table, change)
+        table = merge(table, change)
     return scenario_of(table, directory=path.parent, origin=path.name)
 
 
@@ -294,7 +294,7 @@ class InPython:
     """The law of the freight train's file as a class of a user."""
 
     def start(self, formation: Formation) -> None:
-        self.law = SlipTwoState(formation.brakes, SlipTwoState.tuned_for("ideal", "read", "paper"))
+        self.law = SlipTwoState(formation.brakes, SlipTwoState.load_tuning("ideal", "read", "paper"))
 
     def decide(self, observation: Observation) -> tuple[float, ...]:
         return self.law.decide(observation)

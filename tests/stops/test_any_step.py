@@ -8,7 +8,7 @@ import pytest
 from synthetic import LIBRARY
 
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merged, read_overrides
+from railgrip.scenario.merge import merge, read_overrides
 from railgrip.simulate.run import braking_distance
 
 SERVICE = load(LIBRARY / "degraded.toml").resolved()["sensors"]
@@ -17,7 +17,7 @@ SERVICE = load(LIBRARY / "degraded.toml").resolved()["sensors"]
 def distance(step, *overrides, **sensors):
     """Of adhesion-based control with service sensors and ideal actuation [m]."""
     changes = [f"periods.communication={step}", "periods.controller=10 ms", "estimator.noise=service", *overrides]
-    table = merged(load(LIBRARY / "plain.toml").resolved(), read_overrides(changes)) | {"sensors": SERVICE | sensors}
+    table = merge(load(LIBRARY / "plain.toml").resolved(), read_overrides(changes)) | {"sensors": SERVICE | sensors}
     return braking_distance(scenario_of(table, directory=LIBRARY, origin="step"))
 
 
@@ -43,8 +43,8 @@ def test_stops_with_valves_take_any_step_and_hardly_move(step, error):
 
     def median(step):
         of_all = [f"periods.communication={step}", "periods.controller=10 ms", "vehicle.nudge.relative=1e-7"]
-        table = merged(load(LIBRARY / "degraded.toml").resolved() | {"faults": [], "truth": {}}, read_overrides(of_all))
-        stops = [merged(table, {"vehicle": {"nudge": {"seed": seed}}}) for seed in range(1, 4)]
+        table = merge(load(LIBRARY / "degraded.toml").resolved() | {"faults": [], "truth": {}}, read_overrides(of_all))
+        stops = [merge(table, {"vehicle": {"nudge": {"seed": seed}}}) for seed in range(1, 4)]
         return np.median([braking_distance(scenario_of(stop, directory=LIBRARY, origin="step")) for stop in stops])
 
     assert median(step) == pytest.approx(median("1 ms"), rel=error)

@@ -10,7 +10,7 @@ import pytest
 
 import railgrip.scenario
 from railgrip.campaign.one_stop import run
-from railgrip.campaign.run import kept_result
+from railgrip.campaign.run import find_result
 from railgrip.fmus.build import fmu
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
@@ -59,9 +59,9 @@ def test_the_fmu_estimator_predicts_with_the_compiler_of_the_plant_and_the_resul
 
     stop = PlannedStop(name="one", variants={}, scenario=scenario)
     monkeypatch.setattr("railgrip.campaign.run.choose", lambda compiler: "openmodelica")
-    assert kept_result(stop, out) is not None
+    assert find_result(stop, out) is not None
     monkeypatch.setattr("railgrip.campaign.run.choose", lambda compiler: "native")
-    assert kept_result(stop, out) is None, "distances from OpenModelica's FMUs are not ours"
+    assert find_result(stop, out) is None, "distances from OpenModelica's FMUs are not ours"
 
 
 def test_our_own_fmus_are_named_too(tmp_path):

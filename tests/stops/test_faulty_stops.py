@@ -6,7 +6,7 @@ from python_parts import same_stop
 from synthetic import LIBRARY
 
 from railgrip.scenario.load import load, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.faults import FREE
 from railgrip.simulate.run import run_stop
@@ -17,7 +17,7 @@ SHORT = {"start": {"speed": "25 km/h"}, "limits": {"horizon": "20 s"}}
 
 def train(*faults, **changes):
     """The library's scenario from 25 km/h with other faults, else healthy."""
-    table = merged(load(LIBRARY / "degraded.toml").resolved(), merged(merged(HEALTHY, SHORT), changes))
+    table = merge(load(LIBRARY / "degraded.toml").resolved(), merge(merge(HEALTHY, SHORT), changes))
     return scenario_of(table | {"faults": list(faults)}, directory=LIBRARY, origin="broken")
 
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import railgrip.scenario
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.simulate.ideal import ideal_stop
 from railgrip.simulate.run import run_stop
 
@@ -101,9 +101,9 @@ def test_no_stop_is_shorter_than_the_bound(rail, curve, speed, gradient, kind):
         "limits": {"alpha_max": 1.0}, "truth": {"gradient": gradient},
         "periods": dict.fromkeys(("communication", "estimator", "controller", "trace"), "2 ms"),
     }  # fmt: skip
-    table = merged({k: v for k, v in read_toml(LIBRARY / "plain.toml").items() if k != "adhesion"}, changes)
+    table = merge({k: v for k, v in read_toml(LIBRARY / "plain.toml").items() if k != "adhesion"}, changes)
     best, stop = (
-        run_stop(scenario_of(merged(table, {"controller": {"kind": name}}), directory=LIBRARY, origin="test"))
+        run_stop(scenario_of(merge(table, {"controller": {"kind": name}}), directory=LIBRARY, origin="test"))
         for name in ("ideal_bound", kind)
     )
     assert stop.outcome.value == best.outcome.value == "standstill"
@@ -148,8 +148,8 @@ def test_who_knows_the_truth_stops_with_valves_within_five_percent_of_the_bound(
     wheel was led by its slip alone, which the valves' band swallowed.
     """
     equipment = Path(railgrip.scenario.__file__).parent / "equipment" / "service.toml"
-    table = merged(read_toml(LIBRARY / "plain.toml"), read_toml(equipment))
-    table = merged(
+    table = merge(read_toml(LIBRARY / "plain.toml"), read_toml(equipment))
+    table = merge(
         table,
         {
             "start": {"speed": "40 km/h"}, "adhesion": {"polach": curve}, "estimator": {"kind": "none"},
@@ -157,7 +157,7 @@ def test_who_knows_the_truth_stops_with_valves_within_five_percent_of_the_bound(
         },
     )  # fmt: skip
     bound, tracking = (
-        run_stop(scenario_of(merged(table, {"controller": {"kind": kind}}), directory=LIBRARY, origin="test"))
+        run_stop(scenario_of(merge(table, {"controller": {"kind": kind}}), directory=LIBRARY, origin="test"))
         for kind in ("ideal_bound", "ideal_tracking")
     )
     assert tracking.scenario.controller.kind == "ideal_tracking"

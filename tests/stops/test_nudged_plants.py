@@ -4,13 +4,13 @@ import numpy as np
 
 from railgrip.scenario.vehicle import Nudge
 from railgrip.simulate.files import description_of, parameters_of, recipe_file
-from railgrip.simulate.plant import nudged
+from railgrip.simulate.plant import perturb_parameters
 
 
 def test_every_real_parameter_is_moved_by_less_than_was_asked_and_the_same_seed_moves_it_the_same():
     plant = description_of(recipe_file("TwoPartTrain"))
     given = {"k_A": 1.0, "k_primary": 2e6}  # k_A is at its largest: dry rail
-    moved, again, other = (nudged(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))
+    moved, again, other = (perturb_parameters(given, plant, Nudge(relative=1e-7, seed=seed)) for seed in (1, 1, 2))
     assert moved == again
     assert moved != other
     held = parameters_of(plant) | given

@@ -8,10 +8,10 @@ from table_1 import table_1_scenario
 
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import load
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.parts import assembled
+from railgrip.simulate.parts import assemble
 from railgrip.simulate.run import braking_distance, run_stop
 
 WITHOUT = ("estimator.kind=none",)
@@ -52,7 +52,7 @@ def test_a_filter_that_has_lost_a_wheelset_and_leaves_out_what_a_radar_shows():
         ],
         "limits": {"horizon": "7 s"},
     }
-    one = same_stop(Scenario.model_validate(merged(scenario.resolved(), changes)))
+    one = same_stop(Scenario.model_validate(merge(scenario.resolved(), changes)))
     # What the radar shows from 4 s on is believed until it cannot be.
     speed = one.trace["speed"].values
     assert np.nanmax(one.trace["reading_speed"].values - speed) > 1.0
@@ -72,8 +72,8 @@ def test_wheels_that_stand_in_for_a_silent_radar():
         "adhesion": {"kind": "constant", "polach": "low_steep", "mu0": 0.04},
         "limits": {"horizon": "30 s"},
     }
-    alone = Scenario.model_validate(merged(scenario.resolved(), changes))
-    helped = Scenario.model_validate(merged(alone.resolved(), {"estimator": {"free_wheels": True}}))
+    alone = Scenario.model_validate(merge(scenario.resolved(), changes))
+    helped = Scenario.model_validate(merge(alone.resolved(), {"estimator": {"free_wheels": True}}))
     one = same_stop(helped)
 
     def error(stop):
@@ -117,7 +117,7 @@ def test_a_foreign_plant_that_shows_no_slip(controller, tmp_path):
 @pytest.mark.parametrize("wrap", [hidden, lambda parts: parts], ids=["python", "c"])
 def test_a_stop_that_keeps_two_samples_ends_where_one_that_keeps_all_does(wrap):
     question = load(LIBRARY / "plain.toml", ["start.speed=20 km/h"])
-    with assembled(question, capacity=2) as parts:
+    with assemble(question, capacity=2) as parts:
         ending = Loop(wrap(parts.parts)).run()
         rows = parts.recorder.rows
     whole = run_stop(question)

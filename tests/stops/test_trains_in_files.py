@@ -10,7 +10,7 @@ import railgrip.scenario
 from railgrip import cli
 from railgrip.base.errors import ScenarioError
 from railgrip.report.baseline import ACROSS_COMPILERS
-from railgrip.report.results import OURS, makers
+from railgrip.report.results import OURS, fmu_tools
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.scenario.load import load, scenario_of
@@ -184,7 +184,7 @@ def test_a_dry_stop_is_as_long_with_the_fmu_of_either_compiler(vehicle, monkeypa
             kept.cache_clear()
         stop = run_stop(dry(vehicle, "85 km/h", EXAMPLES))
         assert stop.outcome is Outcome.STANDSTILL, stop.reason
-        (tool,) = makers(stop.versions).values()
+        (tool,) = fmu_tools(stop.versions).values()
         assert tool.startswith(OURS) == (compiler == "native")
         distances[compiler] = stop.metrics.distance
     assert distances["openmodelica"] == pytest.approx(distances["native"], rel=ACROSS_COMPILERS)

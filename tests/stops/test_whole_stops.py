@@ -10,10 +10,10 @@ from table_1 import table_1_scenario
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.load import load, read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.run import run_stop
-from railgrip.studies.pad_monitor.evidence import pressure_spread
+from railgrip.studies.pad_monitor.evidence import pressure_deviation
 from railgrip.trace.estimation import SLOWEST
 
 SCENARIOS = ("trapezoid", "sine_sweep", "random")
@@ -150,7 +150,7 @@ def test_with_an_offset_in_the_pressure_it_is_the_brake_torque_that_is_known():
         error = (believed - mu)[at, g]
         explained = -mu[at, g] * offset[g] * A / (p[at, g] * A - spring)
         assert np.mean(error) == pytest.approx(np.mean(explained), abs=0.012)
-        added = pressure_spread(
+        added = pressure_deviation(
             pad_friction=believed[at, g],
             pressure=read[at, g],
             offset=table.error * table.full_scale,
@@ -167,7 +167,7 @@ def test_a_speed_that_is_too_high_is_not_taken_for_slip(seed):
     18 km/h and 2 % at 9 km/h. A law that seeks a peak there finds noise: all wheels hung at 0.02 % of slip, and at 26
     to 37 % of the adhesion below 18 km/h. With sensors that are right (seed 1) it is 91 %."""
     equipment = read_toml(LIBRARY.parent / "equipment" / "service.toml")
-    table = merged(merged(read_toml(LIBRARY / "random.toml"), equipment), {"seed": seed})
+    table = merge(merge(read_toml(LIBRARY / "random.toml"), equipment), {"seed": seed})
     trace = run_stop(scenario_of(table, directory=LIBRARY, origin="random.toml")).trace
     slow = (trace["speed"].values < 5.0) & (trace["speed"].values > 1.0)
     assert np.median(trace["estimate_slip"].values[slow] - trace["slip"].values[slow]) > 0.01  # the sensors are poor

@@ -16,10 +16,10 @@ import xarray
 from matplotlib.figure import Figure
 from synthetic_runner import run_stop
 
-from railgrip.base.errors import Unwritten, for_user
+from railgrip.base.errors import WriteFailed, for_user
 from railgrip.base.files import replacing, write_text
 from railgrip.base.outputs import RECORD
-from railgrip.campaign.run import kept_result
+from railgrip.campaign.run import find_result
 from railgrip.report.style import save
 from railgrip.scenario.campaign import PlannedStop
 from railgrip.scenario.load import load
@@ -56,7 +56,7 @@ def test_what_finds_no_place_leaves_what_was_there_and_nothing_half(tmp_path, di
     path = tmp_path / "result"
     path.write_text("before", encoding="utf-8")
     disk(1000)
-    with pytest.raises(Unwritten, match=r"result: cannot be written: File too large"):
+    with pytest.raises(WriteFailed, match=r"result: cannot be written: File too large"):
         write(path)
     assert [file.name for file in tmp_path.iterdir()] == ["result"]
     assert path.read_text(encoding="utf-8") == "before"
@@ -69,13 +69,13 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
     size = (tmp_path / "stop.json").stat().st_size
     assert (tmp_path / "trace.nc").stat().st_size > size + 100
     disk(size + 100)
-    with pytest.raises(Unwritten, match=r"trace\.nc: cannot be written"):
+    with pytest.raises(WriteFailed, match=r"trace\.nc: cannot be written"):
         write_stop(stop, tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
     assert read_stop(tmp_path).metrics.distance == stop.metrics.distance
-    assert kept_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
+    assert find_result(PlannedStop(name="wet", variants={}, scenario=scenario), tmp_path) is None
     disk(size - 100)
-    with pytest.raises(Unwritten, match=r"stop\.json: cannot be written"):
+    with pytest.raises(WriteFailed, match=r"stop\.json: cannot be written"):
         write_stop(stop, tmp_path)
     # What was there before stays whole.
     assert sorted(file.name for file in tmp_path.iterdir()) == [RECORD, "stop.json"]
@@ -83,7 +83,7 @@ def test_a_stop_without_place_for_its_trace_keeps_its_figures_and_is_run_again(t
 
 
 def test_a_full_disk_is_the_runs_failure_and_no_wrong_question(tmp_path):
-    with pytest.raises(Unwritten) as error, replacing(tmp_path / "a"):
+    with pytest.raises(WriteFailed) as error, replacing(tmp_path / "a"):
         raise OSError(28, "No space left on device")
     message = for_user(error.value)
     assert message is not None

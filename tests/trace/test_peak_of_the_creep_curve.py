@@ -5,7 +5,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from railgrip.simulate.contact import compiled_contact
-from railgrip.simulate.files import lowered
+from railgrip.simulate.files import compile_class
 from railgrip.trace.contact import peak
 
 STIFFNESS = 10e6  # N, G·π·a·b·c11/… of the order of a wheel of 7 t; only the shape matters here
@@ -66,7 +66,7 @@ def test_a_curve_that_only_rises_peaks_at_the_locked_wheel():
 
 
 def test_the_compiled_contact_is_that_of_the_model_for_its_wheel_and_for_a_curve_at_each_point():
-    model, random = lowered("RailBraking.FMUs.ContactPoint"), np.random.default_rng(3)
+    model, random = compile_class("RailBraking.FMUs.ContactPoint"), np.random.default_rng(3)
     shape = {"k_A": 0.3, "k_S": 0.1, "A_falling": 0.4, "B_falling": 0.6}
     contact = compiled_contact(model, {"r_wheel": 0.31}, shape)
     points = np.stack([random.uniform(*ends, 20) for ends in ((0, 1), (0, 60), (4e4, 2e5), (0.01, 0.5))])

@@ -16,7 +16,7 @@ from railgrip.campaign.sweep import Result, Sweep
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
 from railgrip.trace.netcdf import read_trace, write_trace
-from railgrip.trace.recorder import Recorder, require_stop, thinned
+from railgrip.trace.recorder import Recorder, require_stop, thin
 from railgrip.trace.stop import read_stop, write_stop
 from railgrip.vehicle.signals import PLANT, SENT
 
@@ -51,7 +51,7 @@ def test_a_trace_file_gives_the_trace_back(tmp_path):
 
 
 def test_thinning_keeps_the_grid_and_the_last_sample():
-    trace = thinned(uniform_stop(period=0.01), 7)
+    trace = thin(uniform_stop(period=0.01), 7)
     assert trace["time"].values[:3] == pytest.approx([0, 0.07, 0.14])
     assert trace["speed"].values[-1] == pytest.approx(0.0)
 

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from scipy.special import fresnel
 
-from railgrip.scenario.track.alignment import LaidTrack, Linear, course_of, grades_of
+from railgrip.scenario.track.alignment import Linear, TrackAlignment, course_of, grades_of
 from railgrip.scenario.track.geodesy import Place, local
 
 MIDDLE = Place(latitude=50.5976, longitude=12.6939, height=342.043)
 FLAT = Linear(np.array([0.0]), np.array([0.0]))
 
 
-def track(curvature: Linear, slope: Linear = FLAT, heading: float = 0.0) -> LaidTrack:
-    return LaidTrack(origin=MIDDLE, middle=0.0, length=400.0, heading=heading, curvature=curvature, slope=slope)
+def track(curvature: Linear, slope: Linear = FLAT, heading: float = 0.0) -> TrackAlignment:
+    return TrackAlignment(origin=MIDDLE, middle=0.0, length=400.0, heading=heading, curvature=curvature, slope=slope)
 
 
 def test_a_transition_curve_is_a_clothoid():

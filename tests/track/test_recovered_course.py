@@ -5,13 +5,13 @@ import pytest
 
 from railgrip.base.errors import EstimationError
 from railgrip.estimation.motion import course_of, motion_of, smooth
-from railgrip.estimation.spec import LowPass, Trust
-from railgrip.scenario.track.alignment import LaidTrack, grades_of
+from railgrip.estimation.spec import LowPass, SensorDeviations
+from railgrip.scenario.track.alignment import TrackAlignment, grades_of
 from railgrip.scenario.track.alignment import course_of as laid_course
 from railgrip.scenario.track.geodesy import Place
 
 LOW_PASS = LowPass(plan=60.0, height=60.0, base=10.0)
-TRACK = LaidTrack(
+TRACK = TrackAlignment(
     origin=Place(latitude=50.6, longitude=12.7, height=300.0),
     middle=0.0,
     length=1200.0,
@@ -59,7 +59,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
     noise = np.array([0.5, 2.0])
     readings = random.normal(size=(12, 2))
     readings[3, 0] = readings[7] = np.nan
-    start, spread = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
+    start, start_covariance = np.array([0.4, -0.2]), np.array([[2.0, 0.3], [0.3, 1.0]])
     rows, right = [], []
 
     def add(block: np.ndarray, at: int, value: np.ndarray, covariance: np.ndarray, before: np.ndarray | None = None):
@@ -71,7 +71,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         rows.append(weight @ row)
         right.append(weight @ value)
 
-    add(np.eye(2), 0, start, spread)
+    add(np.eye(2), 0, start, start_covariance)
     for j in range(12):
         if j:
             add(np.eye(2), j, np.zeros(2), Q, -F)
@@ -86,7 +86,7 @@ def test_the_smoother_is_the_least_squares_of_all_readings():
         reading_noise=noise,
         readings=readings,
         start=start,
-        spread=spread,
+        start_covariance=start_covariance,
     )
     # Both solve the same well-conditioned system in doubles.
     np.testing.assert_allclose(states, expected, rtol=0, atol=1e-9)
@@ -110,7 +110,7 @@ def test_a_speed_sensor_that_reads_too_much_is_found_out_by_gnss():
         accelerations=acceleration,
         horizontal=horizontal,
         height=height,
-        trust=Trust(speed=0.02, scale=5e-3, acceleration=0.05, bias=0.1, drift=0.01, jerk=0.7, position=0.1),
+        trust=SensorDeviations(speed=0.02, scale=5e-3, acceleration=0.05, bias=0.1, drift=0.01, jerk=0.7, position=0.1),
         low_pass=LOW_PASS,
     )
     # A tenth of the scale error is what 0.02 m of position over 800 m and a smoothed path leave.

@@ -11,7 +11,7 @@ from railgrip.base.registry import shelf
 from railgrip.rolling_stock.files import load_train, train_of
 from railgrip.rolling_stock.stopping import by_hand
 from railgrip.studies.trains import sanders, stops
-from railgrip.studies.trains.stops import DryStop, Filling, multiplied, protected_stop
+from railgrip.studies.trains.stops import DryStop, Filling, protected_stop, repeat_cars
 from railgrip.studies.trains.study import page_of, table_of_sanders
 
 
@@ -67,7 +67,7 @@ def test_the_files_say_what_was_fitted_and_whose_the_reference_is(tmp_path):
     train = load_train(Path("emu387"))
     filling = Filling(begin=np.array([0.1, 0.4]), filling=np.array([4.0, 4.1]), propagation=280.0)
     text = shelf("trains")["emu387"].read_text(encoding="utf-8")
-    series = [stop_of(train_of(tomllib.loads(multiplied(text, cars)), "cars")) for cars in (1, 2)]
+    series = [stop_of(train_of(tomllib.loads(repeat_cars(text, cars)), "cars")) for cars in (1, 2)]
     rows = [
         {"sanders": "one fixed", "distance_m": 801.0, "measured_m": 800.0, "fitted": True},
         {"sanders": "none", "distance_m": None, "measured_m": 1200.0, "at_least": True, "fitted": False},
@@ -97,7 +97,7 @@ def test_the_stop_with_estimator_and_valves_ends(monkeypatch, tmp_path):
         text = (stops.LIBRARY / name).read_text(encoding="utf-8")
         (tmp_path / name).write_text(text.replace('"emu387"', f'"{tmp_path}/half.toml"'), encoding="utf-8")
     whole = shelf("trains")["emu387"].read_text(encoding="utf-8")
-    (tmp_path / "half.toml").write_text(multiplied(whole, 2), encoding="utf-8")
+    (tmp_path / "half.toml").write_text(repeat_cars(whole, 2), encoding="utf-8")
     monkeypatch.setattr(stops, "LIBRARY", tmp_path)
     monkeypatch.setattr(stops, "_ROUNDS", 1)  # more are for the time
     stop = protected_stop(0.01)

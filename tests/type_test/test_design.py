@@ -7,7 +7,7 @@ import pytest
 from railgrip.base.errors import ScenarioError
 from railgrip.base.units import GRAVITY
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.studies.type_test.design import (
     CASES,
     FRICTION,
@@ -88,7 +88,7 @@ def test_a_train_file_takes_part_with_a_filter_that_knows_any_train(tmp_path):
     named = train_of("tram")
     assert named["vehicle"] == {"train": "tram"}
     assert named["estimator"]["kind"] == "decentralised"
-    scenario = scenario_of(merged(named, {"name": "train"}), directory=tmp_path, origin="train")
+    scenario = scenario_of(merge(named, {"name": "train"}), directory=tmp_path, origin="train")
     assert scenario.actuation.kind == "pneumatic"
     with pytest.raises(ScenarioError, match="--train trm: is neither"):
         train_of("trm")

@@ -13,7 +13,7 @@ from railgrip.report.limits import limits_of
 from railgrip.report.results import Result
 from railgrip.scenario.outcome import Outcome
 from railgrip.studies.type_test.entrants import Entrant
-from railgrip.studies.type_test.judge import judgements, measured, summaries
+from railgrip.studies.type_test.judge import judgements, measure_stop, summaries
 from railgrip.trace.bound import with_bound
 from railgrip.trace.measures import utilisation as utilisation_of
 from railgrip.trace.metrics import Metrics, meanings
@@ -40,7 +40,7 @@ def result(case, controller, distance, *, stands=True, speed=20.0, **figures):
         versions={}, fmus={},
     )  # fmt: skip
     variants = {"case": case, "controller": controller, "friction": "0.3", "curve": "dry"}
-    return measured(Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None))
+    return measure_stop(Result(name=f"{case}-{controller}", variants=variants, record=record, paper_distance=None))
 
 
 def case(name, *, mine, tuned=300.0, second=330.0, **figures):

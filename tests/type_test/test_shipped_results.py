@@ -11,7 +11,7 @@ from railgrip.studies.type_test import design
 from railgrip.studies.type_test.design import CASES, QUICK, case_named, cases
 from railgrip.studies.type_test.entrants import Entrant, campaign_of, entrants, train_of
 from railgrip.studies.type_test.judge import judgements
-from railgrip.studies.type_test.shipped import shipped, write_shipped
+from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 from railgrip.studies.type_test.study import page_of
 
 TRAIN = train_of(None)
@@ -21,7 +21,7 @@ OWN = "own"
 
 @pytest.fixture(scope="module")
 def stops():
-    return shipped(cases(QUICK), TRAIN)[0]
+    return read_shipped(cases(QUICK), TRAIN)[0]
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ def test_each_case_comes_with_a_stop_of_each_controller(stops):
 
 
 def test_a_single_case_comes_with_its_stops():
-    stops, sentences = shipped([case_named("03of24-15595")], TRAIN)
+    stops, sentences = read_shipped([case_named("03of24-15595")], TRAIN)
     assert {stop.case for stop in stops} == {"03of24-15595"}
     assert len(stops) == len(entrants())
     assert len(sentences) == 1
@@ -61,25 +61,25 @@ def test_a_stop_that_is_run_has_the_distance_that_comes_with_the_package(stops, 
 def test_results_of_other_cases_or_another_train_are_refused(monkeypatch, stops):
     refused = "results_24_15595.csv are not shown: they are of other cases or of another train"
     other = TRAIN | {"periods": {"controller": "10 ms"}}
-    assert shipped(cases(QUICK), other)[0] == []
-    assert refused in shipped(cases(QUICK), other)[1][0]
+    assert read_shipped(cases(QUICK), other)[0] == []
+    assert refused in read_shipped(cases(QUICK), other)[1][0]
     monkeypatch.setattr(design, "PADS", {**design.PADS, "weak": 0.84})
-    found, (sentence,) = shipped(cases(QUICK), TRAIN)
+    found, (sentence,) = read_shipped(cases(QUICK), TRAIN)
     assert found == []
     assert refused in sentence
     monkeypatch.undo()
-    assert shipped(cases(QUICK), TRAIN)[0] == stops
+    assert read_shipped(cases(QUICK), TRAIN)[0] == stops
 
 
 def test_cases_without_a_file_have_a_sentence():
-    assert shipped(cases(CASES), TRAIN) == (
+    assert read_shipped(cases(CASES), TRAIN) == (
         [], ["No results of railgrip's controllers come with these 240 cases; they come with those of --quick."],
     )  # fmt: skip
 
 
 def test_what_is_written_is_read_again(tmp_path, stops):
     write_shipped(stops, cases(QUICK), TRAIN, tmp_path)
-    read, (sentence,) = shipped(cases(QUICK), TRAIN, tmp_path)
+    read, (sentence,) = read_shipped(cases(QUICK), TRAIN, tmp_path)
     assert read == stops
     assert "are of railgrip" in sentence
 
@@ -90,7 +90,7 @@ def test_results_of_a_version_without_the_adhesion_at_the_first_slide_are_read(t
     lines = path.read_text(encoding="utf-8").splitlines()
     assert lines[1].endswith(",adhesion_at_slide")
     path.write_text("\n".join([lines[0], *(line.rpartition(",")[0] for line in lines[1:])]) + "\n", encoding="utf-8")
-    assert shipped(cases(QUICK), TRAIN, tmp_path)[0] == older
+    assert read_shipped(cases(QUICK), TRAIN, tmp_path)[0] == older
     judged = judgements(older, entrants(), limits_of())
     assert {stop.verdicts["extension"] for stop in judged} == {None}
 

@@ -11,7 +11,7 @@ from pages import needs_nothing_else, plots_of
 
 from railgrip.base.errors import ScenarioError
 from railgrip.studies.type_test.entrants import entrants, entrants_named, train_of
-from railgrip.studies.type_test.study import compared
+from railgrip.studies.type_test.study import compare_controllers
 
 OWN = """
 name = "own"
@@ -107,7 +107,7 @@ def test_redistribution_shortens_a_service_brake_on_a_rail_that_wheels_clean(tmp
     assert "Distance over that of slip_three_state, case by case" in capsys.readouterr().out
     folder = tmp_path / "service_brake"
     distances = {case["controller"]: case["distance_m"] for case in content_of(folder)["cases"]}
-    rows = {row["controller"]: row for row in compared(content_of(folder)["cases"], "slip_three_state").rows}
+    rows = {row["controller"]: row for row in compare_controllers(content_of(folder)["cases"], "slip_three_state").rows}
     other = "slip_three_state_redistributed"
     assert set(rows) == {"ideal_bound", other}
     assert rows[other]["mean"] == pytest.approx(distances[other] / distances["slip_three_state"])

@@ -1,6 +1,6 @@
 """A wheel-slide controller; `python NAME.py` checks it and compares its braking distance with others.
 
-railgrip run trapezoid --import-from . --set controller.kind=NAME:CLASS --set controller.parameters.threshold=0.02
+railgrip run trapezoid --import-from . --set controller.kind=NAME:CONTROLLER --set controller.parameters.threshold=0.02
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 import railgrip as rg
 
 
-class CLASS:
+class CONTROLLER:
     """Vent a group whose slip is above a threshold; a group is the wheelsets that turn together and share a brake."""
 
     def __init__(self, threshold: float = 0.05) -> None:
@@ -28,8 +28,8 @@ class CLASS:
 
 
 if __name__ == "__main__":
-    rg.testing.check_controller(CLASS)
-    for controller in (CLASS, "slip_two_state", "adhesion_based"):
+    rg.testing.check_controller(CONTROLLER)
+    for controller in (CONTROLLER, "slip_two_state", "adhesion_based"):
         stop = rg.run("trapezoid", controller=controller)
         name = controller if isinstance(controller, str) else controller.__name__
         print(f"{name}: {stop.outcome.value}, {stop.metrics.distance:.1f} m")

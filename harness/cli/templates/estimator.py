@@ -1,6 +1,6 @@
 """An estimator of adhesion; `python NAME.py` checks it and compares its estimates with the truth of a stop.
 
-railgrip run trapezoid --import-from . --set estimator.kind=NAME:CLASS --set controller.kind=slip_two_state
+railgrip run trapezoid --import-from . --set estimator.kind=NAME:ESTIMATOR --set controller.kind=slip_two_state
 """
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 import railgrip as rg
 
 
-class CLASS:
+class ESTIMATOR:
     """Estimate the adhesion of each group by the smoothed deceleration of the train."""
 
     provides: tuple[str, ...] = ("adhesion",)  # fields of rg.Estimate that each step gives
@@ -31,7 +31,7 @@ class CLASS:
 
 
 if __name__ == "__main__":
-    rg.testing.check_estimator(CLASS)
-    stop = rg.run("trapezoid", estimator=CLASS, controller="slip_two_state")
+    rg.testing.check_estimator(ESTIMATOR)
+    stop = rg.run("trapezoid", estimator=ESTIMATOR, controller="slip_two_state")
     error = stop.trace["estimate_adhesion"] - stop.trace["group_adhesion"]
     print("root mean square error of each group:", ((error**2).mean("time") ** 0.5).values.round(3))

@@ -50,7 +50,7 @@ class Linear:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LaidTrack:
+class TrackAlignment:
     """A track as designed by the surveyor.
 
     Attributes:
@@ -77,7 +77,7 @@ class LaidTrack:
         """Return the height above the ellipsoid [m]."""
         return self.origin.height + self.slope.integral(distance) - self.slope.integral(self.middle)
 
-    def plan(self) -> "Plan":
+    def plan(self) -> "HorizontalAlignment":
         """Return north and east of the whole track, by Simpson's rule over each step."""
         count = int(np.ceil(self.length / _PLAN_STEP))
         distance = np.linspace(0.0, self.length, count + 1)
@@ -89,11 +89,11 @@ class LaidTrack:
         steps = np.diff(distance)[:, None] / 6.0 * (ends[:-1] + 4.0 * middles + ends[1:])
         horizontal = np.vstack([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
         start = [float(np.interp(self.middle, distance, column)) for column in horizontal.T]
-        return Plan(self, distance, horizontal - start)
+        return HorizontalAlignment(self, distance, horizontal - start)
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class HorizontalAlignment:
     """North and east along a track, as a table with small steps.
 
     Attributes:
@@ -102,7 +102,7 @@ class Plan:
         horizontal: North and east of the origin, shape (k, 2) [m].
     """
 
-    track: LaidTrack
+    track: TrackAlignment
     distance: Array
     horizontal: Array
 

@@ -11,11 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator, model_validator
 
 from railgrip.base.units import GRAVITY
-from railgrip.scenario.quantity import Number, Unit
-from railgrip.scenario.table import Length, Table, broken, optional
+from railgrip.scenario.quantity import Number, UnitRange
+from railgrip.scenario.table import Length, Table, optional, table_error
 
 if TYPE_CHECKING:
-    from railgrip.scenario.track.alignment import LaidTrack
+    from railgrip.scenario.track.alignment import TrackAlignment
 
 _WHEELBASE = (1.9 + 2.65 + 1.9) / 3  # m, mean of the three bogies of the VT 642
 _GAUGE = 1.435  # m
@@ -34,7 +34,7 @@ class Gradient(Table):
     """From here on the track climbs by `slope` (falls where negative)."""
 
     begin: Length = Field(description="distance of the train at which it begins")
-    slope: Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)] = Field(
+    slope: Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)] = Field(
         description="tangent of the gradient, positive uphill"
     )
 
@@ -49,12 +49,14 @@ class Curve(Table):
     @classmethod
     def _straight_or_a_curve(cls, radius: float) -> float:
         if 0 < radius < TIGHTEST_RADIUS:
-            raise broken(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
+            raise table_error(f"must be 0, for straight track, or at least {TIGHTEST_RADIUS:g} m, got {radius:g} m")
         return radius
 
 
-Slope = Annotated[float, Unit("1", above=-STEEPEST, below=STEEPEST)]
-Bend = Annotated[float, Unit("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")]
+Slope = Annotated[float, UnitRange("1", above=-STEEPEST, below=STEEPEST)]
+Bend = Annotated[
+    float, UnitRange("m", at_least=-1e5, at_most=1e5, because="no track is surveyed to less than 1e-5 1/m")
+]
 
 
 class Plan(Table):
@@ -62,11 +64,13 @@ class Plan(Table):
 
     latitude: Annotated[Number, Field(ge=-89.0, le=89.0)] = Field(description="of the point `middle` [deg]")
     longitude: Annotated[Number, Field(ge=-180.0, le=180.0)] = Field(description="of the point `middle` [deg]")
-    height: Annotated[float, Unit("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
+    height: Annotated[float, UnitRange("m", at_least=-500, at_most=6000, because="no railway is higher")] = Field(
         description="of the point `middle` above the ellipsoid"
     )
     middle: Length = Field(description="distance of the point whose position is given")
-    heading: Annotated[float, Unit("rad", at_least=-7, at_most=7)] = Field(description="there, clockwise from north")
+    heading: Annotated[float, UnitRange("rad", at_least=-7, at_most=7)] = Field(
+        description="there, clockwise from north"
+    )
     course: tuple[tuple[Length, Bend], ...] = Field(
         min_length=1,
         description="length of each piece and the radius at its end: 0 is straight, positive to the right; the "
@@ -80,25 +84,27 @@ class Plan(Table):
     direction: Literal["forward", "backward"] = Field(description="of travel along the distance of the plan")
 
     @model_validator(mode="after")
-    def _can_be_laid(self) -> Self:
+    def _check_alignment(self) -> Self:
         if any(0 < abs(radius) < TIGHTEST_RADIUS for _, radius in self.course):
-            raise broken(f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way")
+            raise table_error(
+                f"course: a radius is 0, for straight track, or at least {TIGHTEST_RADIUS:g} m either way"
+            )
         try:
-            course = self.laid()
+            course = self.alignment()
         except ValueError as problem:
-            raise broken(f"grades: {problem}") from problem
+            raise table_error(f"grades: {problem}") from problem
         if self.start > course.length:
-            raise broken(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
+            raise table_error(f"start {self.start:g} m is beyond the end of the track, {course.length:g} m")
         return self
 
-    def laid(self) -> "LaidTrack":
+    def alignment(self) -> "TrackAlignment":
         """Return the alignment of the track."""
-        from railgrip.scenario.track.alignment import LaidTrack, course_of, grades_of
+        from railgrip.scenario.track.alignment import TrackAlignment, course_of, grades_of
         from railgrip.scenario.track.geodesy import (
             Place,  # takes a fifth of a second, and most scenarios have no plan
         )
 
-        return LaidTrack(
+        return TrackAlignment(
             origin=Place(latitude=self.latitude, longitude=self.longitude, height=self.height),
             middle=self.middle,
             length=math.fsum(long for long, _ in self.course),
@@ -120,7 +126,7 @@ class Plan(Table):
 class Track(Table):
     """External influences on the train besides brakes and resistance."""
 
-    force: Annotated[float, Unit("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
+    force: Annotated[float, UnitRange("N", at_least=-LARGEST_FORCE, at_most=LARGEST_FORCE)] = Field(
         default=0.0, description="constant force, forward positive"
     )
     gradient: tuple[Gradient, ...] = Field(default=(), description="slopes along the distance; level without them")
@@ -132,7 +138,7 @@ class Track(Table):
         "κ(0.158 b + 0.103 a)",
     )
     train_mass: (
-        Annotated[float, Unit("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")] | None
+        Annotated[float, UnitRange("kg", above=0, at_most=1e8, because="the heaviest train weighed 1e8 kg")] | None
     ) = Field(
         default=None,
         description="mass that gradient and curves act on; required only for a plant that does not give its mass",
@@ -141,14 +147,16 @@ class Track(Table):
     @model_validator(mode="after")
     def _one_course_in_order(self) -> Self:
         if self.plan is not None and (self.gradient or self.curve):
-            raise broken("has a plan, which says all gradients and curves, and gradient or curve beside it; keep one")
+            raise table_error(
+                "has a plan, which says all gradients and curves, and gradient or curve beside it; keep one"
+            )
         for name, sections in (("gradient", self.gradient), ("curve", self.curve)):
             begins = [section.begin for section in sections]
             if begins != sorted(set(begins)):
-                raise broken(f"{name} must begin at rising distances, got {begins}")
+                raise table_error(f"{name} must begin at rising distances, got {begins}")
         tightest = min((section.radius for section in self.curve if section.radius), default=math.inf)
         if self.curve_law == "roeckl" and tightest < 300:
-            raise broken(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
+            raise table_error(f"curve_law 'roeckl' holds for a radius of 300 m and more, got {tightest:g} m")
         return self
 
     @property
@@ -160,7 +168,7 @@ class Track(Table):
 def slope_of(track: Track) -> Callable[[float], float]:
     """Return the gradient tan β in the direction of travel as a function of the distance travelled [m]."""
     if (plan := track.plan) is not None:
-        course = plan.laid()
+        course = plan.alignment()
         return lambda distance: plan.way * float(course.slope(plan.place(distance)))
     begins = [section.begin for section in track.gradient]
     slopes = [0.0, *(section.slope for section in track.gradient)]
@@ -213,7 +221,7 @@ def track_force_of(track: Track, mass: float) -> TrackForce:
 
 
 def _along(track: Track, plan: Plan, mass: float) -> TrackForce:
-    course = plan.laid()
+    course = plan.alignment()
     ends = sorted((plan.way * (0.0 - plan.start), plan.way * (course.length - plan.start)))
     kinks = plan.way * (np.concatenate([course.curvature.at, course.slope.at]) - plan.start)
     begins = np.unique(np.concatenate([np.arange(*ends), kinks, ends]))

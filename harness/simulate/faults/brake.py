@@ -8,12 +8,12 @@ from railgrip.scenario.faults import Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
-from railgrip.simulate.faults.site import Site, named, places
+from railgrip.simulate.faults.site import Site, iterate_faults, places
 from railgrip.simulate.loop.faults import CommandFault
 from railgrip.vehicle.formation import Formation
 
 
-class Isolated(Fault):
+class BrakeIsolation(Fault):
     """The cylinders of a group are vented; if only some of its units are isolated, the others keep their pad force."""
 
     part: Literal["brake"]
@@ -41,7 +41,7 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
         ScenarioError: The plant has no such parameter or fewer units, or units are isolated for a while only.
     """
     counts: dict[str, float] = {}
-    for where, fault in named(scenario, Isolated):
+    for where, fault in iterate_faults(scenario, BrakeIsolation):
         if fault.value is None:
             continue
         if not fault.lasts:
@@ -64,5 +64,9 @@ def isolated_units(scenario: Scenario, formation: Formation, units: Mapping[str,
 
 def isolated_groups(scenario: Scenario, formation: Formation) -> list[int]:
     """Return the zero-based groups whose brake is isolated for the whole stop."""
-    faults = ((where, fault) for where, fault in named(scenario, Isolated) if fault.value is None and fault.lasts)
+    faults = (
+        (where, fault)
+        for where, fault in iterate_faults(scenario, BrakeIsolation)
+        if fault.value is None and fault.lasts
+    )
     return [group for where, fault in faults for group in places(fault.group, formation.groups, where, "group")]

@@ -10,7 +10,7 @@ from railgrip.scenario.faults import Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.table import optional
-from railgrip.simulate.faults.site import Site, named, places
+from railgrip.simulate.faults.site import Site, iterate_faults, places
 from railgrip.simulate.loop.faults import ReadingFault
 from railgrip.simulate.loop.sensors import MissingTeeth
 from railgrip.vehicle.formation import Formation
@@ -42,7 +42,7 @@ def missing_teeth(scenario: Scenario, formation: Formation, period: float) -> tu
     """
     pulses = scenario.sensors.pulses
     missing = [MissingTeeth()] * formation.groups
-    for where, fault in named(scenario, ToothFault):
+    for where, fault in iterate_faults(scenario, ToothFault):
         if not pulses:
             kind = scenario.sensors.kind
             raise ScenarioError(f"{where} needs pole wheels, [sensors] kind 'service', and it is '{kind}'")

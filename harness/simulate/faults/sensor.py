@@ -8,11 +8,11 @@ from pydantic import Field, model_validator
 from railgrip.scenario.faults import READ_BY, Fault, Place, amount_of
 from railgrip.scenario.quantity import Magnitude
 from railgrip.scenario.seed import generator
-from railgrip.scenario.table import broken, optional
+from railgrip.scenario.table import optional, table_error
 from railgrip.simulate.faults.site import Site, places
 from railgrip.simulate.loop.faults import ReadingFault, ReadingKind
 
-_MOST_DRAWS = 2**17
+_MAX_DRAWS = 2**17
 """Length of the noise sequence; it repeats after 131 s."""
 
 
@@ -27,7 +27,7 @@ class _SensorFault(Fault):
         for name in ("group", "wheelset"):
             if getattr(self, name) is not None and name != key:
                 choice = "no place: there is one" if key is None else f"'{key}'"
-                raise broken(f"has '{name}', but {self.part} takes {choice}")
+                raise table_error(f"has '{name}', but {self.part} takes {choice}")
         return self
 
     def _of_reading(self, site: Site, kind: ReadingKind, value: float = 0.0) -> Iterator[ReadingFault]:
@@ -37,12 +37,12 @@ class _SensorFault(Fault):
         for index in places(number, at.stop - at.start, site.where, what):
             noise = None
             if kind == "noisy":
-                noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MOST_DRAWS)
+                noise = generator(site.scenario.seed, f"faults.{site.number}.{index}").standard_normal(_MAX_DRAWS)
             place, samples = at.start + index, self.samples(site.scenario)
             yield ReadingFault(kind=kind, place=place, value=value, noise=noise, **samples)
 
 
-class Silent(_SensorFault):
+class SilentSensor(_SensorFault):
     """The sensor delivers no new reading, repeats its last one, or reads zero."""
 
     kind: Literal["dead", "stuck", "zero"]
@@ -52,7 +52,7 @@ class Silent(_SensorFault):
         return self._of_reading(site, "scaled" if self.kind == "zero" else self.kind)
 
 
-class Wrong(_SensorFault):
+class DistortedReading(_SensorFault):
     """The reading is scaled, offset, or noisy, with white noise at 1 ms."""
 
     kind: Literal["scaled", "biased", "noisy"]

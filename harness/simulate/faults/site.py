@@ -42,7 +42,7 @@ class Site:
         return places(number, self.layout.formation.groups, self.where, "group")
 
 
-def named(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
+def iterate_faults(scenario: Scenario, kind: type[_Kind]) -> Iterator[tuple[str, _Kind]]:
     """Yield the faults of a kind, each with the opening words of its error messages."""
     for number, fault in enumerate(scenario.faults, start=1):
         if isinstance(fault, kind):

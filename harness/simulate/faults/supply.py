@@ -7,21 +7,21 @@ from pydantic import Field
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.faults import Fault, amount_of
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.table import optional
 from railgrip.simulate.faults.site import Site
 from railgrip.simulate.loop.faults import CommandFault
 
 
-class Sagging(Fault):
+class SupplyLoss(Fault):
     """The reservoir is emptied by the air consumption of the plant."""
 
     part: Literal["supply"]
     kind: Literal["sagging"]
     value: Magnitude = Field(description="volume of the reservoir")
-    pressure: Annotated[float, Unit("Pa", above=0, at_most=1e8)] = Field(description="of the full reservoir")
+    pressure: Annotated[float, UnitRange("Pa", above=0, at_most=1e8)] = Field(description="of the full reservoir")
     refill: (
-        Annotated[float, Unit("m3/s", above=0, at_most=1, because="compressors deliver some m3 a minute")] | None
+        Annotated[float, UnitRange("m3/s", above=0, at_most=1, because="compressors deliver some m3 a minute")] | None
     ) = optional("free air that its compressor delivers; without it, none")
 
     def of_commands(self, site: Site) -> Iterator[CommandFault]:

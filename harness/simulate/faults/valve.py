@@ -21,7 +21,7 @@ class _ValveFault(Fault):
     group: Place | None = optional("from 1 on; without it all groups")
 
 
-class Stays(_ValveFault):
+class StuckValve(_ValveFault):
     """The valve keeps its position, whatever the command.
 
     With ideal actuation a valve stuck at filling gives full pressure, one stuck at dumping 0, and one stuck at holding
@@ -42,7 +42,7 @@ class Stays(_ValveFault):
                 yield CommandFault(kind="fixed", value=(positions if site.valves else pressures)[self.kind], **at)
 
 
-class Slow(_ValveFault):
+class SlowValve(_ValveFault):
     """The valve reacts late."""
 
     kind: Literal["slow"]

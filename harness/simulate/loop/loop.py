@@ -20,7 +20,7 @@ from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.scenario.outcome import Outcome
 from railgrip.simulate.loop.library import KERNEL, every, kernel
-from railgrip.simulate.loop.parts import DirectEstimator, Parts, Sensors, StateEstimator
+from railgrip.simulate.loop.parts import DirectEstimator, LoopSensors, Parts, StateEstimator
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
 from railgrip.vehicle.signals import (
@@ -183,7 +183,7 @@ class Loop:
         self._truth[:] = self._parts.plant.step(self._inputs)
 
     def _read_sensors(self) -> None:
-        assert isinstance(self._parts.sensors, Sensors)
+        assert isinstance(self._parts.sensors, LoopSensors)
         self._reading[:] = self._parts.sensors.read(self._cycle.sample // self._parts.clock.sensors, self._truth)
 
     def _limit(self) -> None:
@@ -246,10 +246,10 @@ class Loop:
         if not isinstance(estimator, StateEstimator):
             return
         rows, columns = recorder.rows[: recorder.written], recorder.columns
-        spread = rows[:, recorder.block(SPREAD)]
+        variance = rows[:, recorder.block(SPREAD)]
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
         rows[:, columns["estimate_adhesion_sd"]] += load_error**2
-        np.sqrt(spread, out=spread)
+        np.sqrt(variance, out=variance)
         speed = rows[:, columns["estimate_speed"]]
         rolling = np.asarray(estimator.wheel_radius) * rows[:, columns["estimate_wheelset_speed"]]
         rows[:, columns["estimate_slip"]] = slip_of(speed, rolling)

@@ -24,7 +24,7 @@ Indices = NDArray[np.intp]
 
 
 @runtime_checkable
-class Plant(Protocol):
+class LoopPlant(Protocol):
     """The simulated vehicle; vectors in the order of `railgrip.vehicle.signals.Layout`.
 
     A `railgrip.fmi.CoSimulation` is stepped from C, any other plant by these methods.
@@ -40,7 +40,7 @@ class Plant(Protocol):
 
 
 @runtime_checkable
-class Sensors(Protocol):
+class LoopSensors(Protocol):
     """The instruments of the train; those of `railgrip.simulate.loop.sensors` are called from C."""
 
     def read(self, sample: int, truth: Vector) -> Vector:
@@ -51,14 +51,14 @@ class Sensors(Protocol):
         ...
 
 
-Instruments = Sensors | IdealSensors | ServiceSensors
+Instruments = LoopSensors | IdealSensors | ServiceSensors
 
 
 @runtime_checkable
 class Filter(Protocol):
     """An estimate of the train's state that is updated in place: the arrays stay the same, their values change.
 
-    A filter on values becomes one by `railgrip.estimators.ekf.Running`; a `railgrip.estimators.compiled.StepInC` is
+    A filter on values becomes one by `railgrip.estimators.ekf.NumpyFilter`; a `railgrip.estimators.compiled.StepInC` is
     stepped from C.
 
     Attributes:
@@ -132,7 +132,7 @@ class DirectEstimator(Protocol):
 
 
 @runtime_checkable
-class Controller(Protocol):
+class LoopController(Protocol):
     """A control law; a `railgrip.controllers.sampled.Sampled` is called from C."""
 
     def decide(self, observation: Observation) -> Sequence[float] | Vector:
@@ -140,7 +140,7 @@ class Controller(Protocol):
         ...
 
 
-class Limits(Protocol):
+class LoopLimits(Protocol):
     """Limits on the demands of a controller that is not built-in.
 
     Attributes:
@@ -219,12 +219,12 @@ class Parts:
     """
 
     layout: Layout
-    plant: Plant
+    plant: LoopPlant
     rail: TabulatedRail
     sensors: Instruments
     estimator: StateEstimator | DirectEstimator | None
-    controller: Controller
-    limits: Limits | None = None
+    controller: LoopController
+    limits: LoopLimits | None = None
     over: Sampled | None = None
     valves: Sampled | None
     driver: Driver

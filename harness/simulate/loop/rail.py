@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.base.errors import ScenarioError
-from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track.table import TrackForce
@@ -22,7 +22,7 @@ _CELL = 0.1  # m; compared with patches of 5 m and bogies of 2 m; a wheelset mee
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sander:
+class LoopSander:
     """Strews sand on both rails in front of a wheelset.
 
     Attributes:
@@ -106,7 +106,7 @@ class SandedRail:
     """
 
     def __init__(
-        self, layout: Layout, sanders: Sequence[Sander], reach: float, *, mu0: float, density: float, left: float
+        self, layout: Layout, sanders: Sequence[LoopSander], reach: float, *, mu0: float, density: float, left: float
     ) -> None:
         """Create a rail without sand.
 
@@ -149,7 +149,7 @@ class TabulatedRail:
     def __init__(
         self,
         layout: Layout,
-        friction: Profile,
+        friction: FrictionTable,
         force: TrackForce,
         field: Field | None = None,
         sand: SandedRail | None = None,

@@ -80,7 +80,7 @@ class MissingTeeth:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Course:
+class TrackQuantity:
     """A quantity along the track, linear between even places and constant beyond its ends.
 
     Attributes:
@@ -104,7 +104,7 @@ class RoughRail:
         state: State of that filter at the first sample, shape (wheelsets, 2) [m].
     """
 
-    height: Course
+    height: TrackQuantity
     position: Vector
     forward: Vector
     back: Vector
@@ -156,7 +156,7 @@ class ServiceInstruments:
     pressure_step: float
     pressure_lag: float
     missing_teeth: tuple[MissingTeeth, ...] = ()
-    gravity: Course | None = None
+    gravity: TrackQuantity | None = None
     rail: RoughRail | None = None
 
 
@@ -245,7 +245,7 @@ def _encoder(
     )  # fmt: skip
 
 
-def _course(layout: Layout, course: Course) -> Struct:
+def _course(layout: Layout, course: TrackQuantity) -> Struct:
     return kernel(layout).struct(
         "Course", values=course.values, begin=course.begin, step=course.step, count=course.values.size
     )

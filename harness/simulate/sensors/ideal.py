@@ -13,6 +13,6 @@ class Ideal(SensorModel):
 
     kind: Literal["ideal"]
 
-    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> IdealSensors:
+    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> IdealSensors:
         """Return the sensors of a stop."""
         return IdealSensors(layout)

@@ -9,25 +9,25 @@ from pydantic import Field, StrictBool, StrictInt, model_validator
 
 from railgrip.base.errors import ScenarioError
 from railgrip.scenario.parts import steps_between
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.seed import generator, markov
 from railgrip.scenario.sensors import SampledSensors
-from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, broken, optional
+from railgrip.scenario.table import Deviation, Duration, Lag, Period, Table, optional, table_error
 from railgrip.scenario.track.table import gravity_along, slope_of
 from railgrip.simulate.faults.pole_wheel import missing_teeth
-from railgrip.simulate.loop.sensors import Course, RoughRail, ServiceInstruments, ServiceSensors
+from railgrip.simulate.loop.sensors import RoughRail, ServiceInstruments, ServiceSensors, TrackQuantity
 from railgrip.vehicle.signals import Layout
 
 _PERIOD = 1e-3
 """Sampling period of the instruments of a train in service [s]."""
 
 _OFF = "a sensor so far off is none"
-SpeedError = Annotated[float, Unit("m/s", at_least=0, at_most=100, because=_OFF)]
-AccelerationError = Annotated[float, Unit("m/s2", at_least=0, at_most=1000, because=_OFF)]
-TravelError = Annotated[float, Unit("m", at_least=0, at_most=1, because=_OFF)]
+SpeedError = Annotated[float, UnitRange("m/s", at_least=0, at_most=100, because=_OFF)]
+AccelerationError = Annotated[float, UnitRange("m/s2", at_least=0, at_most=1000, because=_OFF)]
+TravelError = Annotated[float, UnitRange("m", at_least=0, at_most=1, because=_OFF)]
 
-Tick = Annotated[float, Unit("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
+Tick = Annotated[float, UnitRange("s", above=0, at_most=1, because="a clock that ticks so rarely times no pulse")]
 
 
 class WheelEncoder(Table):
@@ -44,7 +44,7 @@ class SpeedSensor(Table):
 
     noise: SpeedError = Field(description="1σ, white, each reading")
     scale_error: Deviation = Field(description="1σ of the relative error, drawn once a stop")
-    scale_offset: Annotated[float, Unit("1", at_least=-0.5, at_most=0.5, because=_OFF)] = Field(
+    scale_offset: Annotated[float, UnitRange("1", at_least=-0.5, at_most=0.5, because=_OFF)] = Field(
         default=0.0, description="relative error of every stop, which adds to the drawn one"
     )
     period: Period = Field(description="between two readings")
@@ -58,7 +58,7 @@ class SpeedSensor(Table):
     def _times(self) -> Self:
         for name, time in (("drift", self.drift_time), ("dropouts", self.dropout_time)):
             if bool(getattr(self, name)) != (time is not None):
-                raise broken(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
+                raise table_error(f"{name} and {name.removesuffix('s')}_time want each other; give both or neither")
         return self
 
 
@@ -76,10 +76,10 @@ class RailUnderWheels(Table):
     track: Literal["erri-low", "erri-high", "fra-4", "fra-5", "fra-6"] = Field(
         description="published spectrum of the height: ERRI B176, or classes of the FRA"
     )
-    frequency: Annotated[float, Unit("Hz", above=0, at_most=100)] = Field(
+    frequency: Annotated[float, UnitRange("Hz", above=0, at_most=100)] = Field(
         description="natural frequency of a frame on its primary suspension"
     )
-    damping: Annotated[float, Unit("1", above=0, at_most=2)] = Field(description="damping ratio of that")
+    damping: Annotated[float, UnitRange("1", above=0, at_most=2)] = Field(description="damping ratio of that")
 
 
 class DeflectionSensor(Table):
@@ -92,9 +92,9 @@ class DeflectionSensor(Table):
 class PressureTransducer(Table):
     """Cylinder pressure of each group."""
 
-    full_scale: Annotated[float, Unit("Pa", at_least=1e3, at_most=1e8, because="brake cylinders hold some bar")] = (
-        Field(description="highest pressure that it can show")
-    )
+    full_scale: Annotated[
+        float, UnitRange("Pa", at_least=1e3, at_most=1e8, because="brake cylinders hold some bar")
+    ] = Field(description="highest pressure that it can show")
     error: Deviation = Field(description="1σ of the offset over full scale, drawn once a stop")
     bits: Annotated[StrictInt, Field(ge=4, le=24)] = Field(description="of the converter, over full scale")
     lag: Lag = Field(description="first-order time constant")
@@ -130,7 +130,7 @@ class Service(SampledSensors):
         """
         return max(round(communication / (self.period or _PERIOD)), 1)
 
-    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
+    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> ServiceSensors:
         """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
         communication = scenario.periods.communication
         period, samples = communication * self.sampled_every(communication), self.samples_in(communication)
@@ -196,7 +196,7 @@ def _speed_factor(
     return factor
 
 
-def _gravity(scenario: Scenario) -> Course:
+def _gravity(scenario: Scenario) -> TrackQuantity:
     """Return the component of gravity along the track that an accelerometer reads.
 
     A change of slope is spread over 0.1 m.
@@ -204,12 +204,12 @@ def _gravity(scenario: Scenario) -> Course:
     track, step = scenario.track, 0.1
     begin, end = 0.0, max((section.begin for section in track.gradient), default=0.0)
     if (plan := track.plan) is not None:
-        begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.laid().length))
+        begin, end = sorted(plan.way * (edge - plan.start) for edge in (0.0, plan.alignment().length))
         step = 1.0
     places = np.arange(begin, end + 2.0 * step, step)
     slope = slope_of(track)
     slopes = np.array([slope(min(place, end)) for place in places.tolist()]) + scenario.truth.gradient
-    return Course(begin=begin, step=step, values=gravity_along(slopes))
+    return TrackQuantity(begin=begin, step=step, values=gravity_along(slopes))
 
 
 _LONGEST_RAIL = 5000.0
@@ -245,7 +245,7 @@ def _rough_rail(scenario: Scenario, table: RailUnderWheels | None, layout: Layou
     begin = -float(position.max()) - lead_in
     length = min(scenario.start.speed * scenario.horizon, _LONGEST_RAIL) - begin
     rail = realise(table.track, length, generator(scenario.seed, f"track.{table.track}"), kinds=("vertical",))
-    height = Course(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
+    height = TrackQuantity(begin=begin, step=_FINE, values=rail.at("vertical", np.arange(0.0, length, _FINE)))
     omega = 2.0 * math.pi * table.frequency
     filter_ = bilinear([1.0, 0.0, 0.0], [1.0, 2.0 * table.damping * omega, omega**2], fs=1.0 / period)
     forward, back = (np.asarray(part, dtype=np.float64) for part in filter_)

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from railgrip.base.errors import ScenarioError, SensorsFailed
 from railgrip.scenario.parts import steps_between
-from railgrip.scenario.quantity import Magnitude, Unit, in_units
+from railgrip.scenario.quantity import Magnitude, UnitRange, in_units
 from railgrip.scenario.schema import Scenario
 from railgrip.scenario.sensors import SampledSensors
 from railgrip.scenario.table import Deviation, Duration, Period, Table
@@ -26,7 +26,7 @@ _SOURCE = {"acceleration_along": "acceleration"} | dict.fromkeys(GNSS, "distance
 
 _ALL = {signal.name.removeprefix("reading_"): signal for signal in (*READINGS, *EXTRA_READINGS)}
 
-_PlaceError = Annotated[float, Unit("m", at_least=0, at_most=1000, because="a sensor so far off is none")]
+_PlaceError = Annotated[float, UnitRange("m", at_least=0, at_most=1000, because="a sensor so far off is none")]
 
 
 class Gnss(Table):
@@ -78,7 +78,7 @@ class White(SampledSensors):
             raise ScenarioError(f"{scenario.name}: [sensors]: {problem}; there is {choice}")
         return tuple(signal for name, signal in _ALL.items() if name in self.named and signal in EXTRA_READINGS)
 
-    def opened(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | OnTrack":
+    def open(self, scenario: Scenario, layout: Layout, wheel_radius: float) -> "WhiteSensors | TrackSensors":
         """Return the sensors of a stop; errors that are constant over a stop are drawn here."""
 
         def each(values: Mapping[str, float]) -> NDArray[np.float64]:
@@ -106,10 +106,10 @@ class White(SampledSensors):
             self.samples_in(scenario.periods.communication),
         )
         every = self.sampled_every(scenario.periods.communication)
-        return OnTrack(white, layout, scenario, self, every) if _SOURCE.keys() & layout.reading.keys() else white
+        return TrackSensors(white, layout, scenario, self, every) if _SOURCE.keys() & layout.reading.keys() else white
 
 
-class OnTrack:
+class TrackSensors:
     """White sensors, accelerometers that read the gradient, and a GNSS receiver."""
 
     def __init__(self, white: WhiteSensors, layout: Layout, scenario: Scenario, sensors: White, every: int) -> None:
@@ -140,7 +140,7 @@ class _Receiver:
     def __init__(self, table: Gnss, scenario: Scenario, every: int, random: np.random.Generator) -> None:
         assert scenario.track.plan is not None  # the scenario has been checked
         self._track, self._random = scenario.track.plan, random
-        self._plan = self._track.laid().plan()
+        self._plan = self._track.alignment().plan()
         step = scenario.periods.communication
         self._every = steps_between(table.period, step * every)
         self._keeps = math.exp(-table.period / table.wander_time)

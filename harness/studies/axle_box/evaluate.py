@@ -99,7 +99,7 @@ class TrainingRecipe:
 
     def fit(self, data: Sequence[Labelled], purpose: str) -> list[ScaledNetwork]:
         """Return one network for each random start, trained on several runs together."""
-        x, y = _joined(data)
+        x, y = _join(data)
         scale = Scale.over(x)
         draws = generator(0, f"learn.start.{purpose}").spawn(self.starts)
         return [
@@ -119,7 +119,7 @@ class TrainingRecipe:
         ]
 
 
-def exchanged(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
+def exchange_labels(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
     """Return runs with labels moved by half of the runs, so that friction does not belong to the run."""
     shift = max(1, len(runs) // 2)
     return [replace(run, friction=runs[(k + shift) % len(runs)].friction) for k, run in enumerate(runs)]
@@ -145,7 +145,7 @@ def parts_of(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> tuple[list[
 def best_of(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> ScaledNetwork:
     """Return the network with the best fit of those trained on the first 80 % of every run."""
     early, _ = parts_of(runs, recipe)
-    x, y = _joined(early)
+    x, y = _join(early)
     return min(recipe.fit(early, f"within.{runs[0].group}"), key=lambda network: float(np.abs(network(x) - y).mean()))
 
 
@@ -159,7 +159,7 @@ def without_each(runs: Sequence[LabelledRun], recipe: TrainingRecipe) -> Score:
     return average(scores)
 
 
-def elsewhere(
+def evaluate_elsewhere(
     home: Sequence[LabelledRun], away: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe
 ) -> dict[str, Score]:
     """Train on all of the campaign at one speed, judge on other sets of runs at that speed."""
@@ -193,8 +193,8 @@ def judge(
 
 def score(networks: Sequence[Callable[[Array], Array]], training: Sequence[Labelled], new: Sequence[Labelled]) -> Score:
     """Return the errors of several networks, beside those of the mean label of their training."""
-    x, y = _joined(new)
-    mean = _joined(training)[1].mean()
+    x, y = _join(new)
+    mean = _join(training)[1].mean()
     return _figures([network(x) - y for network in networks], y - mean)
 
 
@@ -222,7 +222,7 @@ def _figures(errors: Sequence[Array], of_mean: Array) -> Score:
     )
 
 
-def _joined(parts: Sequence[Labelled]) -> Labelled:
+def _join(parts: Sequence[Labelled]) -> Labelled:
     return np.vstack([blocks for blocks, _ in parts]), np.concatenate([labels for _, labels in parts])
 
 

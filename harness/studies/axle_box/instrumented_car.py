@@ -132,7 +132,7 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
         "wheelbase": WHEELBASE, "pivots": PIVOTS,
     } | {f"r_wheel[{i + 1}]": r for i, r in enumerate(RADII[::-1] if run.backwards else RADII)}  # fmt: skip
     # Backwards, the driven wheelsets are again the inner ones: the car is symmetric except for its wheels.
-    description, binding = _bound()
+    description, binding = _bind()
     with CoSimulation(description, binding, period=1 / rate, parameters=parameters) as car:
         outputs = np.empty((len(inputs), OUTPUTS))
         outputs[0] = car.start(inputs[0])
@@ -151,7 +151,7 @@ def ride(run: Pass, *, rate: int = RATE, progress: Callable[[float], None] = lam
 
 
 @cache
-def _bound() -> tuple[Description, Any]:
+def _bind() -> tuple[Description, Any]:
     description = describe(fmu(FMU))
     inputs = {kind: ("m", 4) for kind in KINDS} | {"mu0": ("1", 4)}
     outputs = {

@@ -24,14 +24,14 @@ from railgrip.campaign.work import Work, call
 from railgrip.estimators.belief import Array
 from railgrip.estimators.learned.preprocessing import BOXES, COMBINATIONS
 from railgrip.estimators.learned.trained import Trained
-from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Name, Table, one_of
 from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, best_of, judge, within_runs, without_each
 from railgrip.studies.axle_box.reduction import SETTLED, SLOW, SPECTRAL, LabelledRun, Readings, reduce
 from railgrip.studies.axle_box.results import tables_of_recordings
 from railgrip.studies.axle_box.training import estimators_of, general
 from railgrip.trace.flag import Flag, summary
-from railgrip.trace.read import FileRecording, recorded
+from railgrip.trace.read import FileRecording, read_recording
 from railgrip.trace.samples import reading_of
 from railgrip.trace.table import Column, DataTable, TimeColumn
 
@@ -70,7 +70,7 @@ def read_recordings_file(file: Path) -> RecordingsFile:
     Raises:
         ScenarioError: The file is missing or invalid; it lists all problems.
     """
-    return validated(RecordingsFile, read_toml(file), directory=file.parent, origin=file.name)
+    return validate_table(RecordingsFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
 MEMBERS = 20
@@ -201,7 +201,7 @@ def _recording(file: Path, table: DataTable) -> FileRecording:
     missing = [name for name in UNITS if name not in table.columns]
     if missing:
         raise EstimationError(f"[data.columns] lacks {', '.join(missing)}; an estimator needs all axle boxes.")
-    return recorded(file, table, UNITS, ["speed"], list(BOXES))
+    return read_recording(file, table, UNITS, ["speed"], list(BOXES))
 
 
 def _readings(name: str, record: FileRecording, table: DataTable, backwards: bool, flags: list[Flag]) -> Readings:

@@ -102,7 +102,7 @@ VEHICLE: Final = 7
 """Seed of the properties of the sensors: the car has the same accelerometers in every run."""
 
 
-def measured(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
+def measure_run(run: Pass, motion: Ride, rate: int, speed: float) -> Readings:
     """Measure the motion of a run, sampled at `rate` a second; rolling wheels vibrate the boxes as at `speed`, m/s."""
     true = np.hstack([motion.longitudinal[:, :, 0], motion.longitudinal[:, :, 1], motion.lateral])
     sensors, noise = generator(VEHICLE, "sensors"), generator(run.seed, f"{run.name}.sensors")
@@ -138,5 +138,5 @@ def gather(passes: Sequence[Pass], work: Work) -> list[LabelledRun]:
 def run_of(run: Pass) -> LabelledRun:
     """Simulate, measure and reduce a pass."""
     motion = ride(run)
-    reduced = reduce(run.name, run.friction, measured(run, motion, CAR_RATE, float(motion.speed.mean())))
+    reduced = reduce(run.name, run.friction, measure_run(run, motion, CAR_RATE, float(motion.speed.mean())))
     return replace(reduced, slip_rate=rms(np.diff(motion.creep, axis=0) * CAR_RATE))

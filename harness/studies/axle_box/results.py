@@ -12,12 +12,12 @@ from scipy.stats import spearmanr
 from railgrip.estimators.learned.network import Network
 from railgrip.estimators.learned.preprocessing import BLOCKS
 from railgrip.report import palette, style
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.studies.axle_box.accelerometer import RATE
-from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchanged, parts_of
+from railgrip.studies.axle_box.evaluate import Score, TrainingRecipe, average, exchange_labels, parts_of
 from railgrip.studies.axle_box.reduction import CHANNELS, LabelledRun, spectral_features
 from railgrip.studies.axle_box.training import PUBLISHED, PUBLISHED_BEST, SPEEDS, AxleBoxResults, Rows
-from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.studies.papers.pages import PaperRow, comparison
 
 READINGS_OF_EQUATION_4: Final = (
     "bias inside", "bias outside", "bias inside, weights kept small", "bias outside, weights kept small",
@@ -47,25 +47,25 @@ def tables_of(results: AxleBoxResults) -> dict[str, Any]:
     }
 
 
-def compared(results: AxleBoxResults) -> Table:
+def compare_with_paper(results: AxleBoxResults) -> ReportTable:
     """Return what the paper says of its figures 5 to 13 beside ours; see `comparison`."""
     levels = {s: np.vstack([run.blocks[:, CHANNELS["longitudinal"]] for run in runs]).mean()
               for s, runs in results.runs.items()}  # fmt: skip
     hidden, inputs = next(iter(results.networks.values())).network.hidden_weights.shape
     rows = [
-        Compared("Fig. 5 to 8", f"mean amplitude at {', '.join(map(str, levels))} mph [m/s²]", "rises with speed",
+        PaperRow("Fig. 5 to 8", f"mean amplitude at {', '.join(map(str, levels))} mph [m/s²]", "rises with speed",
                  " / ".join(f"{level:.4f}" for level in levels.values())),
-        Compared("Fig. 9", "inputs", 4, inputs, "{:d}", is_chosen=True),
-        Compared("Fig. 9", "hidden neurons", 6, hidden, "{:d}", is_chosen=True),
+        PaperRow("Fig. 9", "inputs", 4, inputs, "{:d}", is_chosen=True),
+        PaperRow("Fig. 9", "hidden neurons", 6, hidden, "{:d}", is_chosen=True),
     ]  # fmt: skip
     for s, network in results.networks.items():
         late = parts_of(results.runs[s], results.recipe)[1]
         error = float(np.abs(np.concatenate([network(x) - y for x, y in late])).mean())
         quantity = f"MAE at {s} mph, one of the best networks"
-        rows.append(Compared(f"Fig. {_ESTIMATES[s]}", quantity, PUBLISHED_BEST[s], error, _FORM))
+        rows.append(PaperRow(f"Fig. {_ESTIMATES[s]}", quantity, PUBLISHED_BEST[s], error, _FORM))
     slow, fast = min(levels), max(levels)
     rows += [
-        Compared("Table 3", f"MAE at {fast} over MAE at {slow} mph, {name}", PUBLISHED[fast][1] / PUBLISHED[slow][1],
+        PaperRow("Table 3", f"MAE at {fast} over MAE at {slow} mph, {name}", PUBLISHED[fast][1] / PUBLISHED[slow][1],
                  results.split[name][fast].mae / results.split[name][slow].mae, "{:.2f}")
         for name in ("bias inside, weights kept small", "first second is zero") if fast > slow
     ]  # fmt: skip
@@ -75,7 +75,7 @@ def compared(results: AxleBoxResults) -> Table:
         ("number of training samples", "not stated", early.values()),
     ):
         rows.append(
-            Compared("Table 3", f"{quantity}, {', '.join(map(str, early))} mph", published,
+            PaperRow("Table 3", f"{quantity}, {', '.join(map(str, early))} mph", published,
                      " / ".join(f"{value:.0f}" for value in values))
         )  # fmt: skip
     return comparison(rows)
@@ -96,7 +96,7 @@ def tables_of_recordings(
         "recipe": recipe,
         "starts": _starts({"": split}) if split else "",
         "networks": _scores(rows, list(split), beside=True) if split else None,
-        "general": Table.of(
+        "general": ReportTable.of(
             ("MAE", "always the mean", "coverage of the 90 % interval", "width"),
             [(general.mae, general.mae_of_mean, _coverage(general), general.width or 0.0)],
             _FORM,
@@ -105,7 +105,7 @@ def tables_of_recordings(
     }
 
 
-def _table3(split: Rows, speeds: Sequence[int]) -> Table:
+def _table3(split: Rows, speeds: Sequence[int]) -> ReportTable:
     rows = [[f"paper, {name}", *(PUBLISHED[s][k] for s in speeds)] for k, name in enumerate(("RMSE", "MAE"))]
     for name in READINGS_OF_EQUATION_4:
         row = split[name]
@@ -113,25 +113,25 @@ def _table3(split: Rows, speeds: Sequence[int]) -> Table:
         rows.append([f"{name}: MAE", *(_FORM.format(row[s].mae) + _mark(row[s].mae, s) for s in speeds)])
         rows.append([f"{name}: best, worst MAE", *(f"{row[s].best:.4f}, {row[s].worst:.4f}" for s in speeds)])
     rows.append(["always the mean, MAE", *(split["bias inside"][s].mae_of_mean for s in speeds)])
-    return Table.of(["", *_classes(speeds)], rows, _FORM)
+    return ReportTable.of(["", *_classes(speeds)], rows, _FORM)
 
 
-def _general(rows: Rows, speeds: Sequence[int]) -> Table:
+def _general(rows: Rows, speeds: Sequence[int]) -> ReportTable:
     body: list[list[str | float | None]] = []
     for name, row in rows.items():
         mean = average(row.values())
         scores = [*(row[s] for s in speeds), mean]
         body.append([name, *map(_beside, scores), mean.mae_of_rule, _coverage(mean), mean.width or 0.0])
-    return Table.of(["", *_classes(speeds), "all", "dry or not", "coverage", "width"], body, _FORM)
+    return ReportTable.of(["", *_classes(speeds), "all", "dry or not", "coverage", "width"], body, _FORM)
 
 
-def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> Table:
+def _scores(rows: Rows, speeds: Sequence[int], *, beside: bool = False) -> ReportTable:
     scores = [(name, [*(row[s] for s in speeds), average(row.values())]) for name, row in rows.items()]
     body = [(name, *(_beside(cell) if beside else cell.mae for cell in row)) for name, row in scores]
-    return Table.of(["", *_classes(speeds), "all"], body, _FORM)
+    return ReportTable.of(["", *_classes(speeds), "all"], body, _FORM)
 
 
-def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]], speeds: Sequence[int]) -> Table:
+def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]], speeds: Sequence[int]) -> ReportTable:
     """Return rank correlations of friction and rms slip rate, and the rates at the extremes of friction [1/s]."""
     rows: list[list[str | float | None]] = []
     for name, of_set in rates.items():
@@ -140,7 +140,7 @@ def _slip_rates(rates: Mapping[str, Mapping[int, Sequence[tuple[float, float]]]]
                                                     for runs in columns)])  # fmt: skip
         rows.append([f"{name}: rate at lowest, highest friction [1/s]",
                      *(f"{runs[0][1]:.4f}, {runs[-1][1]:.4f}" for runs in columns)])  # fmt: skip
-    return Table.of(["", *_classes(speeds)], rows)
+    return ReportTable.of(["", *_classes(speeds)], rows)
 
 
 def _rank_correlation(pairs: Sequence[tuple[float, float]]) -> float:
@@ -175,7 +175,7 @@ def draw(results: AxleBoxResults) -> dict[str, Figure]:
     """Draw every figure, by the name of its file."""
     return {
         "errors.png": errors(results),
-        "processed.png": processed(results.runs),
+        "processed.png": acceleration_figure(results.runs),
         "network.svg": structure(next(iter(results.networks.values())).network),
         "campaign.png": campaign(results),
         "within_runs.png": over_time(results),
@@ -234,7 +234,7 @@ def campaign(results: AxleBoxResults) -> Figure:
     return sheet
 
 
-def processed(runs_at: Mapping[int, Sequence[LabelledRun]]) -> Figure:
+def acceleration_figure(runs_at: Mapping[int, Sequence[LabelledRun]]) -> Figure:
     """Processed longitudinal acceleration of the paper's networks, runs linked as in its figures 5 to 8.
 
     Args:
@@ -273,7 +273,7 @@ def over_time(results: AxleBoxResults) -> Figure:
     for pair, (speed, runs) in zip(grid, results.runs.items(), strict=True):
         for axes, fitted, labelled, title in (
             (pair[0], results.networks[speed], runs, f"Fig. {_ESTIMATES[speed]}: {speed} mph"),
-            (pair[1], results.exchanged[speed], exchanged(runs), f"{speed} mph, labels of other runs"),
+            (pair[1], results.exchanged[speed], exchange_labels(runs), f"{speed} mph, labels of other runs"),
         ):
             _, late = parts_of(labelled, results.recipe)
             x, y = np.vstack([x for x, _ in late]), np.concatenate([y for _, y in late])

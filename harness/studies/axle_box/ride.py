@@ -36,12 +36,12 @@ from railgrip.estimators.learned.trained import Trained, load
 from railgrip.fmi import Binding, Description, Signal, bind, describe, open_plant
 from railgrip.report.palette import GREEN
 from railgrip.report.style import band, dress, panels
-from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.table import Friction, Length, Name, Seed, Speed, Table, one_of
 from railgrip.scenario.track.irregularity import TRACKS
 from railgrip.studies.axle_box.accelerometer import RATE
 from railgrip.studies.axle_box.instrumented_car import SURFACES, Pass, held_speed, ride
-from railgrip.studies.axle_box.reduction import measured
+from railgrip.studies.axle_box.reduction import measure_run
 
 LIBRARY = Path(__file__).parent / "library"
 INPUTS: Final = dict.fromkeys(BOXES, "m/s2") | {"speed": "m/s", "direction": "1"}
@@ -94,7 +94,7 @@ def read_ride(file: Path) -> RideFile:
     Raises:
         ScenarioError: The file is missing or invalid; it lists all problems.
     """
-    return validated(RideFile, read_toml(file), directory=file.parent, origin=file.name)
+    return validate_table(RideFile, read_toml(file), directory=file.parent, origin=file.name)
 
 
 def ride_beside(
@@ -122,9 +122,9 @@ def ride_beside(
     trained = load(file) if table.kind == "learned" else None
     if trained is not None and trained.rate != RATE:
         raise ScenarioError(f"{file}: it needs {trained.rate} samples a second, the loggers of the car have {RATE}.")
-    fmu = None if trained else bound_estimator(file)
+    fmu = None if trained else bind_estimator(file)
     motion = ride(run, rate=RATE, progress=progress)
-    readings = measured(run, motion, RATE, held_speed(run))
+    readings = measure_run(run, motion, RATE, held_speed(run))
     boxes = readings.boxes
     direction = np.full(len(boxes), -1.0 if run.backwards else 1.0)
     samples = dict(zip(INPUTS, (*boxes.T, readings.speed, direction), strict=True))
@@ -157,7 +157,7 @@ def outputs_of(trained: Trained, samples: Mapping[str, Array]) -> dict[str, Arra
     return {variable.name: column for variable, column in zip(online.outputs, outputs.T, strict=True)}
 
 
-def bound_estimator(file: Path) -> tuple[Description, Binding]:
+def bind_estimator(file: Path) -> tuple[Description, Binding]:
     """Return an FMU by `railgrip study axle_box`, or of the same interface, and the binding of its variables.
 
     Args:
@@ -195,7 +195,7 @@ def outputs_of_fmu(
     """Return the outputs of an FMU after each sample, by name.
 
     Args:
-        description, binding: See `bound_estimator`.
+        description, binding: See `bind_estimator`.
         rate: Samples a second.
         samples: Of each of `INPUTS`, shape (n,).
         trusted: Load the FMU into this process; otherwise it runs in one of its own.

@@ -18,20 +18,20 @@ from railgrip.estimators.learned.trained import Trained, as_fmu, save
 from railgrip.fmus.native.package import pack
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.studies.axle_box.evaluate import TrainingRecipe, average, exchanged, within_runs, without_each
+from railgrip.studies.axle_box.evaluate import TrainingRecipe, average, exchange_labels, within_runs, without_each
 from railgrip.studies.axle_box.instrumented_car import MPH
 from railgrip.studies.axle_box.recordings import judge_recordings, read_folder, read_recordings_file
 from railgrip.studies.axle_box.reduction import CHANNELS, SPECTRAL, run_of, spectral_features
-from railgrip.studies.axle_box.results import compared, draw, processed, tables_of
+from railgrip.studies.axle_box.results import acceleration_figure, compare_with_paper, draw, tables_of
 from railgrip.studies.axle_box.training import (
     FULL,
     QUICK,
     AxleBoxResults,
     campaign,
-    conducted,
     dry_or_not,
     estimators_of,
     passes,
+    simulate_and_judge,
 )
 from railgrip.studies.papers.pages import write_results
 from railgrip.studies.study import Study
@@ -84,13 +84,15 @@ class AxleBox(Study):
         if self.file is not None:
             return self._page_of_recordings(self.file, work)
         size = QUICK if self.quick else FULL
-        results = conducted(size, TrainingRecipe(inputs=self.inputs or "longitudinal", starts=size.starts), work)
+        results = simulate_and_judge(
+            size, TrainingRecipe(inputs=self.inputs or "longitudinal", starts=size.starts), work
+        )
         tables, figures = tables_of(results), draw(results)
-        tables["compared"] = compared(results)
+        tables["compared"] = compare_with_paper(results)
         if self.write:
             named = {name: tables[name] for name in WRITTEN}
             numbered = {
-                f"axle_box_{n}.png": processed({speed: runs})
+                f"axle_box_{n}.png": acceleration_figure({speed: runs})
                 for n, (speed, runs) in enumerate(results.runs.items(), start=5)
             }
             numbered |= {"axle_box_9.svg": figures["network.svg"], "axle_box_10.png": figures["within_runs.png"]}
@@ -130,7 +132,7 @@ class AxleBox(Study):
         training = {
             "bias inside": partial(within_runs, runs, recipe),
             "bias outside": partial(within_runs, runs, replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_runs, exchanged(runs), recipe),
+            "labels exchanged": partial(within_runs, exchange_labels(runs), recipe),
             "a run left out": partial(without_each, runs, replace(recipe, starts=1)),
         }
         scores = dict(zip(training, work.map(call, training.values()), strict=True))

@@ -17,8 +17,8 @@ from railgrip.studies.axle_box.evaluate import (
     Score,
     TrainingRecipe,
     best_of,
-    elsewhere,
-    exchanged,
+    evaluate_elsewhere,
+    exchange_labels,
     inside_training,
     judge,
     within_runs,
@@ -66,7 +66,7 @@ def campaign(*, length: float = 400.0) -> tuple[Pass, ...]:
     )  # fmt: skip
 
 
-def abroad(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tuple[Pass, ...]]:
+def vary_circumstances(passes: tuple[Pass, ...], *, length: float = 200.0) -> dict[str, tuple[Pass, ...]]:
     """Return the same runs repeated under other circumstances: each set changes one of them and every noise.
 
     With one surface for all, friction is unchanged but independent of the slope of the creep curve. An estimator of
@@ -189,17 +189,21 @@ class AxleBoxResults:
 def passes(size: Size) -> dict[str, tuple[Pass, ...]]:
     """Return every run of the study by set; estimators are trained on `campaign` and `design`."""
     home = tuple(p for p in campaign(length=size.length) if int(p.name.split()[0]) in size.speeds)
-    return {"campaign": home, "design": design(size.design, length=size.away), **abroad(home, length=size.away)}
+    return {
+        "campaign": home,
+        "design": design(size.design, length=size.away),
+        **vary_circumstances(home, length=size.away),
+    }
 
 
-def conducted(size: Size, recipe: TrainingRecipe, work: Work) -> AxleBoxResults:
+def simulate_and_judge(size: Size, recipe: TrainingRecipe, work: Work) -> AxleBoxResults:
     """Simulate the runs of the study, train and judge."""
     plan = passes(size)
     everything = iter(gather([case for part in plan.values() for case in part], work))
-    return concluded(size, {name: [next(everything) for _ in part] for name, part in plan.items()}, recipe, work)
+    return train_and_judge(size, {name: [next(everything) for _ in part] for name, part in plan.items()}, recipe, work)
 
 
-def concluded(
+def train_and_judge(
     size: Size, runs_of_part: Mapping[str, Sequence[LabelledRun]], recipe: TrainingRecipe, work: Work
 ) -> AxleBoxResults:
     """Train and judge."""
@@ -213,9 +217,9 @@ def concluded(
     for s, runs in by_speed.items():
         for table, rows in _judgements(runs, recipe, few).items():
             tasks |= {(table, name, s): task for name, task in rows.items()}
-        tasks["elsewhere", "", s] = partial(elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
+        tasks["elsewhere", "", s] = partial(evaluate_elsewhere, runs, {n: _at(r, s) for n, r in away.items()}, recipe)
         tasks["network", "", s] = partial(best_of, runs, few)
-        tasks["exchanged", "", s] = partial(best_of, exchanged(runs), few)
+        tasks["exchanged", "", s] = partial(best_of, exchange_labels(runs), few)
     work.notify("training and judging")
     results: dict[tuple[str, str, int], Any] = dict(zip(tasks, work.map(call, tasks.values()), strict=True))
     tables: dict[str, dict[str, dict[int, Any]]] = {}
@@ -272,7 +276,7 @@ def _judgements(
             "bias outside": partial(within_runs, runs, replace(free, bias="outside")),
             "bias inside, weights kept small": partial(within_runs, runs, recipe),
             "bias outside, weights kept small": partial(within_runs, runs, replace(recipe, bias="outside")),
-            "labels exchanged": partial(within_runs, exchanged(runs), recipe),
+            "labels exchanged": partial(within_runs, exchange_labels(runs), recipe),
             "first second is zero": partial(within_runs, runs, replace(recipe, settled=True)),
         },
         "decays": {f"{decay:g}": partial(inside_training, runs, replace(few, decay=decay)) for decay in DECAYS},

@@ -8,13 +8,13 @@ import numpy as np
 from railgrip.estimation.braking import braking_of
 from railgrip.estimation.run import by_name, prediction_of
 from railgrip.estimation.spec import LIBRARY, estimate_of, load_specification, prediction_for, settings_for
-from railgrip.estimators.belief import Estimate, Vector
+from railgrip.estimators.belief import GaussianEstimate, Vector
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.decentralised import DecentralisedFilter
 from railgrip.estimators.ekf import ExtendedKalmanFilter
 from railgrip.estimators.prediction import CasadiPrediction
 from railgrip.estimators.tuning import NOISE_SETS
-from railgrip.simulate.files import lowered
+from railgrip.simulate.files import compile_class
 from railgrip.simulate.prediction import central_of, consist_of, start_of
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.field_test.filtering import PHYSICAL, filter_of, follow, prediction, specification, task_of
@@ -25,7 +25,7 @@ from railgrip.vehicle.formation import Formation
 
 def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
     """Yield the steps of the filters over a braked train with readings that fit it."""
-    translation = lowered(f"RailBraking.Predictions.{model}")
+    translation = compile_class(f"RailBraking.Predictions.{model}")
     prediction = CasadiPrediction(translation, {v.name: v.start for v in translation.parameters})
     noise_set = NOISE_SETS[noise]
     noises = noise_set.process_noise(prediction.states), noise_set.reading_noise(prediction.outputs)
@@ -50,7 +50,7 @@ def of_train(model: str, noise: str, target: str) -> Iterator[Row]:
 
 
 def in_place(
-    filter_: CompiledFilter, first: Estimate, inputs: Vector, readings: Vector, *, count: int, rounds: int = 9
+    filter_: CompiledFilter, first: GaussianEstimate, inputs: Vector, readings: Vector, *, count: int, rounds: int = 9
 ) -> float:
     """Return the time of a compiled filter's step in place, as the loop uses it [µs]."""
     filter_.hold(first)

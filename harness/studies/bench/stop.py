@@ -20,7 +20,7 @@ from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.load import load
 from railgrip.simulate.loop.loop import Loop
-from railgrip.simulate.parts import CustomParts, assembled
+from railgrip.simulate.parts import CustomParts, assemble
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.studies.bench import Row, microseconds
 from railgrip.studies.bench.fmi import plant_step
@@ -38,7 +38,7 @@ BRAKING = {"pressure_command": 2.5e5, "mu0": 0.3}
 """Inputs of a service braking on a rail that holds it; pressure [Pa]."""
 
 
-class InPython:
+class PythonSlipControl:
     """The library's two-state slip control as a user's class, a few lines that take a few microseconds."""
 
     def start(self, formation: Formation) -> None:
@@ -59,16 +59,16 @@ def of_scenario(what: str, *overrides: str) -> Iterator[Row]:
     scenario = load(Path("trapezoid"), ["controller.kind=slip_two_state", *overrides])
     simulated = run_stop(scenario).metrics.duration
     cycles = simulated / scenario.periods.communication
-    laws = {"compiled": CustomParts(), "Python": CustomParts(controller=InPython())}
+    laws = {"compiled": CustomParts(), "Python": CustomParts(controller=PythonSlipControl())}
     cycle: dict[str, list[float]] = {name: [] for name in laws}
     for _ in range(3):
         for name, entry in laws.items():
-            with assembled(scenario, objects=entry) as parts:
+            with assemble(scenario, objects=entry) as parts:
                 begin = process_time()
                 parts.run()
                 cycle[name].append((process_time() - begin) / cycles * 1e6)
-    alone = InPython()
-    with assembled(scenario, objects=CustomParts(controller=alone)) as parts:
+    alone = PythonSlipControl()
+    with assemble(scenario, objects=CustomParts(controller=alone)) as parts:
         observation = next(Loop(parts.parts).decisions())
         law = microseconds(lambda: alone.decide(observation), rounds=5)
     compiled, python = (median(cycle[name]) for name in laws)

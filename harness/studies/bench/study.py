@@ -9,7 +9,7 @@ from typing import Final
 from railgrip.base.units import quantity
 from railgrip.campaign.work import Work
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.studies.bench import Row, filters, fmi, machine, stop
 from railgrip.studies.study import Study
 
@@ -47,7 +47,7 @@ class BenchStudy(Study):
         for doing, case in CASES.items():
             work.notify(doing)
             rows += case()
-        table = Table.of(("what", "measured", "target"), rows, title=machine())
+        table = ReportTable.of(("what", "measured", "target"), rows, title=machine())
         return Page(
             title="Durations",
             question="How long do the parts of a stop take, and how do their durations compare?",

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
 
-from railgrip.estimation.braking import Braking, braked, driven
+from railgrip.estimation.braking import Braking, brake_mask, traction_mask
 from railgrip.estimators.compiled import FilterRecord
 from railgrip.report import palette, style
 from railgrip.rolling_stock.drawing import drawing as train_drawing
@@ -87,7 +87,7 @@ def track_figure(run: FieldRun) -> Figure:
     drawing = style.figure(8.8, 4.4)
     grid = drawing.add_gridspec(2, 2, width_ratios=(1, 1.6))
     chart = drawing.add_subplot(grid[:, 0])
-    reference = run.plan.laid().plan().horizontal_at(place)
+    reference = run.plan.alignment().plan().horizontal_at(place)
     # Both in the frame of the plan: the recovered course has its own origin.
     shift = (reference - course.horizontal).mean(axis=0)
     chart.plot(*reference.T[::-1], color=palette.GREY, linewidth=4, alpha=0.5, label="laid")
@@ -99,7 +99,7 @@ def track_figure(run: FieldRun) -> Figure:
     chart.set_aspect("equal")
     style.dress(chart, x="east [m]", y="north [m]", title="map")
     style.legend(chart, loc="center right", bbox_to_anchor=(1.15, 0.4))
-    slope, curvature = run.laid(course.distance)
+    slope, curvature = run.plan_geometry(course.distance)
     for row, (left, true, estimate, unit, label, title) in enumerate(
         (
             (np.degrees(course.heading), 1e3 * curvature, 1e3 * course.curvature, "curvature [1/km]",
@@ -127,7 +127,7 @@ def speed_figure(run: xarray.Dataset) -> Figure:
     time = run["time"].values
     panel.plot(time, style.KMH * reading_of(run, "speed"), color=palette.BLUE, linewidth=1.4, label="optical sensor")
     for on, colour, alpha, label in (
-        (driven(run), palette.GREEN, 0.12, "driving"), (braked(run), palette.VERMILION, 0.35, "braking"),
+        (traction_mask(run), palette.GREEN, 0.12, "driving"), (brake_mask(run), palette.VERMILION, 0.35, "braking"),
     ):  # fmt: skip
         panel.fill_between(time, 0, 1, where=on, transform=panel.get_xaxis_transform(), color=colour, alpha=alpha,
                            linewidth=0, label=label)  # fmt: skip

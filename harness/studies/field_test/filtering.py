@@ -20,11 +20,11 @@ from railgrip.estimation.spec import (
     prediction_for,
     settings_for,
 )
-from railgrip.estimators.belief import Array, Estimate
+from railgrip.estimators.belief import Array, GaussianEstimate
 from railgrip.estimators.compiled import CompiledFilter, FilterRecord
 from railgrip.estimators.consistency import loss_step
 from railgrip.estimators.prediction import CasadiPrediction, PredictionInC
-from railgrip.scenario.load import read_toml, validated
+from railgrip.scenario.load import read_toml, validate_table
 from railgrip.trace.samples import knows, period_of, truth_of
 
 NOISES = Path(__file__).parent / "library"
@@ -73,7 +73,7 @@ class Noise:
         v, *w, mu, alpha = self.values[1 + GROUPS :]
         return np.array([v, *w, *[mu] * GROUPS, *[alpha] * GROUPS])
 
-    def scaled(self, readings: float, process: float) -> "Noise":
+    def scale(self, readings: float, process: float) -> "Noise":
         """Return the noises with all variances of readings times one factor, and all densities times another."""
         return Noise(
             (*(v * readings for v in self.values[: 1 + GROUPS]), *(v * process for v in self.values[1 + GROUPS :]))
@@ -92,7 +92,7 @@ def load_noise(path: Path) -> Noise:
         ScenarioError: There is no such file, or one of the twelve is missing or not a positive number.
     """
     content = read_toml(path)
-    table = validated(NoiseTable, content.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
+    table = validate_table(NoiseTable, content.get("noise", {}), directory=path.parent, origin=f"{path.name}: [noise]")
     if table.kind != "density":
         raise EstimationError(f"{path}: [noise] kind is '{table.kind}'; the field test's noises are densities.")
     readings = by_name(f"{path.name}: readings", table.readings, READINGS)
@@ -178,11 +178,11 @@ def follow(task: FilterTask, filter_: CompiledFilter, noise: Noise, start_scale:
         FilterDiverged: The filter did.
     """
     filter_.retune(noise.process, noise.readings)
-    start = Estimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
+    start = GaussianEstimate(mean=task.data.mean, covariance=start_scale * np.diag(task.data.variance))
     return filter_.follow(start, task.data.inputs, task.data.readings)
 
 
-def lost(task: FilterTask, estimate: FilterRecord) -> float | None:
+def divergence_time(task: FilterTask, estimate: FilterRecord) -> float | None:
     """Return the time from the first sample [s] at which innovations show the filter to be lost, or None."""
     step = loss_step(estimate.squared_innovation, estimate.degrees)
     return None if step is None else (step + 1) * task.data.period

@@ -6,16 +6,16 @@ import numpy as np
 import pymap3d
 from scipy.ndimage import uniform_filter1d
 
-from railgrip.estimation.braking import braked, driven
+from railgrip.estimation.braking import brake_mask, traction_mask
 from railgrip.estimators.belief import Array
 from railgrip.estimators.compiled import FilterRecord
 from railgrip.report import style
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.schema import Train
 from railgrip.studies.field_test.filtering import GROUPS, FilterTask
 from railgrip.studies.field_test.runs import FieldRun
 from railgrip.studies.field_test.score import R_WHEEL
-from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.studies.papers.pages import PaperRow, comparison
 from railgrip.trace.samples import reading_of
 
 TIMES = {
@@ -46,7 +46,7 @@ SLIDING = 0.02
 """Slip of motor bogie 1 above which it slides; it brakes with less than 1 % elsewhere."""
 
 
-def compared(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> Table:
+def compare_with_paper(train: Train, run: FieldRun, task: FilterTask, estimate: FilterRecord) -> ReportTable:
     """Return the table of published quantities beside ours.
 
     Args:
@@ -58,7 +58,7 @@ def compared(train: Train, run: FieldRun, task: FilterTask, estimate: FilterReco
     return comparison([*_of_track(train, run), *_of_drive(run), *_of_braking(task, estimate)])
 
 
-def _of_track(train: Train, run: FieldRun) -> Sequence[Compared]:
+def _of_track(train: Train, run: FieldRun) -> Sequence[PaperRow]:
     plan, course = run.plan, run.braking.motion.course
     middle = pymap3d.geodetic2ecef(plan.latitude, plan.longitude, plan.height)
     curves = np.diff(np.append(False, course.curvature > CURVED).astype(int))
@@ -67,20 +67,20 @@ def _of_track(train: Train, run: FieldRun) -> Sequence[Compared]:
     published, ours = (" / ".join(f"{float(x) / 1e3:.3f}" for x in place) + " km" for place in (MIDDLE, middle))
     changes = int(((grades > span[0]) & (grades < span[1])).sum())
     return (
-        Compared("Fig. 1", "independent rotations", 4, len(train.groups), "{:d}", is_chosen=True),
-        Compared("Fig. 1", "mass, sum of Table 3", sum(LOADS), train.mass / 1e3, "{:.1f} t", is_chosen=True),
-        Compared("Fig. 2", "middle of the track, earth-centred", published, ours,
+        PaperRow("Fig. 1", "independent rotations", 4, len(train.groups), "{:d}", is_chosen=True),
+        PaperRow("Fig. 1", "mass, sum of Table 3", sum(LOADS), train.mass / 1e3, "{:.1f} t", is_chosen=True),
+        PaperRow("Fig. 2", "middle of the track, earth-centred", published, ours,
                  difference=f"{np.linalg.norm(np.array(MIDDLE) - np.ravel(middle)):.1f} m"),
-        Compared("Fig. 2", "curves to the right", 2, int((curves == 1).sum()), "{:d}", is_chosen=True),
-        Compared("Fig. 2", "changes of slope", 3, changes, "{:d}", is_chosen=True),
+        PaperRow("Fig. 2", "curves to the right", 2, int((curves == 1).sum()), "{:d}", is_chosen=True),
+        PaperRow("Fig. 2", "changes of slope", 3, changes, "{:d}", is_chosen=True),
     )  # fmt: skip
 
 
-def _of_drive(run: FieldRun) -> Sequence[Compared]:
+def _of_drive(run: FieldRun) -> Sequence[PaperRow]:
     recording = run.recording
     time, speed = recording["time"].values, reading_of(recording, "speed")
-    drives = np.flatnonzero(np.diff(driven(recording).astype(int)))[1:4] + 1
-    brake = int(np.argmax(braked(recording)))
+    drives = np.flatnonzero(np.diff(traction_mask(recording).astype(int)))[1:4] + 1
+    brake = int(np.argmax(brake_mask(recording)))
     # The recording ends at 0.3 m/s; the rest with the mean deceleration of the last second.
     second = round(1.0 / (time[1] - time[0]))
     decelerating = np.polyfit(time[-second:], speed[-second:], 1)
@@ -88,17 +88,17 @@ def _of_drive(run: FieldRun) -> Sequence[Compared]:
     begin = float(time[brake])
     ours = (*time[drives].tolist(), begin, standstill)
     return (
-        *(Compared("Fig. 3", name, at, value, "{:.1f} s", f"{value - at:+.1f} s".replace("-", "−"),
+        *(PaperRow("Fig. 3", name, at, value, "{:.1f} s", f"{value - at:+.1f} s".replace("-", "−"),
                    is_chosen=name not in _FOLLOWING)
           for (name, at), value in zip(TIMES.items(), ours, strict=True)),
-        Compared("Fig. 3", "time of braking", TIMES["standstill"] - TIMES["braking begins"], standstill - begin,
+        PaperRow("Fig. 3", "time of braking", TIMES["standstill"] - TIMES["braking begins"], standstill - begin,
                  "{:.1f} s", is_chosen=True),
-        Compared("Fig. 3", "speed when braking begins", START_SPEED,
+        PaperRow("Fig. 3", "speed when braking begins", START_SPEED,
                  style.KMH * float(speed[brake - second : brake].mean()), "{:.1f} km/h", is_chosen=True),
     )  # fmt: skip
 
 
-def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[Compared]:
+def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[PaperRow]:
     recording, brake = task.braking.recording, task.braking.brake
     time = recording["time"].values[1:]
     after = slice(brake - 1, None)
@@ -120,23 +120,23 @@ def _of_braking(task: FilterTask, estimate: FilterRecord) -> Sequence[Compared]:
     early, late = (pads[rolling[part]].mean(axis=0) for part in (slice(0, 50), slice(-50, None)))
     rises = " / ".join(f"{100 * (b / a - 1):+.1f} %" for a, b in zip(early, late, strict=True)).replace("-", "−")
     return (
-        *(Compared("Fig. 4", f"highest pressure, {bogie}", published, ours, "{:.2f} bar", is_chosen=True)
+        *(PaperRow("Fig. 4", f"highest pressure, {bogie}", published, ours, "{:.2f} bar", is_chosen=True)
           for bogie, published, ours in zip(("motor bogie", "Jacobs bogie"), PRESSURES, highest, strict=True)),
-        Compared("Fig. 4", "largest slip of motor bogie 1", OVERBRAKING, float(time[peak]), "at {:.1f} s",
+        PaperRow("Fig. 4", "largest slip of motor bogie 1", OVERBRAKING, float(time[peak]), "at {:.1f} s",
                  is_chosen=True),
-        Compared("Fig. 4", "overbraking of the wheelset behind", "not distinct",
+        PaperRow("Fig. 4", "overbraking of the wheelset behind", "not distinct",
                  f"{100 * slip[moving, 1].max():.1f} % slip, motor bogie 1 {100 * slip[peak, 0]:.1f} %",
                  is_chosen=True),
-        Compared("Fig. 5", "adhesion of motor bogie 1, slippery", ADHESIONS[0], low, is_chosen=True),
-        Compared("Fig. 5", "adhesion of motor bogie 1, elsewhere", ADHESIONS[1], float(levels[0])),
-        Compared("Fig. 5", "adhesion of motor bogie 1 on its way out of the slide", "no third level",
+        PaperRow("Fig. 5", "adhesion of motor bogie 1, slippery", ADHESIONS[0], low, is_chosen=True),
+        PaperRow("Fig. 5", "adhesion of motor bogie 1, elsewhere", ADHESIONS[1], float(levels[0])),
+        PaperRow("Fig. 5", "adhesion of motor bogie 1 on its way out of the slide", "no third level",
                  f"up to {third:.2f}"),
-        Compared("Fig. 5", "adhesion of Jacobs bogie over that of motor bogie 1", "below 1",
+        PaperRow("Fig. 5", "adhesion of Jacobs bogie over that of motor bogie 1", "below 1",
                  float(levels[1] / levels[0])),
-        Compared("Fig. 5", "brake friction over the braking", "rises", rises),
-        Compared("Fig. 5", "brake friction of motor bogie 1 over that of Jacobs bogie, at last", "above 1",
+        PaperRow("Fig. 5", "brake friction over the braking", "rises", rises),
+        PaperRow("Fig. 5", "brake friction of motor bogie 1 over that of Jacobs bogie, at last", "above 1",
                  float(late[0] / late[1])),
-        Compared("Fig. 5", "oscillation of brake friction, motor bogie 1", f"major, at {OSCILLATION:.0f} s",
+        PaperRow("Fig. 5", "oscillation of brake friction, motor bogie 1", f"major, at {OSCILLATION:.0f} s",
                  f"{100 * swing:.0f} %, at {swings_at:.1f} s"),
     )  # fmt: skip
 

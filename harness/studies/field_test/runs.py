@@ -37,9 +37,9 @@ class FieldRun:
     braking: Braking
     plan: Plan
 
-    def laid(self, distance: Array) -> tuple[Array, Array]:
+    def plan_geometry(self, distance: Array) -> tuple[Array, Array]:
         """Return slope and curvature [1/m] of the plan in the direction of travel, at distances from the start [m]."""
-        track, place = self.plan.laid(), self.plan.place(distance)
+        track, place = self.plan.alignment(), self.plan.place(distance)
         return self.plan.way * track.slope(place), self.plan.way * track.curvature(place)
 
 

@@ -120,7 +120,7 @@ def track_score(run: FieldRun) -> Figures:
     """
     motion, recording = run.braking.motion, run.braking.recording
     course = motion.course
-    slope, curvature = run.laid(course.distance)
+    slope, curvature = run.plan_geometry(course.distance)
     force = reading_of(recording, "track_force") - truth_of(recording, "track_force")
     return {
         "distance": float(motion.distance[-1] / truth_of(run.recording, "distance")[-1]) - 1.0,
@@ -166,12 +166,12 @@ Sweep = dict[str, Array]
 
 def common_factor(tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> Sweep:
     """Return the effect of a factor on R, Q and the first covariance: none on the mean, proportional on variances."""
-    return _sweep(tasks, filter_, COMMON, lambda f: (noise.scaled(f, f), f))
+    return _sweep(tasks, filter_, COMMON, lambda f: (noise.scale(f, f), f))
 
 
 def readings_trusted(tasks: Sequence[FilterTask], filter_: CompiledFilter, noise: Noise) -> Sweep:
     """Return the effect of a factor on R alone: towards zero the filter repeats its readings, and (14) goes to zero."""
-    return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scaled(f, 1.0), 1.0))
+    return _sweep(tasks, filter_, TRUSTED, lambda f: (noise.scale(f, 1.0), 1.0))
 
 
 def _sweep(

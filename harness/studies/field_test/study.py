@@ -14,7 +14,7 @@ from railgrip.campaign.work import Work
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.rolling_stock.files import load_train
 from railgrip.scenario.track.table import CurveLaw, curve_coefficient
 from railgrip.studies.field_test.figures import (
@@ -33,14 +33,14 @@ from railgrip.studies.field_test.filtering import (
     UNITS,
     FilterTask,
     Noise,
+    divergence_time,
     filter_of,
     follow,
     load_noise,
-    lost,
     prediction,
     task_of,
 )
-from railgrip.studies.field_test.published import compared
+from railgrip.studies.field_test.published import compare_with_paper
 from railgrip.studies.field_test.runs import TEST, TUNING, FieldRun, cases, runs
 from railgrip.studies.field_test.score import (
     Figures,
@@ -94,12 +94,12 @@ class FieldTest(Study):
         scores = {title: score(test, estimate) for title, estimate in estimates.items()}
         train = load_train(TRAIN)
         tables = {
-            "compared": compared(train, of_case[TEST], test, estimates[PUBLISHED]),
+            "compared": compare_with_paper(train, of_case[TEST], test, estimates[PUBLISHED]),
             "tracks": _tracks(of_case),
             "case": _case(scores, _worst(others, filter_, noises)),
             "pads": _pads(tasks, filter_, noises),
             "noises": noise_table(noises),
-            "track_spread": Table.of(
+            "track_spread": ReportTable.of(
                 tuple(_TRACK_SPREAD), [[_spread(track_spread, *of) for of in _TRACK_SPREAD.values()]], left=0
             ),
             "score_spread": _score_spread(score_spread),
@@ -125,7 +125,9 @@ class FieldTest(Study):
                 **_conditions(test),
                 **tables,
                 "groups": _groups(scores),
-                "lost": {title: at for title, run in estimates.items() if (at := lost(test, run)) is not None},
+                "lost": {
+                    title: at for title, run in estimates.items() if (at := divergence_time(test, run)) is not None
+                },
                 "sets": len(track_spread),
                 "common": common,
                 "trusted": trusted,
@@ -178,33 +180,33 @@ def _conditions(test: FilterTask) -> dict[str, Any]:
     }
 
 
-def _tracks(of_case: Mapping[str, FieldRun]) -> Table:
+def _tracks(of_case: Mapping[str, FieldRun]) -> ReportTable:
     rows: list[tuple[str, ...]] = []
     for case, run in of_case.items():
         of_run = track_score(run)
         distance, *others = (f"{factor * of_run[name]:{form}}" for name, form, factor in _TRACK_SPREAD.values())
         rows.append((case, f"{distance} %", *others))
-    return Table.of(("case", "distance", *list(_TRACK_SPREAD)[1:]), rows)
+    return ReportTable.of(("case", "distance", *list(_TRACK_SPREAD)[1:]), rows)
 
 
-def _groups(scores: Mapping[str, Figures]) -> Table:
+def _groups(scores: Mapping[str, Figures]) -> ReportTable:
     rows = [
         (title, *(f"{a:.4f} / {m:.4f}" for a, m in zip(s["adhesion_of"], s["pad_friction_of"], strict=True)))
         for title, s in scores.items()
     ]
-    return Table.of(("noises", *GROUP_NAMES), rows)
+    return ReportTable.of(("noises", *GROUP_NAMES), rows)
 
 
-def _pads(tasks: Mapping[str, FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> Table:
+def _pads(tasks: Mapping[str, FilterTask], filter_: CompiledFilter, noises: Mapping[str, Noise]) -> ReportTable:
     """Return the error of pad friction over that of the best constant, by noises and case."""
     rows: list[tuple[Any, ...]] = []
     for title, noise in noises.items():
         scores = [score(task, follow(task, filter_, noise)) for task in tasks.values()]
         rows.append((title, *(one["pad_friction"] / one["pad_friction_constant"] for one in scores)))
-    return Table.of(("noises", *tasks), rows, "{:.2f}")
+    return ReportTable.of(("noises", *tasks), rows, "{:.2f}")
 
 
-def noise_table(noises: Mapping[str, Noise]) -> Table:
+def noise_table(noises: Mapping[str, Noise]) -> ReportTable:
     """Return the twelve noises of each set with the bounds of the search; those at a bound are marked."""
     rows: list[tuple[str, ...]] = []
     for i, (name, unit, (low, high)) in enumerate(zip(NAMES, UNITS, limits(), strict=True)):
@@ -215,7 +217,7 @@ def noise_table(noises: Mapping[str, Noise]) -> Table:
             for value, margin in zip(values, margins, strict=True)
         )
         rows.append((f"{name} [{unit}]", *cells, f"{10**low:.0e} – {10**high:.0e}"))
-    return Table.of(("entry", *noises, "bounds"), rows)
+    return ReportTable.of(("entry", *noises, "bounds"), rows)
 
 
 _AT_BOUND = 0.1
@@ -239,7 +241,7 @@ def _worst(tasks: Sequence[FilterTask], filter_: CompiledFilter, noises: Mapping
     }
 
 
-def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:
+def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> ReportTable:
     errors = {
         "adhesion RMSE": "adhesion", "pad friction RMSE": "pad_friction", "mean pad friction RMSE": "mean_pad_friction",
     }  # fmt: skip
@@ -257,7 +259,7 @@ def _case(scores: Mapping[str, Figures], worst: Mapping[str, float]) -> Table:
         **dict.fromkeys(rows[0], "{:.2e}"), **dict.fromkeys(("NIS", "NEES"), "{:.3g}"), "distance": "{:+.3f} %",
         **dict.fromkeys(best, "{:.4f}"),
     }  # fmt: skip
-    return Table([*rows, dict.fromkeys(rows[0]) | best], forms, left=("noises",))
+    return ReportTable([*rows, dict.fromkeys(rows[0]) | best], forms, left=("noises",))
 
 
 _TRACK_SPREAD: Mapping[str, tuple[str, str, float]] = {
@@ -272,7 +274,7 @@ _SCORE_SPREAD: Mapping[str, tuple[str, str, float]] = {
 }  # fmt: skip
 
 
-def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:
+def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> ReportTable:
     rows = [
         {"noises": title} | {name: _spread(scores, *of) for name, of in _SCORE_SPREAD.items()}
         for title, scores in spread.items()
@@ -280,7 +282,7 @@ def _score_spread(spread: Mapping[str, Sequence[Figures]]) -> Table:
     scores = next(iter(spread.values()))
     best = {name: _spread(scores, f"{of}_constant", form) for name, (of, form, *_) in _SCORE_SPREAD.items()
             if name.endswith("RMSE")}  # fmt: skip
-    return Table([*rows, dict.fromkeys(rows[0]) | {"noises": "the best constant"} | best], left=("noises",))
+    return ReportTable([*rows, dict.fromkeys(rows[0]) | {"noises": "the best constant"} | best], left=("noises",))
 
 
 def _spread(scores: Sequence[Figures], name: str, form: str, factor: float = 1.0) -> str:

@@ -71,7 +71,7 @@ def tune(kind: Kind, tasks: Sequence[FilterTask], search: Search, work: Work) ->
     population, history, lowest = _first(search), list[float](), np.inf
     while len(history) < search.generations:
         generations, draws = min(search.stage, search.generations - len(history)), (search.seed, len(history))
-        stage = partial(_evolved, kind, tasks, population, generations, draws, work.count)
+        stage = partial(_evolve, kind, tasks, population, generations, draws, work.count)
         ((population, lowest, best_of_each),) = work.map(call, [stage])
         history += best_of_each
         work.notify(f"generation {len(history)}, best {lowest:.6f} m/s")
@@ -80,7 +80,7 @@ def tune(kind: Kind, tasks: Sequence[FilterTask], search: Search, work: Work) ->
     return Noise.of(population[0]), lowest, history
 
 
-def _evolved(
+def _evolve(
     kind: Kind, tasks: Sequence[FilterTask], population: Array, generations: int, draws: tuple[int, int], threads: int
 ) -> tuple[Array, float, list[float]]:
     """Return the population after a stage, the best first, its value, and the best after each generation.

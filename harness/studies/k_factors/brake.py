@@ -15,7 +15,7 @@ from railgrip.estimators.belief import Array
 from railgrip.studies.k_factors.specification import EXTENTS, Dispersion, Quantity
 from railgrip.vehicle.brake import BRAKE, pad_force
 from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.parameters import Vehicle
+from railgrip.vehicle.parameters import VehicleParameters
 from railgrip.vehicle.resistance import air_resistance, rolling_resistance
 
 PARTS = 4
@@ -64,7 +64,7 @@ class QuasiStaticBrake:
                 np.array([parameters[f"{name}[{g + 1}]"] for g in range(formation.groups)])
                 for name in ("mu_b_nominal", "mu_b_start", "T_disc_start")
             )
-            vehicle = Vehicle(formation, parameters)
+            vehicle = VehicleParameters(formation, parameters)
             brakes, self._wheelset_mass = vehicle.formation.brakes, vehicle.masses
             self._brake = {name: np.array([getattr(brake, name) for brake in brakes]) for name in BRAKE}
         except KeyError as problem:
@@ -205,7 +205,7 @@ class QuasiStaticBrake:
                 warmth = np.maximum(energy - surface, 0.0) * disc_share / (of["m_disc"] * of["c_disc"])
                 heat = (self._temperature + warmth - of["temperature_nominal"]) / of["temperature_range"]
                 pad_speed = speed * brake["friction_radius"] / radius / of["pad_speed_nominal"]
-                steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturated(heat))
+                steady = (1 + of["speed_effect"] * (1 - pad_speed)) * (1 + of["temperature_effect"] * _saturate(heat))
                 deceleration = ((force * steady).sum(axis=1) + rolling + drag * square) / inertial
                 inverse += 1 / deceleration
             steps.append(PARTS / inverse)
@@ -219,6 +219,6 @@ class QuasiStaticBrake:
         return np.stack(steps[::-1], axis=1), distance + start * time, time
 
 
-def _saturated(x: Array) -> Array:
+def _saturate(x: Array) -> Array:
     """Return `RailBraking.Friction.saturate`."""
     return (np.sqrt((x + 1) ** 2 + 0.01) - np.sqrt((x - 1) ** 2 + 0.01)) / 2

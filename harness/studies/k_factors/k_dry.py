@@ -106,12 +106,12 @@ def quasi_static(
             for output, of_output in enumerate(parts):
                 of_output[run].append(Sample(ratios[:, output], weights))
     shares = [state.probability for state in states]
-    runs = tuple(tuple(rare.pooled(part, shares) for part in of_output) for of_output in parts)
+    runs = tuple(tuple(rare.pool_samples(part, shares) for part in of_output) for of_output in parts)
     k = tuple(rare.estimates(of_output, PROBABILITIES, neglected) for of_output in runs)
-    drawn = np.array([numbers.of_states(brake.units, available) for numbers in _drawn(specification)])
+    drawn = np.array([numbers.of_states(brake.units, available) for numbers in _draw_rates(specification)])
     equal = [1 / effort.runs] * effort.runs
     k_of_rates = tuple(
-        rare.widened(of, [rare.pooled(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
+        rare.widen(of, [rare.pool_samples(state, equal) for state in zip(*part, strict=True)], drawn, PROBABILITIES)
         for of, part in zip(k, parts, strict=True)
     )
     return QuasiStatic(
@@ -175,7 +175,7 @@ def in_the_loop(
             )
             for state in states
         ]
-        runs.append(rare.pooled(parts, [state.probability for state in states]))
+        runs.append(rare.pool_samples(parts, [state.probability for state in states]))
     estimate = rare.estimates(quasi_static.runs[-1], [effort.probability], quasi_static.neglected)[0]
     return {
         "method": "exact enumeration of failure states, subset simulation within each",
@@ -219,7 +219,7 @@ def _rates(failures: Failures, *standard: float) -> Rates:
     )
 
 
-def _drawn(specification: KFactorSpecification) -> list[Rates]:
+def _draw_rates(specification: KFactorSpecification) -> list[Rates]:
     """Return draws of the failure rates, each rate as a Latin hypercube has it."""
     random = generator(specification.seed, "k_factors rates")
     standard = ndtri((np.arange(_RATES) + 0.5) / _RATES)

@@ -141,7 +141,7 @@ class Sample:
         return np.append(0.0, self._below)[np.searchsorted(self.values, values, side="right")]
 
 
-def pooled(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
+def pool_samples(samples: Sequence[Sample], shares: Sequence[float]) -> Sample:
     """Return the sample of a mixture, each part with its share."""
     weights = [share * sample.weights for sample, share in zip(samples, shares, strict=True)]
     return Sample(np.concatenate([sample.values for sample in samples]), np.concatenate(weights))
@@ -163,7 +163,7 @@ def estimates(
         raise ValueError(
             f"states of a probability of {neglected:g} are left out of a quantile of {min(probabilities):g}"
         )
-    together = pooled(runs, [1 / len(runs)] * len(runs))
+    together = pool_samples(runs, [1 / len(runs)] * len(runs))
     width = float(stdtrit(len(runs) - 1, (1 + confidence) / 2)) / sqrt(len(runs))
     intervals: list[Interval] = []
     for probability in probabilities:
@@ -173,7 +173,7 @@ def estimates(
     return tuple(intervals)
 
 
-def widened(
+def widen(
     intervals: Sequence[Interval],
     parts: Sequence[Sample],
     shares: Array,

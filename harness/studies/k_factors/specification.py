@@ -9,11 +9,11 @@ from scipy.special import ndtr, ndtri
 
 from railgrip.base.errors import ScenarioError
 from railgrip.estimators.belief import Array
-from railgrip.scenario.load import load, read_toml, validated
-from railgrip.scenario.merge import merged, read_overrides
-from railgrip.scenario.quantity import Magnitude, Unit
+from railgrip.scenario.load import load, read_toml, validate_table
+from railgrip.scenario.merge import merge, read_overrides
+from railgrip.scenario.quantity import Magnitude, UnitRange
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import Name, Seed, Speed, Table, broken
+from railgrip.scenario.table import Name, Seed, Speed, Table, table_error
 
 Extent = Literal["train", "group", "unit"]
 Quantity = Literal[
@@ -39,13 +39,13 @@ class _Dispersion(Table):
         try:
             return getattr(self, name).si("Pa" if self.quantity == "pressure" else "1")
         except ValueError as problem:
-            raise broken(f"{name} of {self.quantity} {problem}") from problem
+            raise table_error(f"{name} of {self.quantity} {problem}") from problem
 
     @model_validator(mode="after")
     def _not_finer_than_it_is(self) -> Self:
         finest = _FINEST.get(self.quantity, "unit")
         if EXTENTS.index(self.per) > EXTENTS.index(finest):
-            raise broken(f"{self.quantity} per {self.per}: there is one for each {finest} at most")
+            raise table_error(f"{self.quantity} per {self.per}: there is one for each {finest} at most")
         return self
 
 
@@ -59,7 +59,7 @@ class Normal(_Dispersion):
     def _plausible(self) -> Self:
         sigma = self._deviation("deviation")
         if sigma < 0 or (self.quantity != "pressure" and sigma > _WIDEST):
-            raise broken(f"deviation of {self.quantity} must be between 0 and {_WIDEST:g}, got {sigma:g}")
+            raise table_error(f"deviation of {self.quantity} must be between 0 and {_WIDEST:g}, got {sigma:g}")
         return self
 
     def of(self, standard: Array) -> Array:
@@ -78,9 +78,11 @@ class Uniform(_Dispersion):
     def _plausible(self) -> Self:
         lowest, highest = self._deviation("lowest"), self._deviation("highest")
         if lowest >= highest:
-            raise broken(f"lowest of {self.quantity}, {lowest:g}, must be below highest, {highest:g}")
+            raise table_error(f"lowest of {self.quantity}, {lowest:g}, must be below highest, {highest:g}")
         if self.quantity != "pressure" and max(-lowest, highest) > _FARTHEST:
-            raise broken(f"{self.quantity} must stay within {_FARTHEST:g} of nominal, got {lowest:g} to {highest:g}")
+            raise table_error(
+                f"{self.quantity} must stay within {_FARTHEST:g} of nominal, got {lowest:g} to {highest:g}"
+            )
         return self
 
     def of(self, standard: Array) -> Array:
@@ -95,7 +97,7 @@ Dispersion = Annotated[Normal | Uniform, Field(discriminator="kind")]
 class CommonCause(Table):
     """Failures that several components have at once, by the beta-factor model of IEC 61508-6, annex D."""
 
-    beta: Annotated[float, Unit("1", at_least=0, at_most=0.5)] = Field(
+    beta: Annotated[float, UnitRange("1", at_least=0, at_most=0.5)] = Field(
         description="share of a component's failures that all components of its set have at once"
     )
     source: Annotated[str, Field(min_length=3)]
@@ -104,8 +106,8 @@ class CommonCause(Table):
 class ComponentFailure(Table):
     """How likely one component has failed when the train brakes, how uncertain that is, and what fails with it."""
 
-    probability: Annotated[float, Unit("1", at_least=0, at_most=0.1)]
-    error_factor: Annotated[float, Unit("1", at_least=1, at_most=100)] = Field(
+    probability: Annotated[float, UnitRange("1", at_least=0, at_most=0.1)]
+    error_factor: Annotated[float, UnitRange("1", at_least=1, at_most=100)] = Field(
         description="95 % quantile over median of the lognormal distribution of the probability, which is its median"
     )
     source: Annotated[str, Field(min_length=3)]
@@ -137,7 +139,9 @@ class Effort(Table):
 class LoopEffort(Effort):
     """Subset simulation with the controller in the loop."""
 
-    probability: Annotated[float, Unit("1", at_least=1e-9, at_most=0.1)] = Field(description="of a lower deceleration")
+    probability: Annotated[float, UnitRange("1", at_least=1e-9, at_most=0.1)] = Field(
+        description="of a lower deceleration"
+    )
 
 
 class KFactorSpecification(Table):
@@ -156,7 +160,7 @@ class KFactorSpecification(Table):
     @model_validator(mode="after")
     def _rising(self) -> Self:
         if list(self.speed_steps) != sorted(set(self.speed_steps)):
-            raise broken(f"speed_steps must rise, got {list(self.speed_steps)} m/s")
+            raise table_error(f"speed_steps must rise, got {list(self.speed_steps)} m/s")
         return self
 
 
@@ -168,8 +172,8 @@ def load_specification(path: Path, overrides: Sequence[str] = ()) -> tuple[KFact
     """
     ours = LIBRARY / f"{path}.toml"
     path = ours if len(path.parts) == 1 and not path.suffix and ours.is_file() else path
-    table = merged(read_toml(path), read_overrides(overrides))
-    specification = validated(KFactorSpecification, table, directory=path.parent, origin=path.name)
+    table = merge(read_toml(path), read_overrides(overrides))
+    specification = validate_table(KFactorSpecification, table, directory=path.parent, origin=path.name)
     file = Path(specification.scenario)
     scenario = load(path.parent / file if file.suffix else file)
     if specification.speed_steps and specification.speed_steps[-1] >= scenario.start.speed:

@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 from typer import Argument, Option
 
 from railgrip.base.errors import ScenarioError
-from railgrip.campaign.sources import made_by
+from railgrip.campaign.sources import input_versions
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.palette import lead_to_trail
 from railgrip.report.style import band, dress, figure, legend
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.run import braking_distance
@@ -31,7 +31,7 @@ from railgrip.studies.k_factors.k_dry import (
     quasi_static,
     scenario_of_draw,
 )
-from railgrip.studies.k_factors.rare import estimates, pooled
+from railgrip.studies.k_factors.rare import estimates, pool_samples
 from railgrip.studies.k_factors.specification import KFactorSpecification, Normal, Uniform, load_specification
 from railgrip.studies.study import Study
 
@@ -104,7 +104,7 @@ class KFactors(Study):
 STUDY = KFactors
 
 
-def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
+def table(brake: QuasiStaticBrake, result: QuasiStatic) -> ReportTable:
     """Return one row for each EBCL: probability, and for each output K, its interval of sampling, and that of rates."""
     of_outputs = list(zip(result.k, result.k_of_rates, strict=True))
     rows = [
@@ -115,10 +115,10 @@ def table(brake: QuasiStaticBrake, result: QuasiStatic) -> Table:
         ]
         for level, probability in enumerate(PROBABILITIES)
     ]
-    return Table.of(("EBCL", "P", *brake.outputs), rows, left=0)
+    return ReportTable.of(("EBCL", "P", *brake.outputs), rows, left=0)
 
 
-def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
+def assumptions(specification: KFactorSpecification) -> dict[str, ReportTable]:
     """Return the dispersions and failures, each value with its source: tables `dispersion` and `failures`."""
     dispersion = [
         (one.quantity.replace("_", " "), one.per, f"{one.kind}, {_extent(one)}", one.source)
@@ -130,8 +130,8 @@ def assumptions(specification: KFactorSpecification) -> dict[str, Table]:
         for name, one in specification.failures
     ]  # fmt: skip
     return {
-        "dispersion": Table.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
-        "failures": Table(
+        "dispersion": ReportTable.of(("quantity", "drawn for each", "distribution", "source"), dispersion, left=4),
+        "failures": ReportTable(
             [
                 dict(zip(("component", "probability", "error factor", "source", "β", "source of β"), row, strict=True))
                 for row in failures
@@ -216,7 +216,7 @@ def content(
         ],
         "specification": specification.model_dump(mode="json"),
         "scenario_digest": scenario.digest(),
-        "versions": made_by() | {plant.file.name: plant.generator},
+        "versions": input_versions() | {plant.file.name: plant.generator},
         "fmus": {plant.file.name: plant.digest},
         "seconds": {"quasi_static": round(result.seconds, 2)},
     }
@@ -234,12 +234,12 @@ def draw(brake: QuasiStaticBrake, result: QuasiStatic) -> Figure:
     colours = lead_to_trail(len(brake.outputs))
     levels = np.geomspace(0.5, PROBABILITIES[-1], 120).tolist()
     for output, runs, colour in zip(brake.outputs, result.runs, colours, strict=True):
-        pooled_run = pooled(runs, [1 / len(runs)] * len(runs))
+        pooled_run = pool_samples(runs, [1 / len(runs)] * len(runs))
         left.semilogy([pooled_run.quantile(p) for p in levels], levels, color=colour, lw=1.2, label=output)
     stop = result.k[-1]
-    spread = np.array([[value.value - value.low, value.high - value.value] for value in stop]).T
+    error_bars = np.array([[value.value - value.low, value.high - value.value] for value in stop]).T
     left.errorbar(
-        [value.value for value in stop], PROBABILITIES, xerr=spread, fmt="o", ms=3, color=colours[-1], capsize=3
+        [value.value for value in stop], PROBABILITIES, xerr=error_bars, fmt="o", ms=3, color=colours[-1], capsize=3
     )
     dress(left, x="K, deceleration over nominal", y="probability P of a smaller K", title="EBCL 0 to 9, dry")
     legend(left)

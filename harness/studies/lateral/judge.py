@@ -86,14 +86,14 @@ def beliefs_about(trace: Trace, name: Name) -> dict[str, Belief]:
     values, slopes = _contact(contact_states)
     mu0 = np.exp(belief.mean[:, at["log_mu0"]])
     with np.errstate(over="ignore", invalid="ignore"):  # beliefs of a lost filter may be of any size
-        spread = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
+        variance = np.einsum("kqi,ij,kjl,ml,kqm->kq", slopes, select, belief.covariance, select, slopes, optimize=True)
     beliefs = {
         "lateral_velocity": Belief(mean=belief.mean[:, at["dy"]], deviation=deviation[:, at["dy"]]),
         "yaw_rate": Belief(mean=belief.mean[:, at["dpsi"]], deviation=deviation[:, at["dpsi"]]),
         "mu0": Belief(mean=mu0, deviation=mu0 * deviation[:, at["log_mu0"]]),
     }
     for column, quantity in enumerate(("creep", "creep_force", "friction")):
-        beliefs[quantity] = Belief(mean=values[:, column], deviation=np.sqrt(spread[:, column]))
+        beliefs[quantity] = Belief(mean=values[:, column], deviation=np.sqrt(variance[:, column]))
     return beliefs
 
 

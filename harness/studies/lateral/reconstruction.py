@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from railgrip.estimation.run import prediction_of
 from railgrip.estimators.belief import Array
 from railgrip.estimators.observability import along
-from railgrip.report.table import Table, whole_percent
+from railgrip.report.table import ReportTable, whole_percent
 from railgrip.studies.lateral.judge import WINDOW
 from railgrip.studies.lateral.run import CLASSES, EVERY, PAPER_NOISE, LateralCase, Trace, simulate
 from railgrip.studies.lateral.wheelset import CONDITIONS, PAPER_SENSORS, PERIOD
@@ -77,7 +77,7 @@ def information_of(trace: Trace) -> Information:
     _, _, long = along(model, x, u, trace.period, noise, size, windows[WINDOW], windows[WINDOW])
     change = 1 + np.flatnonzero(np.diff(trace.condition))
     jump = np.abs(x[change] - x[change - 1])[:, 3:].max(axis=0, initial=0.0)
-    spread = np.sqrt(np.max([PAPER_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
+    deviation = np.sqrt(np.max([PAPER_NOISE[condition.name] for condition in CONDITIONS], axis=0) * WINDOW / PERIOD)
     mirror = np.array([1.0, 1.0, -1.0, 1.0, -1.0])
     seen, other = (np.array([model.output(a, b) for a, b in zip(x * sign, u, strict=True)]) for sign in (1.0, mirror))
     return Information(
@@ -87,12 +87,12 @@ def information_of(trace: Trace) -> Information:
         rank=np.sum(short < size, axis=1),
         long=long[:, _HIDDEN],
         jump=jump,
-        allowed=spread[3:],
+        allowed=deviation[3:],
         mirrored=float(np.max(np.abs(seen - other) / PAPER_SENSORS)),
     )
 
 
-def observed(runs: Sequence[Information]) -> Table:
+def observability_by_condition(runs: Sequence[Information]) -> ReportTable:
     """Return, by condition, how far a short window of readings determines each hidden state, over its size."""
     rows: list[dict[str, Any]] = []
     for number, condition in enumerate(CONDITIONS):
@@ -109,14 +109,14 @@ def observed(runs: Sequence[Information]) -> Table:
                 for name, a, b in zip(("creep", "friction", "force"), middle, most, strict=True)
             }
         )
-    return Table(rows, {"all five determined": whole_percent}, ("condition",))
+    return ReportTable(rows, {"all five determined": whole_percent}, ("condition",))
 
 
-def refused(runs: Sequence[Information]) -> Table:
+def surface_change_table(runs: Sequence[Information]) -> ReportTable:
     """Return what a change of the surface moves beside what the process noise of the paper lets move."""
     jump = np.median([run.jump for run in runs], axis=0)
     allowed, long = runs[0].allowed, np.median(np.concatenate([run.long for run in runs]), axis=0)
-    return Table(
+    return ReportTable(
         [
             {
                 "state": name,

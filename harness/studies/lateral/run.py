@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from railgrip.base.errors import FilterDiverged
 from railgrip.estimation.run import Kind, prediction_of
-from railgrip.estimators.belief import Array, Estimate, Vector, seal
+from railgrip.estimators.belief import Array, GaussianEstimate, Vector, seal
 from railgrip.estimators.compiled import CompiledFilter
 from railgrip.estimators.prediction import PredictionInC
 from railgrip.studies.lateral.wheelset import (
@@ -94,7 +94,7 @@ def paper_density(condition: Condition) -> Vector:
 
 def observer(
     name: Name, first: Condition, sensors: tuple[float, float] = PAPER_SENSORS, kind: Kind = "fmu"
-) -> tuple[CompiledFilter, Estimate]:
+) -> tuple[CompiledFilter, GaussianEstimate]:
     """Return a filter, compiled, with the readings as outputs, and its belief at the start.
 
     Args:
@@ -195,7 +195,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     """
     variant = PLANTS[case.plant]
     realisation = course(case.test, case.seed, variant)
-    observers: dict[Name, tuple[CompiledFilter, Estimate]] = {
+    observers: dict[Name, tuple[CompiledFilter, GaussianEstimate]] = {
         name: observer(name, realisation.conditions[0], variant.sensors, case.prediction) for name in names
     }
     begin = time.perf_counter()
@@ -208,7 +208,7 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     table |= {"track_rate": realisation.track_rate, "speed": speed}
     readings = np.column_stack([outputs[:, COLUMNS[name]] for name in READINGS]) + realisation.noise
     beliefs: dict[Name, Beliefs] = {
-        name: _followed(name, *filter_and_first, table, readings, realisation)
+        name: _follow(name, *filter_and_first, table, readings, realisation)
         for name, filter_and_first in observers.items()
     }
     wall = time.perf_counter() - begin
@@ -237,8 +237,8 @@ def simulate(case: LateralCase, names: Sequence[Name] = NAMES) -> Trace:
     )
 
 
-def _followed(
-    name: Name, filter_: CompiledFilter, first_belief: Estimate, table: Mapping[str, Array], readings: Array,
+def _follow(
+    name: Name, filter_: CompiledFilter, first_belief: GaussianEstimate, table: Mapping[str, Array], readings: Array,
     realisation: LateralInputs,
 ) -> Beliefs:  # fmt: skip
     """Return the beliefs of a filter given the readings, segment by segment of one condition."""

@@ -19,12 +19,18 @@ from railgrip.studies.lateral.judge import (
     WINDOW,
     measure,
 )
-from railgrip.studies.lateral.reconstruction import SHORT, Information, information, observed, refused
+from railgrip.studies.lateral.reconstruction import (
+    SHORT,
+    Information,
+    information,
+    observability_by_condition,
+    surface_change_table,
+)
 from railgrip.studies.lateral.run import LateralCase, simulate
 from railgrip.studies.lateral.tables import (
     TITLES,
     LateralResult,
-    compared,
+    compare_with_paper,
     detections,
     error_rows,
     error_tables,
@@ -34,10 +40,10 @@ from railgrip.studies.lateral.tables import (
     innovation_table,
     levels,
     longitudinal,
+    median_interval,
     observability_table,
     skill,
     spikes,
-    spread,
     typical,
     typical_table,
 )
@@ -85,11 +91,11 @@ class LateralPlan:
 
 
 FULL: Final = LateralPlan(tests=TESTS, speeds=SPEEDS, seeds=SEEDS)
-QUICK: Final = LateralPlan(tests=tuple(test.shortened(2.5) for test in TESTS), speeds=(25.0,), seeds=2)
+QUICK: Final = LateralPlan(tests=tuple(test.shorten(2.5) for test in TESTS), speeds=(25.0,), seeds=2)
 """A few seconds of each: shows that it runs; its numbers mean nothing."""
 
 
-def measured(case: LateralCase) -> dict[str, Any]:
+def measure_case(case: LateralCase) -> dict[str, Any]:
     """Run and measure one case; observability is that of the filters' model, so only on the plant that equals it."""
     return measure(simulate(case), observe=case.plant == "paper")
 
@@ -108,8 +114,8 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
         write: Whether to write tables and figures into docs/papers.
     """
     # Compiled here once, so that no worker has to.
-    simulate(LateralCase(test=TESTS[0].shortened(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
-    measures = work.map(measured, plan.cases)
+    simulate(LateralCase(test=TESTS[0].shorten(0.01), speed=25.0, plant="paper", seed=0, prediction=plan.prediction))
+    measures = work.map(measure_case, plan.cases)
     runs = information_runs(plan, work)
     results = [LateralResult(case=case, measures=errors) for case, errors in zip(plan.cases, measures, strict=True)]
     rows, speed = error_rows(results), plan.middle_speed
@@ -121,7 +127,7 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
     transition = simulate(drawn[len(plan.tests) - 1].case)
     drawings = dict(zip(files, work.map(test_figure, files.values(), keep=False), strict=True))
     tables = {
-        "compared": compared(transition),
+        "compared": compare_with_paper(transition),
         "typical": typical_table(drawn[: len(plan.tests)]),
         "spikes": spikes(groups(results)["paper", speed, plan.tests[-1].name]),
         "skill": skill(results, speed),
@@ -130,8 +136,8 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
             [result for result in results if result.case.test is plan.tests[-1] and result.case.speed == speed]
         ).without(("speed [m/s]", "test")),
         "longitudinal": longitudinal(results, speed),
-        "observed": observed(runs),
-        "refused": refused(runs),
+        "observed": observability_by_condition(runs),
+        "refused": surface_change_table(runs),
     }
     drawings["creep_curves.svg"] = creep_curves(speed)
     drawings["spike.png"] = spike_figure(transition)
@@ -147,7 +153,7 @@ def page_of(plan: LateralPlan, work: Work, *, write: bool = False) -> Page:
         template="studies/lateral/lateral.md.jinja",
         values={
             "seeds": plan.seeds,
-            "confidence": f"{100 * spread([0.0] * plan.seeds).confidence:.0f} %",
+            "confidence": f"{100 * median_interval([0.0] * plan.seeds).confidence:.0f} %",
             "friction_tolerance": FRICTION_TOLERANCE,
             "share_tolerance": f"{100 * SHARE_TOLERANCE:.0f} %",
             "window": WINDOW,
@@ -221,7 +227,7 @@ class Lateral(Study):
         """Return errors of filters in one transition through all conditions, with softer contacts and other sensors."""
         cases = [LateralCase(test=TESTS[-1], speed=25.0, plant=plant, seed=1) for plant in _HEADLINES]
         findings: list[Finding] = []
-        for (plant, names), measures in zip(_HEADLINES.items(), work.map(measured, cases), strict=True):
+        for (plant, names), measures in zip(_HEADLINES.items(), work.map(measure_case, cases), strict=True):
             for name in names:
                 findings += _of_filter(f"lateral, {plant}, {name}", name, measures)
             constant = measures["constant"]["friction"]

@@ -10,11 +10,11 @@ from typing import Any, Final
 import numpy as np
 from scipy.stats import binom
 
-from railgrip.report.table import Table, share
+from railgrip.report.table import ReportTable, share
 from railgrip.studies.lateral.judge import QUANTITIES, SPIKE, adhesion, beliefs_about
 from railgrip.studies.lateral.run import NAMES, LateralCase, Trace
 from railgrip.studies.lateral.wheelset import CONDITIONS, PLANTS, ROLLING
-from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.studies.papers.pages import PaperRow, comparison
 
 FIGURES: Final = {"rmse": "RMSE", "bias": "bias", "nees": "NEES", "settling": "settling [s]", "peak": "peak error"}
 LEVEL_TOLERANCE: Final = 0.05
@@ -37,7 +37,7 @@ class LateralResult:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spread:
+class MedianInterval:
     """Median of a figure over the seeds, with an interval that contains the true median with at least 95 %.
 
     The interval is between order statistics, so it is valid for any distribution, including diverged runs (infinity).
@@ -53,14 +53,14 @@ class Spread:
         return f"{_digits(self.median)} [{_digits(self.low)}, {_digits(self.high)}]"
 
 
-def spread(values: Iterable[float | None]) -> Spread:
+def median_interval(values: Iterable[float | None]) -> MedianInterval:
     """Return median and interval of values, one for each seed; None (not finite, never settled) counts as infinity."""
     order = np.sort([math.inf if value is None else value for value in values])
     low, confidence = _rank(len(order))
     with np.errstate(invalid="ignore"):
         median = float(np.median(order))
     # The mean of a number and infinity is infinity, of two infinities NaN in numpy's arithmetic.
-    return Spread(
+    return MedianInterval(
         median=math.inf if math.isnan(median) else median,
         low=float(order[low]),
         high=float(order[len(order) - 1 - low]),
@@ -110,13 +110,13 @@ def _force_error(result: LateralResult) -> float:
     return math.inf if error is None else error
 
 
-def typical_table(runs: Sequence[LateralResult]) -> Table:
+def typical_table(runs: Sequence[LateralResult]) -> ReportTable:
     """Return test, seed and RMSE of the creep force of each run of `typical`."""
     columns = ("test", "seed", "RMSE of the creep force, reconstruction [N]")
-    return Table.of(columns, [(r.case.test.name, str(r.case.seed), _digits(_force_error(r))) for r in runs], str)
+    return ReportTable.of(columns, [(r.case.test.name, str(r.case.seed), _digits(_force_error(r))) for r in runs], str)
 
 
-def spikes(runs: Sequence[LateralResult]) -> Table:
+def spikes(runs: Sequence[LateralResult]) -> ReportTable:
     """Return the largest error of the creep force of each filter before and after the first change of the surface.
 
     Args:
@@ -124,28 +124,28 @@ def spikes(runs: Sequence[LateralResult]) -> Table:
     """
     columns = ("filter", f"largest error in {SPIKE:g} s before [N]", f"largest error in {SPIKE:g} s after [N]")
     pairs = {name: [run.measures["spike"][name] for run in runs] for name in NAMES}
-    rows = [(TITLES[name], *(spread(pair[k] for pair in pairs[name]) for k in (0, 1))) for name in NAMES]
-    return Table.of(columns, rows, str)
+    rows = [(TITLES[name], *(median_interval(pair[k] for pair in pairs[name]) for k in (0, 1))) for name in NAMES]
+    return ReportTable.of(columns, rows, str)
 
 
-def longitudinal(results: Sequence[LateralResult], speed: float) -> Table:
+def longitudinal(results: Sequence[LateralResult], speed: float) -> ReportTable:
     """Return errors relative to the rms of the truth with and without torque of the motor, medians over the seeds."""
     rows: list[dict[str, Any]] = []
     for (plant, of_speed, _), runs in groups(results).items():
         for name in NAMES if plant in ROLLING and of_speed == speed else ():
-            creep = spread(run.measures["size"]["creep"] for run in runs).median
+            creep = median_interval(run.measures["size"]["creep"] for run in runs).median
             lost = sum(run.measures["lost"][name] is not None for run in runs)
             row = {"plant": PLANTS[plant].title, "rms creep": f"{100 * creep:.2g} %", "filter": TITLES[name]}
             for quantity in ("lateral_velocity", "creep", "creep_force", "friction"):
                 errors = ((run.measures["errors"][name][quantity]["rmse"], run.measures["size"]) for run in runs)
                 shares = (None if error is None else error / size[quantity] for error, size in errors)
-                row[f"{quantity.replace('_', ' ')}"] = _digits(spread(shares).median)
+                row[f"{quantity.replace('_', ' ')}"] = _digits(median_interval(shares).median)
             rows.append({**row, "lost, of runs": f"{lost} of {len(runs)}"})
-    return Table(rows, left=("plant", "filter"))
+    return ReportTable(rows, left=("plant", "filter"))
 
 
 def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
-    """Return one row for each plant, speed, test, filter and quantity, with a `Spread` for each figure."""
+    """Return one row for each plant, speed, test, filter and quantity, with a `MedianInterval` for each figure."""
     return [
         {
             "plant": plant,
@@ -155,7 +155,7 @@ def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
             "quantity": quantity,
             "unit": unit,
             "seeds": len(runs),
-            **{f: spread(run.measures["errors"][name][quantity][f] for run in runs) for f in FIGURES},
+            **{f: median_interval(run.measures["errors"][name][quantity][f] for run in runs) for f in FIGURES},
         }
         for (plant, speed, test), runs in groups(results).items()
         for name in NAMES
@@ -163,16 +163,16 @@ def error_rows(results: Sequence[LateralResult]) -> list[dict[str, Any]]:
     ]
 
 
-def flat(rows: Sequence[Mapping[str, Any]]) -> Table:
+def flat(rows: Sequence[Mapping[str, Any]]) -> ReportTable:
     """Return error rows with median, low and high in columns of their own."""
-    return Table(
+    return ReportTable(
         [
             {
                 key: value
                 for name, cell in row.items()
                 for key, value in (
                     ((name, cell.median), (f"{name}_low", cell.low), (f"{name}_high", cell.high))
-                    if isinstance(cell, Spread)
+                    if isinstance(cell, MedianInterval)
                     else ((name, cell),)
                 )
             }
@@ -181,7 +181,7 @@ def flat(rows: Sequence[Mapping[str, Any]]) -> Table:
     )
 
 
-def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
+def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, ReportTable]:
     """Return plant and speed → table of every test, quantity and filter."""
     tables: dict[str, list[tuple[Any, ...]]] = {}
     for row in rows:
@@ -191,10 +191,10 @@ def error_tables(rows: Sequence[Mapping[str, Any]]) -> dict[str, Table]:
             (row["test"], what, TITLES[row["filter"]], *(row[figure] for figure in FIGURES))
         )
     columns = ("test", "quantity", "filter", *FIGURES.values())
-    return {title: Table.of(columns, table, str, left=3) for title, table in tables.items()}
+    return {title: ReportTable.of(columns, table, str, left=3) for title, table in tables.items()}
 
 
-def compared(trace: Trace) -> Table:
+def compare_with_paper(trace: Trace) -> ReportTable:
     """Return the statements of the paper about its figures next to a run of the transition; see `comparison`.
 
     Args:
@@ -207,20 +207,20 @@ def compared(trace: Trace) -> Table:
     rails = ", ".join(rail.name for rail in CONDITIONS)
     peaks = [float(adhesion(rail, creep, trace.case.speed).max()) for rail in CONDITIONS]
     rows = [
-        Compared("Table 3", f"friction u0 at zero creep velocity: {rails}", "0.46, 0.3, 0.2, 0.1",
+        PaperRow("Table 3", f"friction u0 at zero creep velocity: {rails}", "0.46, 0.3, 0.2, 0.1",
                  ", ".join(f"{rail.mu0:g}" for rail in CONDITIONS), is_chosen=True),
-        Compared("Fig. 2", f"largest adhesion at {trace.case.speed:g} m/s: {rails}", "not given",
+        PaperRow("Fig. 2", f"largest adhesion at {trace.case.speed:g} m/s: {rails}", "not given",
                  ", ".join(f"{peak:.3f}" for peak in peaks)),
-        Compared("Fig. 4 to 23", "largest deviation of the track", 7.0, 1e3 * float(np.abs(trace.track).max()),
+        PaperRow("Fig. 4 to 23", "largest deviation of the track", 7.0, 1e3 * float(np.abs(trace.track).max()),
                  "{:.1f} mm", is_chosen=True),
-        Compared("Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s", changes, is_chosen=True),
-        Compared("Fig. 23", "largest error of the creep force, reconstruction", 2.0, instant, "at {:.1f} s",
+        PaperRow("Fig. 20 to 23", "changes of the surface", "2, 4, 6 and 8 s", changes, is_chosen=True),
+        PaperRow("Fig. 23", "largest error of the creep force, reconstruction", 2.0, instant, "at {:.1f} s",
                  f"{instant - 2.0:+.1f} s".replace("-", "−")),
     ]  # fmt: skip
     return comparison(rows)
 
 
-def skill(results: Sequence[LateralResult], speed: float) -> Table:
+def skill(results: Sequence[LateralResult], speed: float) -> ReportTable:
     """Return RMSE over that of the best constant, medians over seeds, by test, quantity and filter.
 
     Args:
@@ -235,12 +235,12 @@ def skill(results: Sequence[LateralResult], speed: float) -> Table:
             for name in NAMES:
                 errors = ((run.measures["errors"][name][quantity]["rmse"], run.measures["constant"]) for run in runs)
                 shares = [None if error is None else error / constant[quantity] for error, constant in errors]
-                row[TITLES[name]] = _digits(spread(shares).median)
+                row[TITLES[name]] = _digits(median_interval(shares).median)
             rows.append(row)
-    return Table(rows, left=("test", "quantity"))
+    return ReportTable(rows, left=("test", "quantity"))
 
 
-def friction_errors(results: Sequence[LateralResult], speed: float) -> Table:
+def friction_errors(results: Sequence[LateralResult], speed: float) -> ReportTable:
     """Return rms errors of mu0 by condition in runs of several, medians over seeds, by plant and filter."""
     rows: list[dict[str, Any]] = []
     for (plant, of_speed, _), runs in groups(results).items():
@@ -249,12 +249,12 @@ def friction_errors(results: Sequence[LateralResult], speed: float) -> Table:
                 row = {"plant": PLANTS[plant].title, "filter": TITLES[name]}
                 for rail in CONDITIONS:
                     errors = [run.measures["levels"][name].get(rail.name, (None, None))[1] for run in runs]
-                    row[f"{rail.name} {rail.mu0:g}"] = _digits(spread(errors).median)
+                    row[f"{rail.name} {rail.mu0:g}"] = _digits(median_interval(errors).median)
                 rows.append(row)
-    return Table(rows, left=("plant", "filter"))
+    return ReportTable(rows, left=("plant", "filter"))
 
 
-def innovation_table(results: Sequence[LateralResult]) -> Table:
+def innovation_table(results: Sequence[LateralResult]) -> ReportTable:
     """Return the number of runs in which each filter was lost, its NIS, and its friction against the best constant."""
     rows: list[dict[str, Any]] = []
     for (plant, speed, test), runs in groups(results).items():
@@ -268,15 +268,17 @@ def innovation_table(results: Sequence[LateralResult]) -> Table:
                     "filter": TITLES[name],
                     "lost, of runs": f"{len(instants)} of {len(runs)}",
                     "first [s]": f"{min(instants):.2g}" if instants else "–",
-                    "NIS": spread(run.measures["nis"][name] for run in runs),
-                    "friction RMSE": spread(run.measures["errors"][name]["friction"]["rmse"] for run in runs),
-                    "of the best constant": spread(run.measures["constant"]["friction"] for run in runs),
+                    "NIS": median_interval(run.measures["nis"][name] for run in runs),
+                    "friction RMSE": median_interval(run.measures["errors"][name]["friction"]["rmse"] for run in runs),
+                    "of the best constant": median_interval(run.measures["constant"]["friction"] for run in runs),
                 }
             )
-    return Table(rows, {"speed [m/s]": "{:g}", **dict.fromkeys(list(rows[0])[6:], str)}, ("plant", "test", "filter"))
+    return ReportTable(
+        rows, {"speed [m/s]": "{:g}", **dict.fromkeys(list(rows[0])[6:], str)}, ("plant", "test", "filter")
+    )
 
 
-def observability_table(results: Sequence[LateralResult]) -> Table:
+def observability_table(results: Sequence[LateralResult]) -> ReportTable:
     """Return the standard deviation of mu0 given windows of readings, by speed and condition."""
     ranks: dict[tuple[float, int], list[tuple[float, float]]] = {}
     for result in results:
@@ -300,12 +302,12 @@ def observability_table(results: Sequence[LateralResult]) -> Table:
                 "σ < 0.05": f"{100 * np.mean(service < 0.05):.0f} %",
             }
         )
-    return Table(rows, {"speed [m/s]": "{:g}"}, ("condition",))
+    return ReportTable(rows, {"speed [m/s]": "{:g}"}, ("condition",))
 
 
-def detections(results: Sequence[LateralResult]) -> list[tuple[str, Table, Table]]:
+def detections(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable, ReportTable]]:
     """Return filter and plant, confusion matrix of the condition detector in shares of time, and its delays."""
-    tables: list[tuple[str, Table, Table]] = []
+    tables: list[tuple[str, ReportTable, ReportTable]] = []
     for plant, variant in PLANTS.items():
         runs = [result for result in results if result.case.plant == plant]
         for name in [name for name in NAMES if runs and name in runs[0].measures["detection"]]:
@@ -313,14 +315,14 @@ def detections(results: Sequence[LateralResult]) -> list[tuple[str, Table, Table
             shares = [
                 (condition.name, *(row / max(row.sum(), 1))) for condition, row in zip(CONDITIONS, counts, strict=True)
             ]
-            confusion = Table.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, share)
+            confusion = ReportTable.of(("true", *(c.name for c in CONDITIONS), "undecided"), shares, share)
             tables.append((f"{TITLES[name]}, {variant.title}", confusion, _delays(runs, name)))
     return tables
 
 
-def levels(results: Sequence[LateralResult]) -> list[tuple[str, Table, str]]:
+def levels(results: Sequence[LateralResult]) -> list[tuple[str, ReportTable, str]]:
     """Return filter and plant, the beliefs about mu0 in runs of several conditions, and a sentence about them."""
-    tables: list[tuple[str, Table, str]] = []
+    tables: list[tuple[str, ReportTable, str]] = []
     for plant, variant in PLANTS.items():
         several = [run for run in results if run.case.plant == plant and len(run.case.test.changes) > 1]
         speeds = sorted({run.case.speed for run in several})
@@ -330,11 +332,11 @@ def levels(results: Sequence[LateralResult]) -> list[tuple[str, Table, str]]:
     return tables
 
 
-def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tuple[Table, str]:
+def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tuple[ReportTable, str]:
     conditions = [condition for condition in CONDITIONS if condition.name in runs[0]]
-    spreads = {c: [spread(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
+    spreads = {c: [median_interval(run[c.name][k] for run in runs) for k in (0, 1)] for c in conditions}
     columns = ("condition", "true μ0", "believed: median [interval]", "rms error")
-    table = Table.of(columns, [(c.name, f"{c.mu0:g}", *spreads[c]) for c in conditions], str)
+    table = ReportTable.of(columns, [(c.name, f"{c.mu0:g}", *spreads[c]) for c in conditions], str)
     right = [c.name for c in conditions if spreads[c][1].median < LEVEL_TOLERANCE]
     far = [
         f"takes {c.name}, {c.mu0:g}, for {_digits(mean.median)}" if mean.median <= 1 else f"is lost in {c.name}"
@@ -345,7 +347,7 @@ def _level(runs: Sequence[dict[str, tuple[float | None, float | None]]]) -> tupl
     return table, f"{'; '.join((within, *far))}."
 
 
-def _delays(runs: Sequence[LateralResult], name: str) -> Table:
+def _delays(runs: Sequence[LateralResult], name: str) -> ReportTable:
     changes: dict[str, list[float | None]] = {}
     for run in runs:
         conditions = ["start", *(condition.name for _, condition in run.case.test.changes)]
@@ -359,8 +361,8 @@ def _delays(runs: Sequence[LateralResult], name: str) -> Table:
                 "change": change,
                 "number": len(delays),
                 "detected": len(finite),
-                "delay: median [interval] s": str(spread(delays)),
+                "delay: median [interval] s": str(median_interval(delays)),
                 "longest detected [s]": _digits(max(finite, default=math.inf)),
             }
         )
-    return Table(rows, left=("change",))
+    return ReportTable(rows, left=("change",))

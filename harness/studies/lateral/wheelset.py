@@ -87,7 +87,7 @@ class SurfaceTest:
     changes: tuple[tuple[float, Condition], ...]
     duration: float
 
-    def shortened(self, duration: float) -> "SurfaceTest":
+    def shorten(self, duration: float) -> "SurfaceTest":
         """Return the same test compressed in time."""
         scale = duration / self.duration
         return SurfaceTest(
@@ -230,14 +230,14 @@ def wheelset(speed: float, variant: PlantVariant = PLANTS["paper"]) -> Generator
         speed: Along the track at the start [m/s].
         variant: Parameters; the others keep the values of Table 1.
     """
-    description, binding = _bound()
+    description, binding = _bind()
     parameters = {"start_speed": speed, "rolling_creep": variant.rolling_creep, **variant.parameters}
     with CoSimulation(description, binding, period=PERIOD, parameters=parameters) as plant:
         yield plant
 
 
 @cache
-def _bound() -> tuple[Description, Any]:
+def _bind() -> tuple[Description, Any]:
     description = describe(fmu("LateralWheelset"))
     inputs = [Signal(name=name, unit=unit, size=0, needed=True) for name, unit in INPUTS.items()]
     outputs = [Signal(name=name, unit=unit, size=size, needed=True) for name, (unit, size) in OUTPUTS.items()]

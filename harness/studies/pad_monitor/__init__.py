@@ -7,6 +7,6 @@ finds stops on disk, `page` draws.
 
 What one stop can show: readings of the train show the sum of all brake forces. The groups are distinguished only when
 their pressures move apart, in a stop with wheel-slide protection, or in a *testing stop* that releases one group after
-the other for two seconds (`life.demanded`). The uncertainty of the evidence says which it was; without such a
+the other for two seconds (`life.demand_table`). The uncertainty of the evidence says which it was; without such a
 difference it stays that of the prior and no alarm is drawn from it.
 """

@@ -180,14 +180,14 @@ def evidence_of(
     mean, covariance = _run_filter(
         filter_, prediction.states, inputs, readings, locked, wheels[0], float(speed[0]), count
     )
-    health, spread = _without_prior(mean, covariance)
-    offset = pressure_spread(
+    health, likelihood_covariance = _without_prior(mean, covariance)
+    offset = pressure_deviation(
         pad_friction=health / NOMINAL,
         pressure=np.array([_braking_pressure(pressure[:count, g], force[:count, g]) for g in range(groups)]),
         offset=PRESSURE_OFFSET,
         **piston,
     )
-    return Evidence(health=health / NOMINAL, covariance=spread / NOMINAL**2, offset=offset, drag=drag)
+    return Evidence(health=health / NOMINAL, covariance=likelihood_covariance / NOMINAL**2, offset=offset, drag=drag)
 
 
 def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
@@ -196,12 +196,12 @@ def _without_prior(mean: Vector, covariance: Matrix) -> tuple[Vector, Matrix]:
     information = np.linalg.inv(covariance) - identity / PRIOR**2
     # Where a stop has no information, rounding is left of it: the result is at most 100 priors wide.
     information += identity / (100.0 * PRIOR) ** 2
-    spread = np.asarray(np.linalg.inv(0.5 * (information + information.T)), dtype=np.float64)
+    likelihood_covariance = np.asarray(np.linalg.inv(0.5 * (information + information.T)), dtype=np.float64)
     moment = np.linalg.solve(covariance, mean) - nominal / PRIOR**2 + nominal / (100.0 * PRIOR) ** 2
-    return spread @ moment, spread
+    return likelihood_covariance @ moment, likelihood_covariance
 
 
-def pressure_spread(
+def pressure_deviation(
     *, pad_friction: Vector, pressure: Vector, offset: float, piston_area: float, spring_force: float
 ) -> Vector:
     """Return the 1σ error that a pressure transducer's offset adds to an estimated pad friction, in its shape.

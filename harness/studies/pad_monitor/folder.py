@@ -8,7 +8,7 @@ import numpy as np
 from railgrip.base.errors import EstimationError
 from railgrip.base.records import inside
 from railgrip.estimation.agreement import require_agreement
-from railgrip.estimation.sources import completed, recording_for
+from railgrip.estimation.sources import complete_trace, recording_for
 from railgrip.estimation.spec import Specification, parameters_for
 from railgrip.studies.pad_monitor.evidence import MODEL, Evidence, evidence_of, formation
 from railgrip.trace.files import FORMATS
@@ -68,7 +68,7 @@ def stops_in(
             else:
                 recording = recording_for(specification, place).recording
                 sentences += [f"{place.name}: {sentence}" for sentence in recording.attrs["flags"]]
-                run = completed(specification, recording)
+                run = complete_trace(specification, recording)
                 sentences += require_agreement(specification, run, run, place.name)
                 assumptions += 1
             evidence[place.name] = evidence_of(recording, temperature, parameters)

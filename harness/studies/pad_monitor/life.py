@@ -19,7 +19,7 @@ from railgrip.estimators.belief import Vector
 from railgrip.fmi import describe
 from railgrip.fmus.build import fmu
 from railgrip.scenario.load import scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.seed import generator
 from railgrip.simulate.run import trace_of
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, formation
@@ -98,7 +98,7 @@ def live(life: Life, numbers: range | None = None) -> Iterator[tuple[xarray.Data
         yield _stop(life, k, random, 0.35 * factor, 0.35 * first_friction, stuck, transducers)
 
 
-def demanded(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
+def demand_table(full: Vector, testing: bool, residual: Vector) -> dict[str, Any]:
     """Return the table [demand] of a stop: coasting, then braking, and each group released in turn where it is tested.
 
     Args:
@@ -155,9 +155,9 @@ def _stop(
         "vehicle": {"parameters": parameters},
         "start": {"speed": speed},
         "track": {"force": -sum(loads.values()) * GRAVITY * slope},
-        "demand": demanded(full, life.testing, residual),
+        "demand": demand_table(full, life.testing, residual),
     }
-    trace = trace_of(scenario_of(merged(_TRAIN, changes), directory=Path(), origin="life"))
+    trace = trace_of(scenario_of(merge(_TRAIN, changes), directory=Path(), origin="life"))
     count = trace.sizes["time"]
     readings = trace["cylinder_pressure"].values.copy()
     if stuck is not None:  # the reading is the pressure of the valve; the rigging behind it sticks

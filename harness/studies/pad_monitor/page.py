@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from railgrip.report import palette, style
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.studies.pad_monitor.evidence import formation
 from railgrip.studies.pad_monitor.watch import History, MonitorDesign
 
@@ -21,7 +21,7 @@ def group_names() -> list[str]:
     ]
 
 
-def health_table(history: History, names: Sequence[str]) -> Table:
+def health_table(history: History, names: Sequence[str]) -> ReportTable:
     """Return one row a group: index, trend, alarm."""
     alarms = {alarm.group: alarm for alarm in reversed(history.alarms)}
     rows = [
@@ -37,7 +37,7 @@ def health_table(history: History, names: Sequence[str]) -> Table:
         }
         for g, name in enumerate(group_names())
     ]
-    return Table(rows, left=rows[0])
+    return ReportTable(rows, left=rows[0])
 
 
 def summary_of(history: History, design: MonitorDesign) -> str:

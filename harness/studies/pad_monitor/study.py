@@ -11,7 +11,7 @@ from typer import Option
 from railgrip.campaign.work import Work
 from railgrip.report.baseline import Finding
 from railgrip.report.page import Page
-from railgrip.report.table import Table, share
+from railgrip.report.table import ReportTable, share
 from railgrip.studies.pad_monitor.evidence import PRESSURE_OFFSET, Evidence, evidence_of, formation
 from railgrip.studies.pad_monitor.life import Life, live
 from railgrip.studies.pad_monitor.page import draw
@@ -119,7 +119,7 @@ class Assessment:
         """95 % upper confidence bound of the rate, exact for a Poisson count: 3/n when none came."""
         return float(chi2.ppf(0.95, 2 * (self.false_alarms + 1)) / 2.0 / self.healthy)
 
-    def table(self) -> Table:
+    def table(self) -> ReportTable:
         """Return the figures as a table."""
         rate = f"{self.false_alarms / self.healthy:.2g}, below {self.rate_bound:.2g} at 95 % confidence"
         figures = {
@@ -132,7 +132,7 @@ class Assessment:
             "false alarms": str(self.false_alarms),
             "false alarms per stop and group": rate,
         }
-        return Table.of(("figure", "value"), list(figures.items()), left=2)
+        return ReportTable.of(("figure", "value"), list(figures.items()), left=2)
 
 
 def _delays(delays: Sequence[int | None]) -> str:

@@ -34,7 +34,7 @@ class MonitorDesign:
         tolerated: Share of friction that a group may lose and still be healthy: glazing and wear.
         failed: Share at which it must be found.
         false_alarms: Design rate for each stop and group, at a loss of `tolerated`.
-        least_scatter: Minimum scatter from stop to stop, share of friction.
+        minimum_scatter: Minimum of the scatter from stop to stop, share of friction.
         largest_deviation: Evidence with a larger standard deviation does not distinguish groups and is not charted.
         largest_step: Of the chart, in deviations; one odd stop must not alarm alone.
         drift: Random walk of health that the index follows, share a stop.
@@ -46,7 +46,7 @@ class MonitorDesign:
     tolerated: float = 0.05
     failed: float = 0.20
     false_alarms: float = 1e-4
-    least_scatter: float = 0.025
+    minimum_scatter: float = 0.025
     largest_deviation: float = 0.08
     largest_step: float = 2.5
     drift: float = 0.004
@@ -126,7 +126,7 @@ def watch(stops: Sequence[Evidence], design: MonitorDesign) -> History:
         normal = np.median(ratio[reference], axis=0)
         deficit = 1.0 - ratio / normal
         mad = 1.4826 * np.median(np.abs(ratio[reference] / normal - 1.0), axis=0)
-        scatter = np.maximum(mad, design.least_scatter)
+        scatter = np.maximum(mad, design.minimum_scatter)
         threshold = np.array([threshold_for(float(s), design) for s in scatter])
         alarms = _chart(stops, deficit, scatter, threshold, int(reference[-1]) + 1, design, chart)
     index, index_sd = _follow(stops, together, _scatter_by_group(health[reference], design), alarms, design)
@@ -204,10 +204,10 @@ def _scatter_by_group(health: Matrix, design: MonitorDesign) -> Vector:
     Evidence claims what noise does to it. Latencies and slides do more, which only the stops themselves show.
     """
     if len(health) < FEWEST:
-        return np.full(health.shape[1], design.least_scatter)
+        return np.full(health.shape[1], design.minimum_scatter)
     apart = health - np.median(health, axis=1, keepdims=True)
     mad = 1.4826 * np.median(np.abs(apart - np.median(apart, axis=0)), axis=0)
-    return np.maximum(mad, design.least_scatter)
+    return np.maximum(mad, design.minimum_scatter)
 
 
 def _follow(
@@ -232,7 +232,7 @@ def _follow(
     mean, covariance = np.ones(groups), np.eye(groups) * _UNKNOWN**2
     shift = np.zeros((groups, groups))
     scatter = np.diag(residual**2) + together
-    index, spread = np.empty((len(stops), groups)), np.empty((len(stops), groups))
+    index, deviation = np.empty((len(stops), groups)), np.empty((len(stops), groups))
     for k, stop in enumerate(stops):
         jumps = np.array([any(alarm.stop == k and alarm.group == g for alarm in alarms) for g in range(groups)])
         covariance = covariance + np.diag(np.where(jumps, _UNKNOWN**2, design.drift**2))
@@ -241,8 +241,8 @@ def _follow(
         remainder = np.eye(groups) - gain
         covariance = remainder @ covariance @ remainder.T + gain @ (stop.covariance + scatter) @ gain.T
         shift = remainder @ shift + gain * stop.offset
-        index[k], spread[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shift**2, axis=1))
-    return index, spread
+        index[k], deviation[k] = mean, np.sqrt(np.diag(covariance) + np.sum(shift**2, axis=1))
+    return index, deviation
 
 
 def _trend(health: Matrix, apart: NDArray[np.bool_], design: MonitorDesign) -> tuple[Vector, Vector]:

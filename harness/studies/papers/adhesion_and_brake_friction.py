@@ -15,8 +15,8 @@ from scipy.ndimage import uniform_filter1d
 
 from railgrip.estimation.judge import errors
 from railgrip.report import palette, style
-from railgrip.report.table import Table
-from railgrip.studies.papers.pages import Compared, comparison
+from railgrip.report.table import ReportTable
+from railgrip.studies.papers.pages import PaperRow, comparison
 from railgrip.studies.papers.schematic import arrow, canvas, dimension
 from railgrip.trace.contact import Contact
 from railgrip.trace.samples import period_of, reading_of, truth_of
@@ -395,37 +395,37 @@ def _adhesion_of_slide(recording: xarray.Dataset) -> list[float]:
     ]
 
 
-def compared(found: Mapping[str, Any]) -> list[Compared]:
+def compare_with_paper(found: Mapping[str, Any]) -> list[PaperRow]:
     """Return the published quantities beside ours; `found` are `measures`."""
     words = {"1": "greatest adhesion", "2": "brake released", "3": "rolling"}
     points = [
-        Compared("Fig. 3", f"point {number}, {words[number]}", "no numbers",
+        PaperRow("Fig. 3", f"point {number}, {words[number]}", "no numbers",
                  f"adhesion {adhesion:.3f} at {100 * slip:.1f} % slip")
         for number, (slip, adhesion) in found["points"].items()
     ]  # fmt: skip
     slide, sand = found["rig_slide"], found["rig_sand"]
     peaks = [
-        Compared("Fig. 6", f"peaks above {LIMIT:g} as drawn / in all of the test, {NAMES[name]}", "one",
+        PaperRow("Fig. 6", f"peaks above {LIMIT:g} as drawn / in all of the test, {NAMES[name]}", "one",
                  f"{count} / {sand['filters'][name]['excursions']}")
         for name, count in sand["peaks"].items()
     ]  # fmt: skip
-    answer = Compared("Fig. 6", "response of the protection, slide / sand", f"about {RESPONSE:g} s",
+    answer = PaperRow("Fig. 6", "response of the protection, slide / sand", f"about {RESPONSE:g} s",
                       f"{slide['response']:.2f} / {sand['response']:.2f} s")  # fmt: skip
-    errors_of_sand = _compared_errors("Fig. 6", sand)
-    return [*points, *_compared_slide(slide), *_compared_sand(sand, slide), *errors_of_sand, *peaks, answer]
+    errors_of_sand = _compare_errors("Fig. 6", sand)
+    return [*points, *_compare_slide(slide), *_compare_sand(sand, slide), *errors_of_sand, *peaks, answer]
 
 
-def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
+def _compare_slide(slide: Mapping[str, Any]) -> list[PaperRow]:
     """Return what the text says of figure 4, beside the sliding test."""
     low, short = STATEMENTS["rig_slide"][1], slide["short"]
     return [
-        Compared("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h", is_chosen=True),
-        Compared("Fig. 4", "short brakings", 3.0, float(len(short)), "{:.0f}", is_chosen=True),
-        Compared("Fig. 4", "begin of the first short braking", 18.0, short[0][0], "{:.1f} s", is_chosen=True),
-        Compared("Fig. 4", "end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
-        Compared("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s", is_chosen=True),
+        PaperRow("Fig. 4", "initial speed", START_SPEED["rig_slide"], slide["speed"], "{:.0f} km/h", is_chosen=True),
+        PaperRow("Fig. 4", "short brakings", 3.0, float(len(short)), "{:.0f}", is_chosen=True),
+        PaperRow("Fig. 4", "begin of the first short braking", 18.0, short[0][0], "{:.1f} s", is_chosen=True),
+        PaperRow("Fig. 4", "end of the last short braking", 33.0, short[-1][1], "{:.1f} s"),
+        PaperRow("Fig. 4", "begin of the stop braking", low.begin, slide["stop"], "{:.1f} s", is_chosen=True),
         *(
-            Compared(
+            PaperRow(
                 "Fig. 4",
                 f"adhesion until {low.end:g} s, {name} quantile",
                 (0.02, 0.05),
@@ -435,66 +435,66 @@ def _compared_slide(slide: Mapping[str, Any]) -> list[Compared]:
             )
             for name, adhesion in zip(("5 %", "95 %"), slide["adhesion"], strict=True)
         ),
-        *_compared_start("Fig. 4", slide),
-        *_compared_friction("Fig. 4", slide),
-        *_compared_errors("Fig. 4", slide),
+        *_compare_start("Fig. 4", slide),
+        *_compare_friction("Fig. 4", slide),
+        *_compare_errors("Fig. 4", slide),
     ]
 
 
-def _compared_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[Compared]:
+def _compare_sand(sand: Mapping[str, Any], slide: Mapping[str, Any]) -> list[PaperRow]:
     """Return what the text says of figure 5, beside the sanding test."""
     names = ("first peak", "after the fall", "after the release", "at last")
     return [
-        Compared("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
+        PaperRow("Fig. 5", "initial speed", START_SPEED["rig_sand"], sand["speed"], "{:.0f} km/h", is_chosen=True),
         *(
-            Compared("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}", is_chosen=published > 0)
+            PaperRow("Fig. 5", f"adhesion, 4 to 11 s, {name}", published, ours, "{:.3f}", is_chosen=published > 0)
             for name, published, ours in zip(names, (0.1, 0.05, 0.1, 0.0), sand["adhesion"], strict=True)
         ),
-        Compared("Fig. 5", f"slides with more than {100 * SLIDING:g} % slip, 4 to 11 s", 1, sand["slides"], "{:d}",
+        PaperRow("Fig. 5", f"slides with more than {100 * SLIDING:g} % slip, 4 to 11 s", 1, sand["slides"], "{:d}",
                  is_chosen=True),
-        *_compared_start("Fig. 5", sand),
-        *_compared_friction("Fig. 5", sand),
-        Compared("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
+        *_compare_start("Fig. 5", sand),
+        *_compare_friction("Fig. 5", sand),
+        PaperRow("Fig. 5", "applications of the brake a second, slide / sand", "fewer in the sanding test",
                  f"{slide['applications']:.2f} / {sand['applications']:.2f}"),
-        Compared("Fig. 5", "the same with one protection in both tests", "fewer in the sanding test",
+        PaperRow("Fig. 5", "the same with one protection in both tests", "fewer in the sanding test",
                  f"{slide['applications']:.2f} / {sand['applications, same protection']:.2f}"),
-        Compared("Fig. 5", "rms oscillation of estimated pad friction, slide / sand", "larger in the sanding test",
+        PaperRow("Fig. 5", "rms oscillation of estimated pad friction, slide / sand", "larger in the sanding test",
                  f"{slide['oscillation']:.4f} / {sand['oscillation']:.4f}"),
     ]  # fmt: skip
 
 
-def _compared_errors(figure: str, test: Mapping[str, Any]) -> list[Compared]:
+def _compare_errors(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     """Return the errors of adhesion of each filter in a test."""
-    rows: list[Compared] = []
+    rows: list[PaperRow] = []
     for name, judged in test["filters"].items():
         outside = f"error of adhesion outside protection events, {NAMES[name]}"
         longest = f"longest error above {LIMIT:g}, {NAMES[name]}"
         rows += [
-            Compared(figure, outside, (-np.inf, LIMIT), judged["alpha_outside"], "{:.4f}"),
-            Compared(figure, longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
+            PaperRow(figure, outside, (-np.inf, LIMIT), judged["alpha_outside"], "{:.4f}"),
+            PaperRow(figure, longest, (-np.inf, RECOVERY), judged["longest"], "{:.3f} s"),
         ]
     return rows
 
 
-def _compared_start(figure: str, test: Mapping[str, Any]) -> list[Compared]:
+def _compare_start(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     """Return how long each filter takes to correct an adhesion that is wrong at its start."""
     return [
-        Compared(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
+        PaperRow(figure, f"wrong start of adhesion corrected in, {NAMES[name]}", "first few tenths of a second",
                  f"{seconds:.3f} s")
         for name, seconds in test["settling"].items()
     ]  # fmt: skip
 
 
-def _compared_friction(figure: str, test: Mapping[str, Any]) -> list[Compared]:
+def _compare_friction(figure: str, test: Mapping[str, Any]) -> list[PaperRow]:
     """Return how pad friction rises to the end of a test, true and estimated."""
     published = f"rises from {test['rises']:g} s on"
     return [
-        Compared(figure, f"pad friction, {NAMES.get(name, name)}", published, f"{begin:.3f} to {end:.3f}",
+        PaperRow(figure, f"pad friction, {NAMES.get(name, name)}", published, f"{begin:.3f} to {end:.3f}",
                  difference="" if end > begin else "does not rise")
         for name, (begin, end) in test["pad friction"].items()
     ]  # fmt: skip
 
 
-def table(found: Mapping[str, Any]) -> Table:
+def table(found: Mapping[str, Any]) -> ReportTable:
     """Return the table of the page; `found` are `measures`."""
-    return comparison(compared(found))
+    return comparison(compare_with_paper(found))

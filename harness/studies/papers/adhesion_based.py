@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 from railgrip.api import Scenario
 from railgrip.report import palette, style
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CreepCurve
 from railgrip.studies.papers.lyapunov import course_of, violations
-from railgrip.studies.papers.pages import Compared
+from railgrip.studies.papers.pages import PaperRow
 from railgrip.studies.papers.schematic import arrow, box, canvas
 from railgrip.studies.papers.sentences import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
 from railgrip.studies.papers.table1 import (
@@ -34,7 +34,7 @@ from railgrip.studies.papers.table1 import (
     SHARE,
     SLIPS,
     SPEED,
-    Fitted,
+    CandidateFit,
     creep_curve,
     mean_friction,
     point_of,
@@ -49,7 +49,7 @@ LIBRARY = Path(__file__).parent / "library"
 FITS, IDENTIFIED = LIBRARY / "table1_fits.csv", LIBRARY / "table1_identified.csv"
 
 
-def distances(identified: Fitted) -> Table:
+def distances(identified: CandidateFit) -> ReportTable:
     """Return the six distances: published, identified, and their differences."""
     rows = [
         (f"{title}, {who}", *(f"{value:.1f} m" for value in values))
@@ -64,14 +64,14 @@ def distances(identified: Fitted) -> Table:
         (f"difference, {title}", *(f"{100 * error:+.1f} %".replace("-", "−") for error in part))
         for title, part in (("slip-based", errors[:3]), ("adhesion-based", errors[3:]))
     ]
-    return Table.of(("", *(name.replace("_", " ") for name in SCENARIOS)), rows)
+    return ReportTable.of(("", *(name.replace("_", " ") for name in SCENARIOS)), rows)
 
 
 _AT_BOUND: Final = 0.02
 """Share of the bounds within which a searched number counts as at its bound."""
 
 
-def parameters(identified: Fitted) -> Table:
+def parameters(identified: CandidateFit) -> ReportTable:
     """Return the nine free numbers, next to Polach's dry curve and the bounds of the search."""
     point = dict(zip(BOUNDS, point_of(identified.candidate), strict=True))
     rows = [
@@ -87,10 +87,10 @@ def parameters(identified: Fitted) -> Table:
         (f"level, {name.replace('_', ' ')}", f"{identified.levels[name]:.3f}", "", "0.5 – 2.5", "solved for")
         for name in SCENARIOS
     ]
-    return Table.of(("number", "identified", "dry", "bounds", "remark"), rows)
+    return ReportTable.of(("number", "identified", "dry", "bounds", "remark"), rows)
 
 
-def choices() -> Table:
+def choices() -> ReportTable:
     """Return every other quantity on which the six distances depend and that the paper does not give.
 
     They are read from the scenarios: changes there appear here.
@@ -124,14 +124,14 @@ def choices() -> Table:
         ("slip-based control", "releases above 15 %, applies below 10 %, at once in each period"),
         ("second and later wheelsets", "the friction of the first one at the same time, conditioned"),
     ]  # fmt: skip
-    return Table.of(("quantity", "chosen"), rows, left=2)
+    return ReportTable.of(("quantity", "chosen"), rows, left=2)
 
 
 _NOT_CHOSEN: Final = frozenset({"kind", "polach", "polach_of_wheelset", "level", "calibrated", "over", "patch"})
 """Keys of [adhesion] that are free numbers of the fit, or that the scenarios do not use."""
 
 
-def cross_validation(fits: Sequence[Fitted]) -> Table:
+def cross_validation(fits: Sequence[CandidateFit]) -> ReportTable:
     """Return the third distance of the law predicted by the fit to the other two, each way.
 
     Of all tried candidates with a plausible creep curve the one with the smallest error of two distances predicts the
@@ -142,25 +142,25 @@ def cross_validation(fits: Sequence[Fitted]) -> Table:
     rows: list[tuple[str, ...]] = []
     for number, name in enumerate(SCENARIOS):
 
-        def error_of_two(fit: Fitted, left_out: int = number) -> float:
+        def error_of_two(fit: CandidateFit, left_out: int = number) -> float:
             return max(abs(error) for place, error in enumerate(fit.errors[3:]) if place != left_out)
 
         best = min(plausible, key=error_of_two)
         errors = [100 * fit.errors[3 + number] for fit in plausible if error_of_two(fit) <= EQUAL]
         rows.append((
             name.replace("_", " "), f"{ABC[name]:.1f} m", f"{100 * error_of_two(best):.1f} %",
-            f"{best.abc[name]:.1f} m", _signed(100 * best.errors[3 + number]),
-            f"{_signed(min(errors))} to {_signed(max(errors))} ({len(errors)})" if errors else "none",
+            f"{best.abc[name]:.1f} m", _format_signed(100 * best.errors[3 + number]),
+            f"{_format_signed(min(errors))} to {_format_signed(max(errors))} ({len(errors)})" if errors else "none",
         ))  # fmt: skip
     columns = ("predicted", "paper", "largest error of the other two", "prediction", "error", "errors of all such fits")
-    return Table.of(columns, rows)
+    return ReportTable.of(columns, rows)
 
 
-def _signed(share: float) -> str:
+def _format_signed(share: float) -> str:
     return f"{share:+.1f} %".replace("-", "−")
 
 
-def curve_figure(identified: Fitted) -> Figure:
+def curve_figure(identified: CandidateFit) -> Figure:
     """Draw the identified creep curve at the mean friction of the trapezoid, next to the dry one at its level."""
     drawing, panel = style.panels(8, 3.8)
     dry: Any = Scenario.load("trapezoid").adhesion
@@ -191,7 +191,7 @@ def curve_figure(identified: Fitted) -> Figure:
     return drawing
 
 
-def sentences(identified: Fitted, found: Mapping[str, Any]) -> Table:
+def sentences(identified: CandidateFit, found: Mapping[str, Any]) -> ReportTable:
     """Return what the paper says of its results, whether the search required it, and whether it holds.
 
     `found` are `measures`. Held out: the search did not see it.
@@ -224,14 +224,14 @@ def sentences(identified: Fitted, found: Mapping[str, Any]) -> Table:
          " / ".join(f"{100 * share:.0f} %" for share in printed["used_groups"]) + " used by group",
          min(printed["used_groups"]) >= 0.8),
     ]  # fmt: skip
-    return Table.of(
+    return ReportTable.of(
         ("sentence", "in the search", "here", "holds"),
         [(*row[:-1], "yes" if row[-1] else "no") for row in rows],
         left=3,
     )
 
 
-def profile(fits: Sequence[Fitted]) -> Table:
+def profile(fits: Sequence[CandidateFit]) -> ReportTable:
     """Return, for quarters of the bounds of each number, the least of the largest errors of all fits in them.
 
     Quarters whose errors are alike are those that six distances do not tell apart.
@@ -245,15 +245,15 @@ def profile(fits: Sequence[Fitted]) -> Table:
             inside = [fit.largest for fit in fits if begin * 0.999 <= value_of(fit.candidate, name) <= end * 1.001]
             cells.append(f"{begin:.2g} – {end:.2g}: {100 * min(inside):.1f} %" if inside else "none tried")
         rows.append((name, *cells))
-    return Table.of(("number", "lowest quarter", "second", "third", "highest quarter"), rows)
+    return ReportTable.of(("number", "lowest quarter", "second", "third", "highest quarter"), rows)
 
 
-def alternatives(fits: Sequence[Fitted]) -> Table:
+def alternatives(fits: Sequence[CandidateFit]) -> ReportTable:
     """Return fits of plausible curves with errors up to twice `EQUAL`, the best first.
 
     Each differs from those before it in some number by a quarter of its bounds.
     """
-    chosen: list[Fitted] = []
+    chosen: list[CandidateFit] = []
     for fit in sorted(fits, key=lambda fit: fit.largest):
         if fit.largest <= 2 * EQUAL and all(_apart(fit, other) >= 0.25 for other in chosen):
             chosen.append(fit)
@@ -262,10 +262,10 @@ def alternatives(fits: Sequence[Fitted]) -> Table:
          " / ".join(f"{distance:.0f}" for distance in fit.abc.values()))
         for fit in chosen
     ]  # fmt: skip
-    return Table.of((*BOUNDS, "largest error", "adhesion-based [m]"), rows, left=0)
+    return ReportTable.of((*BOUNDS, "largest error", "adhesion-based [m]"), rows, left=0)
 
 
-def profile_figure(fits: Sequence[Fitted]) -> Figure:
+def profile_figure(fits: Sequence[CandidateFit]) -> Figure:
     """Draw the largest error of every fit over each number."""
     drawing, panels = style.panels(10, 5.6, 2, 3, sharey=True)
     for panel, name in zip(panels.flat, BOUNDS, strict=True):
@@ -287,7 +287,7 @@ LAWS = ("ABC, as printed", "ABC, ours")
 """Both forms of adhesion-based control."""
 
 
-def stops_of(identified: Fitted) -> dict[str, Stop]:
+def stops_of(identified: CandidateFit) -> dict[str, Stop]:
     """Return the stops of figures 3 and 4: slip-based control on each rail, on the trapezoid both laws, too.
 
     "library NAME": On the rail as the scenarios of the library have it, for another creep curve.
@@ -387,38 +387,38 @@ def measures(stops: Mapping[str, Stop], lines: Sequence[CreepCurve]) -> dict[str
     return found
 
 
-def compared(identified: Fitted, found: Mapping[str, Any]) -> list[Compared]:
+def compare_with_paper(identified: CandidateFit, found: Mapping[str, Any]) -> list[PaperRow]:
     """Return the published quantities next to ours; `found` are `measures`. The levels are solved for SBC."""
     rows = [
-        Compared("Fig. 1", f"slip of maxima, {name}", "two distinct maxima, no numbers",
+        PaperRow("Fig. 1", f"slip of maxima, {name}", "two distinct maxima, no numbers",
                  ", ".join(f"{100 * slip:.1f} %" for slip in slips))
         for name, slips in found["maxima"].items()
     ]  # fmt: skip
     rows += [
-        Compared("Fig. 3", f"minimum of μ0 from front to rear, {_rail(name)}", "rises",
+        PaperRow("Fig. 3", f"minimum of μ0 from front to rear, {_rail(name)}", "rises",
                  f"{minima[0]:.3f} to {minima[-1]:.3f}", difference="" if minima[-1] > minima[0] else "does not rise")
         for name, minima in found["minima"].items()
     ]  # fmt: skip
     rows += [
-        Compared("Table 1", f"SBC, {_rail(name)}", SBC[name], identified.sbc[name], "{:.1f} m", is_chosen=True)
+        PaperRow("Table 1", f"SBC, {_rail(name)}", SBC[name], identified.sbc[name], "{:.1f} m", is_chosen=True)
         for name in SCENARIOS
     ]
     rows += [
-        Compared("Table 1", f"ABC as printed, {_rail(name)}", ABC[name], identified.abc[name], "{:.1f} m",
-                 f"{_signed(100 * (identified.abc[name] / ABC[name] - 1))}, fitted")
+        PaperRow("Table 1", f"ABC as printed, {_rail(name)}", ABC[name], identified.abc[name], "{:.1f} m",
+                 f"{_format_signed(100 * (identified.abc[name] / ABC[name] - 1))}, fitted")
         for name in SCENARIOS
     ]  # fmt: skip
     rows.append(
-        Compared("Fig. 4", "begin of the last rise of μ0", LAST_RISE, found["rise"], "{:.1f} s", is_chosen=True)
+        PaperRow("Fig. 4", "begin of the last rise of μ0", LAST_RISE, found["rise"], "{:.1f} s", is_chosen=True)
     )
     for law in LAWS:
         course, longer = found[law], found["trapezoid"]["duration"] - found[law]["duration"]
         rows += [
-            Compared("Fig. 4", f"{law}: SBC takes longer by", 2.0, longer, "{:.1f} s"),
-            Compared("Fig. 4", f"{law}: adhesion over the greatest possible, before / in / after {COUPLED[0]:g} to "
+            PaperRow("Fig. 4", f"{law}: SBC takes longer by", 2.0, longer, "{:.1f} s"),
+            PaperRow("Fig. 4", f"{law}: adhesion over the greatest possible, before / in / after {COUPLED[0]:g} to "
                      f"{COUPLED[1]:g} s", "very close / suboptimal / very close",
                      " / ".join(f"{100 * used:.0f} %" for used in course["used"].values())),
-            Compared("Fig. 4", f"{law}: rms of fast changes of adhesion, before / after {LAST_RISE:g} s",
+            PaperRow("Fig. 4", f"{law}: rms of fast changes of adhesion, before / after {LAST_RISE:g} s",
                      "significant chattering after 25 s",
                      " / ".join(f"{deviation:.4f}" for deviation in course["chatter"])),
         ]  # fmt: skip
@@ -432,6 +432,6 @@ def _rail(name: str) -> str:
     return f"{library}{shape.replace('_', ' ')}, {level}"
 
 
-def _apart(fit: Fitted, other: Fitted) -> float:
+def _apart(fit: CandidateFit, other: CandidateFit) -> float:
     """Return the greatest distance of two fits in a number, as a share of its bounds."""
     return float(np.max(np.abs(np.subtract(point_of(fit.candidate), point_of(other.candidate)))))

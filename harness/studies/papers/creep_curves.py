@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from railgrip.report import palette, style
-from railgrip.scenario.adhesion import Profile
+from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.load import load
 from railgrip.scenario.profile import Recovery
 from railgrip.scenario.track.table import Track, track_force_of
@@ -41,7 +41,7 @@ def curves(name: str, mu0: float, slips: Vector = SLIPS) -> tuple[Vector, Vector
     as_it_lies = vehicle.contact(slips, SPEED * same, LOAD * same, mu0 * same)
     formation = vehicle.formation
     layout, count = layout_of(formation), formation.wheelsets
-    profile = Profile(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
+    profile = FrictionTable(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
     way = formation.wheelset_position[-1] + 1.0
     cleaned = np.empty((slips.size, count))
     for slip, row in zip(slips, cleaned, strict=True):

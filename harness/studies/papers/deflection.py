@@ -11,7 +11,7 @@ import numpy as np
 
 from railgrip.api import Scenario
 from railgrip.campaign.work import Work
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.table1 import SCENARIOS
 
@@ -45,7 +45,7 @@ def _stop(case: tuple[str, str, str]) -> list[float]:
     return [metrics.distance, float(np.sqrt(np.mean(np.square(errors))))]
 
 
-def deflection_table(found: Mapping[str, Mapping[str, Mapping[str, list[float]]]]) -> Table:
+def deflection_table(found: Mapping[str, Mapping[str, Mapping[str, list[float]]]]) -> ReportTable:
     """Return distance, change against the filter that reads deflections, and rms error; see `deflections`."""
     rows: list[tuple[str, ...]] = []
     columns: dict[str, None] = {}
@@ -60,4 +60,4 @@ def deflection_table(found: Mapping[str, Mapping[str, Mapping[str, list[float]]]
                 for scenario, (distance, error) in scenarios.items()
             ]
             rows.append((f"{LAWS[law]}: {name}", *cells))
-    return Table.of(("distance, rms error of adhesion", *(name.replace("_", " ") for name in columns)), rows)
+    return ReportTable.of(("distance, rms error of adhesion", *(name.replace("_", " ") for name in columns)), rows)

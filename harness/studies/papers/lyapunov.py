@@ -11,7 +11,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
-from railgrip.report.table import Table, share
+from railgrip.report.table import ReportTable, share
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.contact import Contact
 from railgrip.trace.stop import Stop
@@ -177,13 +177,13 @@ def violations(courses: Mapping[str, LyapunovCourse]) -> dict[str, dict[str, flo
     return found
 
 
-def violations_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
+def violations_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
     """Return a row for each inequality, a column for each law and state of the rail."""
     rows: list[tuple[str, ...]] = []
     for name in next(iter(found.values())):
         cells = [column[name] for column in found.values()]
         rows.append((name, *(f"{cell:.0f}" if name == "samples" and cell else share_or_none(cell) for cell in cells)))
-    return Table.of(("violated in", *found), rows)
+    return ReportTable.of(("violated in", *found), rows)
 
 
 def share_or_none(value: float | None) -> str:

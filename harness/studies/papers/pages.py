@@ -12,14 +12,14 @@ from PIL import Image
 from railgrip.base.files import write_json
 from railgrip.report.marked import write_tables
 from railgrip.report.style import save
-from railgrip.report.table import Form, Table, percent, text
+from railgrip.report.table import Form, ReportTable, percent, text
 
 FOLDER = Path("docs/papers")
 """Of the pages, from the folder of the project, where the commands run; their figures are in `figures` inside it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Compared:
+class PaperRow:
     """A quantity of a published figure or table, beside ours: a row of `comparison`.
 
     Attributes:
@@ -42,13 +42,13 @@ class Compared:
     is_chosen: bool = False
 
 
-def comparison(rows: Sequence[Compared]) -> Table:
+def comparison(rows: Sequence[PaperRow]) -> ReportTable:
     """Return the table of a page: figure, quantity, published, ours and difference.
 
     The difference from a number is a change in percent, from zero our number, from a range "within" or the distance to
     its nearer bound. A number that was chosen after the published one has the difference "*chosen*".
     """
-    return Table(
+    return ReportTable(
         [
             {
                 "figure": row.figure,
@@ -67,7 +67,7 @@ def comparison(rows: Sequence[Compared]) -> Table:
 
 def write_results(
     page: str,
-    tables: Mapping[str, Table | str],
+    tables: Mapping[str, ReportTable | str],
     figures: Mapping[str, Figure] | None = None,
     measures: Mapping[str, Any] | None = None,
 ) -> None:
@@ -108,7 +108,7 @@ def _range(low: float, high: float, form: Form) -> str:
     return f"≥ {text(low, form)}" if high == float("inf") else f"{text(low, form)} to {text(high, form)}"
 
 
-def _difference(row: Compared) -> str:
+def _difference(row: PaperRow) -> str:
     published, ours = row.published, row.ours
     if isinstance(ours, str) or isinstance(published, str):
         return ""

@@ -9,9 +9,9 @@ import numpy as np
 from railgrip.base.registry import shelf
 from railgrip.campaign.work import Work
 from railgrip.controllers.laws.adhesion_based import AdhesionBased
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.scenario.campaign import load_campaign
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
@@ -70,16 +70,16 @@ def _with_parameters(scenario: Scenario, variant: str, seed: int) -> Scenario:
     """Return a stop with the law as printed in a variant of `GUARDS`, perturbed by a seed."""
     parameters = GUARDS[variant]
     if variant == _BORROWING:
-        tuning = AdhesionBased.tuned_for(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
+        tuning = AdhesionBased.load_tuning(scenario.actuation.kind, "estimated", period=1.0, adhesion_max=LIMIT)
         parameters = {name: getattr(tuning, name) for name in _BORROWED}
     changes = {
         "controller": {"parameters": dict(parameters)},
         "vehicle": {"nudge": {"relative": PERTURBATION, "seed": seed}},
     }
-    return Scenario.model_validate(merged(scenario.resolved(), changes))
+    return Scenario.model_validate(merge(scenario.resolved(), changes))
 
 
-def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
+def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> ReportTable:
     """Return the distances of `guards`, those of variants as differences from the law with all guards [m]."""
     whole = found[next(iter(GUARDS))]
     rows = [
@@ -88,7 +88,7 @@ def guards_table(found: Mapping[str, Mapping[str, float | None]]) -> Table:
         for variant, distances in found.items()
     ]  # fmt: skip
     columns = [f"{equipment}: {name.replace('_', ' ')}" for equipment in _EQUIPMENT for name in SCENARIOS]
-    return Table.of(("law as printed", *columns), rows)
+    return ReportTable.of(("law as printed", *columns), rows)
 
 
 _LIMITED: Final = ("adhesion_literal", "adhesion_based", "slope_seeking")
@@ -121,7 +121,7 @@ def excess(scenario: Scenario) -> dict[str, float]:
     adhesion, time = trace["group_adhesion"].values, trace["time"].values
     instant, group = np.unravel_index(np.argmax(adhesion), adhesion.shape)
     formation = VehicleData(scenario).nominal.formation
-    load = formation.summed(trace["wheelset_load"].values)[instant, group]
+    load = formation.sum_by_group(trace["wheelset_load"].values)[instant, group]
     brake = formation.brakes[group]
     rates = np.gradient(trace["wheelset_speed"].values[:, group], time)
     return {
@@ -133,7 +133,7 @@ def excess(scenario: Scenario) -> dict[str, float]:
     }
 
 
-def limit_table(found: list[dict[str, Any]]) -> Table:
+def limit_table(found: list[dict[str, Any]]) -> ReportTable:
     """Return the stops of `excesses` whose adhesion exceeds the limit."""
     forms = {
         "greatest adhesion": "{:.3f}", "estimated then": "{:.3f}", "for brake and bearings": "{:.3f}",
@@ -149,4 +149,4 @@ def limit_table(found: list[dict[str, Any]]) -> Table:
         for each in found
         if each["peak"] > LIMIT
     ]  # fmt: skip
-    return Table(rows, forms, left=("law", "equipment", "rail"))
+    return ReportTable(rows, forms, left=("law", "equipment", "rail"))

@@ -10,14 +10,14 @@ from typer import Option
 from railgrip.campaign.work import Work
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.studies.papers import adhesion_based, printed
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
 from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
 from railgrip.studies.papers.deflection import deflection_table, deflections
 from railgrip.studies.papers.lyapunov import violations_table
 from railgrip.studies.papers.pages import comparison, write_results
-from railgrip.studies.papers.table1 import Fitted, read_fits, refined, search, write_fits
+from railgrip.studies.papers.table1 import CandidateFit, read_fits, refine, search, write_fits
 from railgrip.studies.papers.wheelsets import used_by_wheelset, used_table, wheelset_figure
 from railgrip.studies.study import Study
 
@@ -26,10 +26,12 @@ VALIDATION = Path("docs/validation.md")
 """Page with the table of braking distances, and with `validation_tables`."""
 
 
-def tables_of(fits: Sequence[Fitted], identified: Fitted, found: Mapping[str, Any]) -> dict[str, Table]:
+def tables_of(
+    fits: Sequence[CandidateFit], identified: CandidateFit, found: Mapping[str, Any]
+) -> dict[str, ReportTable]:
     """Return the tables of the page on adhesion-based control by name; `found` are `measures` of the figures."""
     return {
-        "published": comparison(adhesion_based.compared(identified, found)),
+        "published": comparison(adhesion_based.compare_with_paper(identified, found)),
         "sentences": adhesion_based.sentences(identified, found),
         "distances": adhesion_based.distances(identified),
         "parameters": adhesion_based.parameters(identified),
@@ -43,7 +45,7 @@ def tables_of(fits: Sequence[Fitted], identified: Fitted, found: Mapping[str, An
     }
 
 
-def validation_tables(found: Mapping[str, Any]) -> dict[str, Table]:
+def validation_tables(found: Mapping[str, Any]) -> dict[str, ReportTable]:
     """Return the tables of the validation page by name; `found` are `measures`, with guards and excesses."""
     return {"guards": printed.guards_table(found["guards"]), "limit": printed.limit_table(found["excesses"])}
 
@@ -64,7 +66,7 @@ class Papers(Study):
         """Return figures and tables of the paper."""
         known = read_fits(FITS)
         fits = search(work, known[:KNOWN]) if self.fit else known
-        identified = refined(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
+        identified = refine(work, fits) if self.fit else read_fits(IDENTIFIED)[0]
         work.notify("guards of the law")
         guards, excesses = printed.guards(work), printed.excesses(work)
         work.notify("figures")

@@ -68,7 +68,7 @@ class Candidate:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fitted:
+class CandidateFit:
     """A candidate with its levels, and the medians of both controllers' distances [m], by scenario.
 
     A scenario without a level has no distances: NaN.
@@ -170,10 +170,10 @@ def candidate_at(point: Sequence[float]) -> Candidate:
         values[name] = low * (high / low) ** share if name in _LOGARITHMIC else low + (high - low) * share
     ratio = values.pop("k_S/k_A")
     # Four digits are what is written: the file holds all that a distance needs to be found again.
-    return Candidate(k_S=_rounded(ratio * values["k_A"]), **{name: _rounded(value) for name, value in values.items()})
+    return Candidate(k_S=_round(ratio * values["k_A"]), **{name: _round(value) for name, value in values.items()})
 
 
-def _rounded(value: float) -> float:
+def _round(value: float) -> float:
     return float(f"{value:.4g}")
 
 
@@ -251,26 +251,26 @@ def median_distance(name: str, candidate: Candidate, level: float, controller: s
     return float(np.median([math.inf if distance is None else distance for distance in distances]))
 
 
-def fit(candidate: Candidate) -> Fitted:
+def fit(candidate: Candidate) -> CandidateFit:
     """Solve for the levels, and return both controllers' distances at them."""
     levels: dict[str, float] = {}
     for name in SCENARIOS:
         levels[name] = level = _level(name, candidate, _GUESSES[name] * levels.get(SCENARIOS[0], 1.0))
         if math.isnan(level):
             none = dict.fromkeys(SCENARIOS, math.nan)
-            return Fitted(candidate=candidate, levels=none, sbc=none, abc=none, share=math.nan, course=UNKNOWN)
+            return CandidateFit(candidate=candidate, levels=none, sbc=none, abc=none, share=math.nan, course=UNKNOWN)
     single = at_levels(candidate, levels, dict.fromkeys(SEARCHED, 1))
     return single if single.largest > 2 * PROMISING else at_levels(candidate, levels, SEARCHED)
 
 
-def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mapping[str, int]) -> Fitted:
+def at_levels(candidate: Candidate, levels: Mapping[str, float], repeats: Mapping[str, int]) -> CandidateFit:
     """Return both controllers' distances at given levels, medians of so many repeats of each controller."""
     sbc, abc = (
         {name: median_distance(name, candidate, levels[name], controller, count) for name in SCENARIOS}
         for controller, count in repeats.items()
     )
     share = share_of(candidate, mean_friction(levels["trapezoid"]))
-    found = Fitted(candidate=candidate, levels=levels, sbc=sbc, abc=abc, share=share, course=UNKNOWN)
+    found = CandidateFit(candidate=candidate, levels=levels, sbc=sbc, abc=abc, share=share, course=UNKNOWN)
     return replace(found, course=_course(candidate, levels)) if found.largest <= PROMISING else found
 
 
@@ -323,7 +323,9 @@ _SLIPPERIEST = 0.15
 Point = tuple[float, ...]
 
 
-def search(work: Work, known: Sequence[Fitted] = (), stages: Sequence[int] = STAGES, seed: int = 1) -> list[Fitted]:
+def search(
+    work: Work, known: Sequence[CandidateFit] = (), stages: Sequence[int] = STAGES, seed: int = 1
+) -> list[CandidateFit]:
     """Return all fits of a deterministic search, the best first: Sobol points, then an evolution strategy.
 
     Only candidates whose creep curve is plausible are tried.
@@ -374,13 +376,13 @@ def value_of(candidate: Candidate, name: str) -> float:
     return candidate.k_S / candidate.k_A if name == "k_S/k_A" else float(getattr(candidate, name))
 
 
-def refined(work: Work, fits: Sequence[Fitted], count: int = 4) -> Fitted:
+def refine(work: Work, fits: Sequence[CandidateFit], count: int = 4) -> CandidateFit:
     """Return the best of the first few fits by the medians of `FINAL` repeats."""
     again = work.map(call, [partial(at_levels, fit.candidate, fit.levels, FINAL) for fit in fits[:count]])
     return min(again, key=lambda fit: (not fit.is_admissible, fit.cost))
 
 
-def write_fits(path: Path, fits: Sequence[Fitted]) -> None:
+def write_fits(path: Path, fits: Sequence[CandidateFit]) -> None:
     """Write fits as CSV, a line each."""
     with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
@@ -394,12 +396,12 @@ def write_fits(path: Path, fits: Sequence[Fitted]) -> None:
             writer.writerow([*numbers, *levels, *distances, round(fit.share, 4), *course])
 
 
-def read_fits(path: Path) -> list[Fitted]:
+def read_fits(path: Path) -> list[CandidateFit]:
     """Return the fits in a file that `write_fits` wrote."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
     return [
-        Fitted(
+        CandidateFit(
             candidate=Candidate(**{name: row[name] for name in _NUMBERS}),
             levels={name: row[f"level_{name}"] for name in SCENARIOS},
             sbc={name: row[f"sbc_{name}"] for name in SCENARIOS},

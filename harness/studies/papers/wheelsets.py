@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from railgrip.report import style
 from railgrip.report.figures import draw_adhesion
-from railgrip.report.table import Table
+from railgrip.report.table import ReportTable
 from railgrip.trace.stop import Stop
 
 SPANS: Mapping[str, tuple[float, float]] = {
@@ -44,10 +44,10 @@ def used_by_wheelset(stop: Stop, limit: float) -> list[list[float]]:
     return np.transpose(means).tolist()
 
 
-def used_table(found: Mapping[str, Any]) -> Table:
+def used_table(found: Mapping[str, Any]) -> ReportTable:
     """Return a row for each wheelset and a column for each law; `found` is law → `used_by_wheelset`."""
     rows = [
         (f"wheelset {number}", *(" / ".join(f"{100 * share:.0f} %" for share in shares) for shares in of_laws))
         for number, of_laws in enumerate(zip(*found.values(), strict=True), start=1)
     ]
-    return Table.of((" / ".join(SPANS), *found), rows)
+    return ReportTable.of((" / ".join(SPANS), *found), rows)

@@ -12,11 +12,11 @@ from scipy.optimize import root_scalar
 
 from railgrip.rolling_stock.files import load_train
 from railgrip.rolling_stock.stopping import by_hand
-from railgrip.scenario.load import read_toml, scenario_of, validated
-from railgrip.scenario.merge import merged
-from railgrip.scenario.quantity import Unit
+from railgrip.scenario.load import read_toml, scenario_of, validate_table
+from railgrip.scenario.merge import merge
+from railgrip.scenario.quantity import UnitRange
 from railgrip.scenario.schema import Scenario
-from railgrip.scenario.table import Friction, Speed, Table, broken
+from railgrip.scenario.table import Friction, Speed, Table, table_error
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.trains.stops import LIBRARY
 
@@ -24,8 +24,8 @@ _FRICTION = 0.02  # of the untreated rail in the trial
 _HORIZON = 200.0  # s
 _CLOSE = 0.005  # of the density, relative: some metres
 
-Metres = Annotated[float, Unit("m", above=0, at_most=1e5)]
-Density = Annotated[float, Unit("kg/m", above=0, at_most=1)]
+Metres = Annotated[float, UnitRange("m", above=0, at_most=1e5)]
+Density = Annotated[float, UnitRange("kg/m", above=0, at_most=1)]
 
 
 class SanderDistance(Table):
@@ -41,7 +41,7 @@ class SandLaw(Table):
     """What is assumed of sand, and between what the density is looked for."""
 
     mu0: Friction
-    left: Annotated[float, Unit("1", at_least=0, at_most=1)]
+    left: Annotated[float, UnitRange("1", at_least=0, at_most=1)]
     density: tuple[Density, Density]
 
 
@@ -49,7 +49,7 @@ class SanderTrial(Table):
     """A trial of sanders, `library/sanders.toml`."""
 
     speed: Speed
-    demanded: Annotated[float, Unit("m/s2", above=0, at_most=5)]
+    demanded: Annotated[float, UnitRange("m/s2", above=0, at_most=5)]
     train: str
     fitted: str
     source: str
@@ -59,7 +59,7 @@ class SanderTrial(Table):
     @model_validator(mode="after")
     def _fits(self) -> Self:
         if self.fitted not in {row.sanders for row in self.rows}:
-            raise broken(f"fitted is '{self.fitted}', which no row is called")
+            raise table_error(f"fitted is '{self.fitted}', which no row is called")
         return self
 
 
@@ -72,7 +72,7 @@ where the trial gives only a bound."""
 def trial_of() -> SanderTrial:
     """Return the trial that is compared."""
     path = LIBRARY / "sanders.toml"
-    return validated(SanderTrial, read_toml(path), directory=path.parent, origin=path.name)
+    return validate_table(SanderTrial, read_toml(path), directory=path.parent, origin=path.name)
 
 
 def scenario_tables(trial: SanderTrial) -> dict[str, Any]:
@@ -83,7 +83,7 @@ def scenario_tables(trial: SanderTrial) -> dict[str, Any]:
     brakes = [train.bogie_of(group).brake for group in range(len(train.groups))]
     springs = [brake.spring_force / brake.piston_area for brake in brakes]
     pressure = [spring + share * (brake.pressure_max - spring) for brake, spring in zip(brakes, springs, strict=True)]
-    return merged(
+    return merge(
         read_toml(LIBRARY / "dry.toml"),
         {
             "name": "sanders",
@@ -103,7 +103,7 @@ def scenario_of_row(trial: SanderTrial, row: SanderDistance, density: float, tab
     if row.laid:
         law = {"mu0": trial.law.mu0, "left": trial.law.left, "density": density}
         changes = {"adhesion": {"sand": law}, "sanders": [dict(sander) for sander in row.laid]}
-    return scenario_of(merged(tables, changes), directory=LIBRARY, origin="sanders.toml")
+    return scenario_of(merge(tables, changes), directory=LIBRARY, origin="sanders.toml")
 
 
 def compare(trial: SanderTrial) -> tuple[float, list[Comparison]]:

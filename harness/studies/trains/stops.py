@@ -19,12 +19,12 @@ from railgrip.rolling_stock.modelica import class_name, class_text
 from railgrip.rolling_stock.schema import BrakePipe, Train
 from railgrip.rolling_stock.stopping import HandCalculation, by_hand, chain_forces
 from railgrip.scenario.load import read_toml, scenario_of
-from railgrip.scenario.merge import merged
+from railgrip.scenario.merge import merge
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.files import plant_description
 from railgrip.simulate.loop.loop import Ending
-from railgrip.simulate.parts import Assembled, assembled
+from railgrip.simulate.parts import StopAssembly, assemble
 from railgrip.studies.bench.fmi import plant_step
 
 LIBRARY = Path(__file__).parent / "library"
@@ -82,7 +82,7 @@ class DryStop:
 
 def dry_scenario(train: str | Path, speed: float) -> Scenario:
     """Return the dry emergency stop of a named train or a train file."""
-    table = merged(read_toml(LIBRARY / "dry.toml"), {"vehicle": {"train": str(train)}, "start": {"speed": speed}})
+    table = merge(read_toml(LIBRARY / "dry.toml"), {"vehicle": {"train": str(train)}, "start": {"speed": speed}})
     return scenario_of(table, directory=Path(), origin="dry.toml")
 
 
@@ -95,7 +95,7 @@ def dry_stop(train: str | Path) -> DryStop:
     data = load_train(Path(train))
     from_speed = data.reference[0].speed if data.reference else USUAL_SPEED
     scenario = dry_scenario(train, from_speed)
-    seconds, result, parts = _timed(scenario, f"{data.name}: the dry stop")
+    seconds, result, parts = _measure_time(scenario, f"{data.name}: the dry stop")
     trace = parts.recorder.trace(result.samples, scenario.periods.communication)
     force = trace["coupler_force"].values if "coupler_force" in trace else np.zeros((1, 0))
     push, pull = (-force).max(axis=0, initial=0.0), force.max(axis=0, initial=0.0)
@@ -140,10 +140,10 @@ def protected_stop(estimator_period: float) -> dict[str, float]:
     """
     service = read_toml(EQUIPMENT / "service.toml")
     del service["vehicle"]
-    table = merged(merged(read_toml(LIBRARY / "dry.toml"), service), read_toml(LIBRARY / "protected.toml"))
+    table = merge(merge(read_toml(LIBRARY / "dry.toml"), service), read_toml(LIBRARY / "protected.toml"))
     table["periods"]["estimator"] = estimator_period
     scenario = scenario_of(table, directory=Path(), origin="protected.toml")
-    runs = [_timed(scenario, f"{scenario.name}: the protected stop") for _ in range(_ROUNDS)]
+    runs = [_measure_time(scenario, f"{scenario.name}: the protected stop") for _ in range(_ROUNDS)]
     simulated, processor = runs[-1][1].samples * scenario.periods.communication, min(seconds for seconds, *_ in runs)
     return {
         "estimator_period_s": estimator_period,
@@ -153,13 +153,13 @@ def protected_stop(estimator_period: float) -> dict[str, float]:
     }
 
 
-def _timed(scenario: Scenario, subject: str) -> tuple[float, Ending, Assembled]:
+def _measure_time(scenario: Scenario, subject: str) -> tuple[float, Ending, StopAssembly]:
     """Return the time of the processor for a stop [s], its result, and the parts that were run.
 
     Raises:
         ScenarioError: The train does not stop; the sentence begins with `subject`.
     """
-    with assembled(scenario) as parts:
+    with assemble(scenario) as parts:
         begin = process_time()
         result = parts.run()
         seconds = process_time() - begin
@@ -187,7 +187,7 @@ def filling_of(train: Train, trace: Any) -> Filling:
     )
 
 
-def multiplied(text: str, cars: int) -> str:
+def repeat_cars(text: str, cars: int) -> str:
     """Return the text of a train file with a number of cars like the second one of another file."""
     head, _, second, *_ = text.split("[[cars]]")
     second = second.split("[[")[0]

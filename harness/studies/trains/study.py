@@ -15,10 +15,10 @@ from railgrip.report import palette, style
 from railgrip.report.baseline import Finding
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
-from railgrip.report.table import Table, percent
+from railgrip.report.table import ReportTable, percent
 from railgrip.rolling_stock.drawing import drawing
 from railgrip.rolling_stock.files import NAMED
-from railgrip.scenario.file import located
+from railgrip.scenario.file import locate
 from railgrip.simulate.run import braking_distance
 from railgrip.studies.study import Study
 from railgrip.studies.trains.sanders import Comparison, SanderTrial, compare, scenario_of_row, scenario_tables, trial_of
@@ -28,8 +28,8 @@ from railgrip.studies.trains.stops import (
     DryStop,
     dry_scenario,
     dry_stop,
-    multiplied,
     protected_stop,
+    repeat_cars,
 )
 
 PAGE = Path("docs/train_models.md")
@@ -53,13 +53,13 @@ class Trains(Study):
         names = [name for name in NAMED if not self.quick or name != "loco_coaches"]
         counts = (1, 2, 4) if self.quick else (1, 2, 4, 8, 16)
         trial, model = trial_of(), Path("emu387")
-        text = located(model, "trains").read_text(encoding="utf-8")
+        text = locate(model, "trains").read_text(encoding="utf-8")
         with scratch("study") as folder:
             files = [folder / f"{model}_{count}.toml" for count in counts]
             for file, count in zip(files, counts, strict=True):
-                file.write_text(multiplied(text, count), encoding="utf-8")
-            stops = work.timed(dry_stop, [*names, *files])
-        protected = work.timed(protected_stop, [1e-3, 10e-3])
+                file.write_text(repeat_cars(text, count), encoding="utf-8")
+            stops = work.measure_times(dry_stop, [*names, *files])
+        protected = work.measure_times(protected_stop, [1e-3, 10e-3])
         density, comparisons = compare(trial)
         page = page_of(stops[: len(names)], stops[len(names) :], protected, trial, density, comparisons)
         if self.write:
@@ -151,7 +151,7 @@ def page_of(
         template="studies/trains/trains.md.jinja",
         values={
             "distances": distances,
-            "published": _published(stops),
+            "published": _published_table(stops),
             "filling": _filling(stops),
             "forces": _forces(stops),
             "costs": _costs([*stops, *series]),
@@ -189,7 +189,7 @@ def _answer(stops: Sequence[DryStop]) -> str:
     )
 
 
-def table_of(stops: Sequence[DryStop]) -> Table:
+def table_of(stops: Sequence[DryStop]) -> ReportTable:
     """Return the dry stops and the calculation by hand."""
     rows = [
         {
@@ -202,10 +202,10 @@ def table_of(stops: Sequence[DryStop]) -> Table:
         for stop in stops
     ]
     forms = {"from": "{:.0f} km/h", "simulated": "{:.1f} m", "by hand": "{:.1f} m", "difference": "{:+.1f} %"}
-    return Table(rows, forms, ("train",))
+    return ReportTable(rows, forms, ("train",))
 
 
-def table_of_protected(stops: Sequence[Mapping[str, float]]) -> Table:
+def table_of_protected(stops: Sequence[Mapping[str, float]]) -> ReportTable:
     """Return how much faster than real time the stop with estimator and valves runs."""
     rows = [
         {
@@ -218,10 +218,10 @@ def table_of_protected(stops: Sequence[Mapping[str, float]]) -> Table:
         for stop in stops
     ]
     forms = {"simulated": "{:.1f} s", "processor": "{:.2f} s", "times real time": "{:.1f}"}
-    return Table(rows, forms, ("estimator every", "target"))
+    return ReportTable(rows, forms, ("estimator every", "target"))
 
 
-def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
+def table_of_sanders(comparisons: Sequence[Comparison]) -> ReportTable:
     """Return the distances of the trial and the simulated ones."""
     rows = [
         {
@@ -233,7 +233,7 @@ def table_of_sanders(comparisons: Sequence[Comparison]) -> Table:
         }
         for row in comparisons
     ]
-    return Table(rows, {}, ("sanders", ""))
+    return ReportTable(rows, {}, ("sanders", ""))
 
 
 def _difference(row: Comparison) -> float | None:
@@ -241,7 +241,7 @@ def _difference(row: Comparison) -> float | None:
     return None if "at_least" in row or row["distance_m"] is None else row["distance_m"] / row["measured_m"] - 1
 
 
-def _published(stops: Sequence[DryStop]) -> Table:
+def _published_table(stops: Sequence[DryStop]) -> ReportTable:
     rows = [
         {
             "train": stop.train.name,
@@ -254,10 +254,10 @@ def _published(stops: Sequence[DryStop]) -> Table:
         for reference in stop.train.reference
         if reference.speed == stop.speed
     ]
-    return Table(rows, {"from": "{:.0f} km/h", "simulated": "{:.1f} m"}, ("train", "source"))
+    return ReportTable(rows, {"from": "{:.0f} km/h", "simulated": "{:.1f} m"}, ("train", "source"))
 
 
-def _filling(stops: Sequence[DryStop]) -> Table:
+def _filling(stops: Sequence[DryStop]) -> ReportTable:
     least, most = FILLING
     rows = [
         {
@@ -271,10 +271,10 @@ def _filling(stops: Sequence[DryStop]) -> Table:
         for stop in stops
         if stop.filling is not None
     ]
-    return Table(rows, {}, ("train",))
+    return ReportTable(rows, {}, ("train",))
 
 
-def _forces(stops: Sequence[DryStop]) -> Table:
+def _forces(stops: Sequence[DryStop]) -> ReportTable:
     rows = [
         {
             "train": stop.train.name,
@@ -286,12 +286,12 @@ def _forces(stops: Sequence[DryStop]) -> Table:
         for stop in stops
         if stop.coupler_force.size
     ]
-    return Table(
+    return ReportTable(
         rows, dict.fromkeys(("largest in a coupler", "quasi-static", "chain", "strength"), "{:.1f} kN"), ("train",)
     )
 
 
-def _costs(stops: Sequence[DryStop]) -> Table:
+def _costs(stops: Sequence[DryStop]) -> ReportTable:
     rows = [
         {
             "train": stop.train.name,
@@ -304,7 +304,7 @@ def _costs(stops: Sequence[DryStop]) -> Table:
         }
         for stop in stops
     ]
-    return Table(rows, {"build": "{:.1f} s", "plant step": "{:.1f} µs", "cycle": "{:.1f} µs"}, ("train",))
+    return ReportTable(rows, {"build": "{:.1f} s", "plant step": "{:.1f} µs", "cycle": "{:.1f} µs"}, ("train",))
 
 
 def _distance_figure(stops: Sequence[DryStop]) -> Figure:

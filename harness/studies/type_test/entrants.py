@@ -15,9 +15,9 @@ from railgrip.controllers.law import GroupLaw
 from railgrip.controllers.tuned import SEARCHED
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
-from railgrip.scenario.file import Elsewhere
-from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validated
-from railgrip.scenario.merge import merged
+from railgrip.scenario.file import OtherFileString
+from railgrip.scenario.load import read_scenario, read_toml, scenario_of, validate_table
+from railgrip.scenario.merge import merge
 from railgrip.scenario.table import Table
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases
@@ -61,7 +61,8 @@ def entrants() -> dict[str, Entrant]:
             estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
             tables[name] = common | {"controller": controller} | estimator
     all_of_them = {
-        name: validated(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}") for name, table in tables.items()
+        name: validate_table(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}")
+        for name, table in tables.items()
     }
     return dict(sorted(all_of_them.items(), key=lambda item: get_args(Role).index(item[1].role)))
 
@@ -113,7 +114,7 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
 def _read(path: Path) -> dict[str, Any]:
     """Return the tables of a scenario; its files are found from any folder."""
     tables = read_scenario(path)
-    return Elsewhere.within(tables.table, tables.directory.resolve())
+    return OtherFileString.within(tables.table, tables.directory.resolve())
 
 
 def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
@@ -128,10 +129,10 @@ def train_of(argument: str | None) -> dict[str, Any]:
     Raises:
         ScenarioError: The train does not exist.
     """
-    table = merged(
+    table = merge(
         read_toml(_SCENARIOS / "library" / "plain.toml"), read_toml(_SCENARIOS / "equipment" / "service.toml")
     )
-    table = merged(table, {"estimator": _FILTER})
+    table = merge(table, {"estimator": _FILTER})
     if argument is None:
         return table
     is_ours = argument in registry.shelf("trains")
@@ -215,18 +216,18 @@ def campaign_of(
     Raises:
         ScenarioError: A combination is not a valid scenario.
     """
-    bare = scenario_of(merged(train, {"name": "train"}), directory=LIBRARY, origin="--train")
+    bare = scenario_of(merge(train, {"name": "train"}), directory=LIBRARY, origin="--train")
     groups = VehicleData(bare).formation.groups
     stops: list[PlannedStop] = []
     for case in design:
-        of_case = merged(train, {"name": "type-test"} | case.tables(groups))
-        of_case = merged(of_case, FAULTS[case.fault])
+        of_case = merge(train, {"name": "type-test"} | case.tables(groups))
+        of_case = merge(of_case, FAULTS[case.fault])
         for name, entrant in taking_part.items():
             task_table = dict(task or {})
             if entrant.role == "bound":
                 task_table.pop("demand", None)  # it brakes with all there is, whatever the demand
             scenario = scenario_of(
-                merged(merged(of_case, task_table), entrant.tables),
+                merge(merge(of_case, task_table), entrant.tables),
                 directory=LIBRARY,
                 origin=f"type test, case {case.name}, {name}",
             )

@@ -7,7 +7,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from railgrip.report.limits import Limits
+from railgrip.report.limits import AssessmentLimits
 from railgrip.report.results import Result
 from railgrip.report.statistics import endless, finite, quantile, quantile_interval
 from railgrip.studies.type_test.entrants import Entrant
@@ -18,7 +18,7 @@ JUDGED: Final = ("stops", "extension", "lock", "locked_distance", "reservoir", "
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Measured:
+class CaseMeasurement:
     """What one stop shows, from which it is judged; None where a value is not there.
 
     Attributes:
@@ -58,11 +58,11 @@ class Measured:
     adhesion_at_slide: float | None = None
 
 
-def measured(stop: Result) -> Measured:
+def measure_stop(stop: Result) -> CaseMeasurement:
     """Return what a stop of a type test shows."""
     metrics = stop.record.figures
     air = finite(metrics.air_used)
-    return Measured(
+    return CaseMeasurement(
         case=stop.variants["case"],
         variants={name: value for name, value in stop.variants.items() if name not in ("case", "controller")},
         speed=float(stop.record.scenario["start"]["speed"]),
@@ -82,7 +82,7 @@ def measured(stop: Result) -> Measured:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Judged(Measured):
+class CaseJudgement(CaseMeasurement):
     """One case under one controller; what follows from its distance is None unless the train came to a stand.
 
     Attributes:
@@ -115,12 +115,14 @@ class Judged(Measured):
         return asdict(self)
 
 
-def judgements(stops: Iterable[Measured], taking_part: Mapping[str, Entrant], limits: Limits) -> list[Judged]:
+def judgements(
+    stops: Iterable[CaseMeasurement], taking_part: Mapping[str, Entrant], limits: AssessmentLimits
+) -> list[CaseJudgement]:
     """Return what each stop is worth, references left out, case by case."""
-    by_case: dict[str, dict[str, Measured]] = {}
+    by_case: dict[str, dict[str, CaseMeasurement]] = {}
     for stop in stops:
         by_case.setdefault(stop.case, {})[stop.controller] = stop
-    rows: list[Judged] = []
+    rows: list[CaseJudgement] = []
     for stops_of_case in by_case.values():
         distances = {name: stop.distance_m for name, stop in stops_of_case.items()}
         best = min(
@@ -151,21 +153,21 @@ def judgements(stops: Iterable[Measured], taking_part: Mapping[str, Entrant], li
     return rows
 
 
-def keeps_lock(longest: float | None, limits: Limits) -> bool:
+def keeps_lock(longest: float | None, limits: AssessmentLimits) -> bool:
     """Return whether no wheelset locks for longer [s] than the clause allows, which is without a limit always so."""
     return limits.lock.limit is None or (longest is not None and longest <= limits.lock.limit)
 
 
 def _judge(
-    stop: Measured,
+    stop: CaseMeasurement,
     tuned: bool,
-    limits: Limits,
+    limits: AssessmentLimits,
     *,
     dry: float | None,
     bound: float | None,
     best: float | None,
     adhesion: float | None,
-) -> Judged:
+) -> CaseJudgement:
     distance = stop.distance_m
     extension = None if distance is None or dry is None else distance / dry - 1.0
     remaining = None if stop.air_l is None else limits.supply.remaining(1e-3 * stop.air_l, stop.duration_s)
@@ -177,8 +179,8 @@ def _judge(
         "reservoir": remaining,
         "utilisation": stop.utilisation,
     }
-    return Judged(
-        **{field.name: getattr(stop, field.name) for field in fields(Measured)},
+    return CaseJudgement(
+        **{field.name: getattr(stop, field.name) for field in fields(CaseMeasurement)},
         tuned=tuned,
         dry_m=dry,
         bound_m=bound,
@@ -252,7 +254,7 @@ class Summary:
 _THREE_STATE: Final = "slip_three_state"
 
 
-def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> list[Summary]:
+def summaries(stops: Sequence[CaseJudgement], taking_part: Mapping[str, Entrant]) -> list[Summary]:
     """Return the leaderboard: shortest median first, those without a baseline to compare with in the end."""
     frugal = {stop.case: stop for stop in stops if stop.controller == _THREE_STATE}
     board: list[Summary] = []
@@ -291,13 +293,13 @@ def summaries(stops: Sequence[Judged], taking_part: Mapping[str, Entrant]) -> li
                 nees_low=_quantile(sure, 0.1),
                 nees=finite(float(np.mean(sure))) if sure else None,
                 nees_high=_quantile(sure, 0.9),
-                kept={clause: _kept(stops_of, clause) for clause in JUDGED},
+                kept={clause: _share_kept(stops_of, clause) for clause in JUDGED},
             )
         )
     return sorted(board, key=lambda summary: math.inf if summary.median is None else summary.median)
 
 
-def _kept(stops: Sequence[Judged], clause: str) -> float | None:
+def _share_kept(stops: Sequence[CaseJudgement], clause: str) -> float | None:
     verdicts = [verdict for stop in stops if (verdict := stop.verdicts[clause]) is not None]
     return float(np.mean(verdicts)) if verdicts else None
 
@@ -313,6 +315,6 @@ def _interval(values: Sequence[float], share: float) -> tuple[float | None, floa
     return finite(low), finite(high)
 
 
-def _relative(stops: Sequence[Judged], others: Mapping[str, Judged], figure: str) -> float | None:
+def _relative(stops: Sequence[CaseJudgement], others: Mapping[str, CaseJudgement], figure: str) -> float | None:
     pairs = [(getattr(stop, figure), getattr(others.get(stop.case), figure, None)) for stop in stops]
     return _quantile([stop / other for stop, other in pairs if stop is not None and other], 0.5)

@@ -18,7 +18,7 @@ from typing import Any, Final
 from railgrip.base.files import write_text
 from railgrip.studies.type_test.design import FAULTS, Case, cases
 from railgrip.studies.type_test.entrants import LIBRARY
-from railgrip.studies.type_test.judge import Measured
+from railgrip.studies.type_test.judge import CaseMeasurement
 
 _OF_THE_CASE: Final = ("variants", "speed")
 """Follow from the name of the case."""
@@ -33,9 +33,11 @@ def digest_of(design: Iterable[Case], train: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps([train, two_groups], sort_keys=True, default=str).encode()).hexdigest()
 
 
-def write_shipped(stops: Iterable[Measured], design: Sequence[Case], train: Mapping[str, Any], folder: Path) -> Path:
+def write_shipped(
+    stops: Iterable[CaseMeasurement], design: Sequence[Case], train: Mapping[str, Any], folder: Path
+) -> Path:
     """Write the stops of a set of cases into its file in a folder; return the file."""
-    columns = [field.name for field in fields(Measured) if field.name not in _OF_THE_CASE]
+    columns = [field.name for field in fields(CaseMeasurement) if field.name not in _OF_THE_CASE]
     content = io.StringIO()
     content.write(f"# cases {digest_of(design, train)}, railgrip {version('railgrip')}\n")
     writer = csv.DictWriter(content, columns, extrasaction="ignore", lineterminator="\n")
@@ -46,9 +48,9 @@ def write_shipped(stops: Iterable[Measured], design: Sequence[Case], train: Mapp
     return path
 
 
-def shipped(
+def read_shipped(
     design: Iterable[Case], train: Mapping[str, Any], folder: Path = LIBRARY
-) -> tuple[list[Measured], list[str]]:
+) -> tuple[list[CaseMeasurement], list[str]]:
     """Return the stops that come with the package for some cases, and a sentence for each set of cases about them.
 
     Args:
@@ -59,7 +61,7 @@ def shipped(
     sets: dict[tuple[int, int], list[Case]] = {}
     for case in design:
         sets.setdefault(_set_of(case), []).append(case)
-    stops: list[Measured] = []
+    stops: list[CaseMeasurement] = []
     sentences: list[str] = []
     for (count, seed), of_the_set in sets.items():
         file = _FILE.format(count, seed)
@@ -88,10 +90,10 @@ def _set_of(case: Case) -> tuple[int, int]:
     return int(count), int(seed)
 
 
-def _stop(row: Mapping[str, str], case: Case) -> Measured:
+def _stop(row: Mapping[str, str], case: Case) -> CaseMeasurement:
     values: dict[str, Any] = {
         name: text if name in _TEXTS else None if not text else int(text) if name == "strokes" else float(text)
         for name, text in row.items()
     }
     variants = {name: value for name, value in case.variants().items() if name != "case"}
-    return Measured(variants=variants, speed=case.speed, **values)
+    return CaseMeasurement(variants=variants, speed=case.speed, **values)

@@ -21,12 +21,12 @@ from railgrip.campaign.work import Work
 from railgrip.report import palette, style
 from railgrip.report.baseline import Finding, mean
 from railgrip.report.index import write_report as write_panels
-from railgrip.report.limits import Limits, limits_of
+from railgrip.report.limits import AssessmentLimits, limits_of
 from railgrip.report.marked import write_tables
 from railgrip.report.page import Page
 from railgrip.report.results import Results, read_results
 from railgrip.report.statistics import finite
-from railgrip.report.table import Table, names, percent, share
+from railgrip.report.table import ReportTable, names, percent, share
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.parts import CustomParts
@@ -45,15 +45,15 @@ from railgrip.studies.type_test.entrants import (
 )
 from railgrip.studies.type_test.judge import (
     JUDGED,
-    Judged,
-    Measured,
+    CaseJudgement,
+    CaseMeasurement,
     Summary,
     judgements,
     keeps_lock,
-    measured,
+    measure_stop,
     summaries,
 )
-from railgrip.studies.type_test.shipped import shipped, write_shipped
+from railgrip.studies.type_test.shipped import read_shipped, write_shipped
 
 PAGE: Final = Path("docs/type_test.md")
 """From the folder of the project, where the command runs."""
@@ -131,8 +131,8 @@ class TypeTest(Study):
         exit_code = work.stops([CampaignRun(stops, work.folder)], runner, is_any_outcome=True)
         write_description(campaign, work.folder)
         results = read_results(work.folder)
-        found = [measured(stop) for stop in results.stops]
-        beside, notes = ([], []) if self.controller is None or task else shipped(design, train)
+        found = [measure_stop(stop) for stop in results.stops]
+        beside, notes = ([], []) if self.controller is None or task else read_shipped(design, train)
         page = page_of(
             found,
             taking_part,
@@ -209,11 +209,11 @@ def _missing(results: Results) -> list[str]:
 
 
 def page_of(
-    found: Sequence[Measured],
+    found: Sequence[CaseMeasurement],
     taking_part: Mapping[str, Entrant],
-    limits: Limits,
+    limits: AssessmentLimits,
     *,
-    beside: Sequence[Measured] = (),
+    beside: Sequence[CaseMeasurement] = (),
     notes: Sequence[str] = (),
     candidates: Sequence[str] = (),
     missing: Sequence[str] = (),
@@ -266,12 +266,16 @@ def page_of(
                 "limits": limits.model_dump(mode="json"),
             }
         },
-        screen=(leaderboard(board).without(_ON_PAGE_ONLY), *notes, *([compared(plain, against)] if against else ())),
+        screen=(
+            leaderboard(board).without(_ON_PAGE_ONLY),
+            *notes,
+            *([compare_controllers(plain, against)] if against else ()),
+        ),
     )
 
 
 def _drawings(
-    stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]
+    stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]
 ) -> tuple[tuple[str, str, Figure | None], ...]:
     """Return name, caption and drawing of each figure; None in place of one that has nothing to show."""
     return (
@@ -285,7 +289,7 @@ def _drawings(
     )
 
 
-def _values(stops: Sequence[Judged], board: Sequence[Summary], limits: Limits) -> dict[str, object]:
+def _values(stops: Sequence[CaseJudgement], board: Sequence[Summary], limits: AssessmentLimits) -> dict[str, object]:
     """Return the variables of the template for all controllers and cases."""
     leaders, variants_of = leaderboard(board), {stop.case: stop.variants for stop in stops}
     return {
@@ -301,17 +305,17 @@ def _values(stops: Sequence[Judged], board: Sequence[Summary], limits: Limits) -
     }
 
 
-def table_of(stops: Sequence[Judged]) -> Table:
+def table_of(stops: Sequence[CaseJudgement]) -> ReportTable:
     """Return every stop as a row of a table."""
     rows: list[dict[str, object]] = []
     for stop in stops:
         plain = stop.to_plain()
         verdicts, variants = plain.pop("verdicts"), plain.pop("variants")
         rows.append(plain | variants | {f"keeps_{clause}": verdict for clause, verdict in verdicts.items()})
-    return Table(rows)
+    return ReportTable(rows)
 
 
-def compared(cases: Sequence[Mapping[str, Any]], against: str) -> Table:
+def compare_controllers(cases: Sequence[Mapping[str, Any]], against: str) -> ReportTable:
     """Return how much longer than one controller the others stop in the same cases, which are as in type_test.json.
 
     Figures are of the cases in which both stop; differences are positive if a stop is longer.
@@ -343,10 +347,10 @@ def compared(cases: Sequence[Mapping[str, Any]], against: str) -> Table:
         )
     relative, metric = ("least", "median", "mean", "most"), ("shortened most", "in the mean", "lengthened most")
     forms = {column: "{:.3f}" if column in relative else "{:+.1f} m" for column in (*relative, *metric)}
-    return Table(rows, forms, ("controller",), f"Distance over that of {against}, case by case")
+    return ReportTable(rows, forms, ("controller",), f"Distance over that of {against}, case by case")
 
 
-def leaderboard(board: Sequence[Summary]) -> Table:
+def leaderboard(board: Sequence[Summary]) -> ReportTable:
     """Return the controllers, shortest first."""
     rows = [
         {
@@ -372,10 +376,12 @@ def leaderboard(board: Sequence[Summary]) -> Table:
         for summary in board
     ]
     forms = dict.fromkeys(("worst", "over bound", "air", "strokes"), "{:.3f}")
-    return Table(rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",))
+    return ReportTable(
+        rows, forms | {"stops": share, "utilisation": "{:.2f}", "longest lock": "{:.2f} s"}, ("controller",)
+    )
 
 
-def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> Table:
+def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> ReportTable:
     """Return a description of each controller, and whether its stops were run or come with the package."""
     rows = [
         {
@@ -386,7 +392,7 @@ def _controllers(board: Sequence[Summary], from_package: Collection[str]) -> Tab
         }
         for summary in board
     ]
-    return Table(rows, left=("controller", "description", "parameters searched", "results"))
+    return ReportTable(rows, left=("controller", "description", "parameters searched", "results"))
 
 
 def _or_endless(value: float | None, median: float | None) -> float | str | None:
@@ -402,13 +408,13 @@ def _with_interval(value: float | str | None, interval: tuple[float | None, floa
     return f"{text} [{low:.3f}, {'no stop' if high is None else f'{high:.3f}'}]"
 
 
-def clauses(board: Sequence[Summary], limits: Limits) -> Table:
+def clauses(board: Sequence[Summary], limits: AssessmentLimits) -> ReportTable:
     """Return the share of cases in which each controller keeps each clause."""
     rows = [
         {"controller": summary.controller} | {_heading(clause, limits): summary.kept[clause] for clause in JUDGED}
         for summary in board
     ]
-    return Table(rows, {_heading(clause, limits): share for clause in JUDGED})
+    return ReportTable(rows, {_heading(clause, limits): share for clause in JUDGED})
 
 
 _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
@@ -421,7 +427,7 @@ _LIMITS: Final[Mapping[str, tuple[str, float, str]]] = {
 """Clause → sense of its limit, and factor and unit in which it is shown."""
 
 
-def _heading(clause: str, limits: Limits) -> str:
+def _heading(clause: str, limits: AssessmentLimits) -> str:
     """Return the short name of a clause with its limit."""
     name, limit = clause.replace("_", " "), getattr(limits, clause).limit
     if clause not in _LIMITS:
@@ -432,7 +438,7 @@ def _heading(clause: str, limits: Limits) -> str:
     return f"{name} {sense} {factor * limit:g} {unit}"
 
 
-def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
+def failed_by_bound(board: Sequence[Summary], limits: AssessmentLimits) -> list[str]:
     """Return a sentence for each clause that the ideal bound does not keep in all cases."""
     return [
         f"“{getattr(limits, clause).clause}” is kept by {summary.controller} in {share(kept)} of the cases in which it "
@@ -444,7 +450,7 @@ def failed_by_bound(board: Sequence[Summary], limits: Limits) -> list[str]:
     ]
 
 
-def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Sequence[str] = ()) -> str:
+def answer(board: Sequence[Summary], count: int, limits: AssessmentLimits, candidates: Sequence[str] = ()) -> str:
     """Return a sentence comparing the best candidate with the others and the ideal bound, with its weakest clause.
 
     Without candidates these are all controllers, without those that are shown the truth.
@@ -462,7 +468,7 @@ def answer(board: Sequence[Summary], count: int, limits: Limits, candidates: Seq
     )
 
 
-def _weakest(summary: Summary, board: Sequence[Summary], limits: Limits) -> str:
+def _weakest(summary: Summary, board: Sequence[Summary], limits: AssessmentLimits) -> str:
     """Return a sentence about the clause that a controller keeps most rarely in comparison with the ideal bound."""
     bound: Mapping[str, float | None] = next((one.kept for one in board if one.role == "bound"), {})
     possible = {clause: 1.0 if kept is None else kept for clause, kept in bound.items()}
@@ -474,7 +480,7 @@ def _weakest(summary: Summary, board: Sequence[Summary], limits: Limits) -> str:
     return f"Its weakest clause is “{clause}”, kept in {share(summary.kept[weakest] or 0.0)} of the cases."
 
 
-def ranking(stops: Sequence[Judged], case: str) -> Table:
+def ranking(stops: Sequence[CaseJudgement], case: str) -> ReportTable:
     """Return who stopped a case in what distance, shortest first."""
     stops_of_case = [stop for stop in stops if stop.case == case]
     stops_of_case.sort(key=lambda stop: math.inf if stop.distance_m is None else stop.distance_m)
@@ -499,10 +505,10 @@ def ranking(stops: Sequence[Judged], case: str) -> Table:
         "distance": "{:.1f} m", "over bound": percent, "extension": percent, "lock": "{:.2f} s", "locked": "{:.1f} m",
         "air": "{:.0f} l", "reservoir": "{:.1f} bar", "tread": "{:.2f} MJ", "utilisation": "{:.2f}",
     }  # fmt: skip
-    return Table(rows, forms, ("controller", "fails"))
+    return ReportTable(rows, forms, ("controller", "fails"))
 
 
-def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
+def worst(stops: Sequence[CaseJudgement], controller: str, again: str) -> ReportTable:
     """Return the cases in which a controller is farthest behind the best tuned baseline, and a command for each."""
     stops_of = [stop for stop in stops if stop.controller == controller]
     stops_of.sort(key=lambda stop: -(stop.over_best or math.inf) if stop.best_m or stop.distance_m is None else 0.0)
@@ -516,7 +522,7 @@ def worst(stops: Sequence[Judged], controller: str, again: str) -> Table:
         }
         for stop in stops_of[:_WORST]
     ]
-    return Table(rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *stops_of[0].variants, "again"))
+    return ReportTable(rows, {"distance": "{:.1f} m", "over best": percent}, ("case", *stops_of[0].variants, "again"))
 
 
 def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -535,7 +541,7 @@ def _lines(board: Sequence[Summary], candidates: Sequence[str]) -> dict[str, dic
     }
 
 
-def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
+def _ratios(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]) -> Figure | None:
     """Draw for each controller the share of cases that it stops within a multiple of the best tuned baseline.
 
     None where no case has such a baseline.
@@ -558,7 +564,7 @@ def _ratios(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> 
     return figure
 
 
-def _by_curve(stops: Sequence[Judged], controllers: Sequence[str]) -> Figure:
+def _by_curve(stops: Sequence[CaseJudgement], controllers: Sequence[str]) -> Figure:
     """Draw the median use of adhesion of each controller under each creep curve."""
     curves = sorted({stop.variants["curve"] for stop in stops})
     values = [
@@ -584,7 +590,7 @@ def _by_curve(stops: Sequence[Judged], controllers: Sequence[str]) -> Figure:
     return figure
 
 
-def _over_friction(stops: Sequence[Judged], lines: Mapping[str, Mapping[str, Any]]) -> Figure:
+def _over_friction(stops: Sequence[CaseJudgement], lines: Mapping[str, Mapping[str, Any]]) -> Figure:
     """Draw distances over the ideal bound against mean friction, and their median over a tenth of the cases."""
     figure = style.figure(9.5, 4.5)
     axes = figure.subplots()
