@@ -1,5 +1,6 @@
 """Pools of processes that simulate, evaluate and train, each on one core."""
 
+import logging
 import multiprocessing
 import os
 import signal
@@ -101,6 +102,8 @@ def cluster(address: str) -> Generator[tuple[Executor, Callable[[], None]]]:
         client = Client(address, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError) as problem:
         raise InputError(f"--scheduler {address}: no Dask scheduler answers there: {problem}") from problem
+    # It would print a traceback for each try to reach a scheduler that has ended; `collect` reports it once per task.
+    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     with client:
         last_answer, warned = time.monotonic(), False
 
@@ -209,7 +212,10 @@ def collect(
         for future in done:
             try:
                 yield running[future], future.result()
-            except (pebble.ProcessExpired, CancelledError, BrokenExecutor) as problem:
+            except CancelledError:
+                remedy = "start it and its workers and repeat the command, which keeps what has finished"
+                yield running[future], RailgripError(f"the Dask scheduler ended; {remedy}")
+            except (pebble.ProcessExpired, BrokenExecutor) as problem:
                 yield running[future], RailgripError(f"the process that ran it ended: {problem}")
 
 

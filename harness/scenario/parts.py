@@ -200,8 +200,10 @@ class Limits(Table):
     )
     @classmethod
     def _preset(cls, entry: Any) -> Any:
-        if not isinstance(entry, str) or entry in _ADHESION_LIMITS:
-            return _ADHESION_LIMITS.get(entry, entry)
+        if not isinstance(entry, str):
+            return entry
+        if entry in _ADHESION_LIMITS:
+            return _ADHESION_LIMITS[entry]
         if question := did_you_mean(entry, _ADHESION_LIMITS):
             raise table_error(f"is '{entry}'; {question}")
         return entry

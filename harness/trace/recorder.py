@@ -145,6 +145,9 @@ def require_stop(path: Path, trace: xarray.Dataset, *, groups: int) -> None:
             problems.append(f"'{name}' has the dimensions {variable.dims}, {expected} are expected")
         if "time" not in variable.dims and not np.isfinite(variable.values).all():
             problems.append(f"'{name}' has values that are not finite")
+        mean = str(name).removesuffix("_sd")
+        if mean not in trace:
+            problems.append(f"'{name}' is a standard deviation of '{mean}', which is missing")
     if not problems:
         try:
             found = formation_in(trace).groups

@@ -3,9 +3,12 @@
 import math
 import os
 import signal
+import socket
+import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -63,6 +66,41 @@ def test_a_worker_that_is_killed_loses_nothing(project, two_workers, tmp_path):
     repeats = []
     run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, scheduler="tcp://nobody:1", notify=repeats.append)
     assert {report.state for report in repeats} == {"found"}  # so nobody was asked
+
+
+def test_a_scheduler_that_is_killed_loses_nothing(project, tmp_path, capfd):
+    """Finished stops stay, the others are reported in a sentence, and the next run does only these."""
+    (project / "few.toml").write_text(LINES, encoding="utf-8")
+    campaign = load_campaign(project / "few.toml")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    here = [sys.executable, "-m", "dask", "scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
+    address = f"tcp://127.0.0.1:{port}"
+    there = [sys.executable, "-m", "dask", "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(here, **quiet) as scheduler, subprocess.Popen(there, **quiet) as worker:
+        try:
+            (first,) = run_campaigns(
+                [CampaignRun(campaign, tmp_path / "out")],
+                slowly,
+                scheduler=address,
+                notify=lambda report: scheduler.kill(),
+            )
+        finally:
+            scheduler.kill()
+            worker.kill()
+    states = [report.state for report in first]
+    assert states.count("done") >= 1
+    lost = [report for report in first if report.state != "done"]
+    assert lost
+    assert all("the Dask scheduler ended; start it and its workers and repeat" in report.sentence for report in lost)
+    assert "Traceback" not in capfd.readouterr().err
+    repeated: list[Any] = []
+    run_campaigns([CampaignRun(campaign, tmp_path / "out")], slowly, workers=1, notify=repeated.append)
+    assert [report.state for report in repeated].count("found") == states.count("done")
+    assert len(list((tmp_path / "out").glob("*/stop.json"))) == 6
 
 
 def test_cases_of_a_study_run_there_and_are_kept_here(two_workers, own_cache):

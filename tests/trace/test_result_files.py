@@ -13,8 +13,12 @@ from railgrip.base.errors import RecordError
 from railgrip.base.files import replacing, write_text
 from railgrip.base.units import unit
 from railgrip.campaign.sweep import Result, Sweep
+from railgrip.report import results
+from railgrip.report.figures import signals_figure
+from railgrip.report.signals_plot import signals_plot
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.run import run_stop
 from railgrip.trace.netcdf import read_trace, write_trace
 from railgrip.trace.recorder import Recorder, require_stop, thin
 from railgrip.trace.stop import read_stop, write_stop
@@ -189,3 +193,32 @@ def test_a_trace_whose_distance_is_a_dimension_is_refused(stop, tmp_path):
     trace = stop.trace.drop_vars("distance").assign_coords(distance=[0.0, 1.0])
     with pytest.raises(RecordError, match="'distance' has the dimensions"):
         require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
+
+
+def test_a_standard_deviation_without_its_estimate_is_refused(stop, tmp_path):
+    trace = stop.trace.assign(estimate_adhesion_sd=stop.trace["adhesion"]).drop_vars(
+        "estimate_adhesion", errors="ignore"
+    )
+    with pytest.raises(RecordError, match="'estimate_adhesion_sd' is a standard deviation of 'estimate_adhesion'"):
+        require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
+
+
+def test_a_stop_that_lacks_a_signal_is_drawn_or_refused(tmp_path):
+    """Each variable of the trace of a stop with estimates is taken out alone."""
+    scenario = load(LIBRARY / "trapezoid.toml", ["controller.kind=adhesion_based", "limits.horizon=1 s"])
+    write_stop(run_stop(scenario), tmp_path)
+    record = read_stop(tmp_path)
+    trace = record.trace()
+    result = results.Result(name="stop", variants={}, record=record, paper_distance=None)
+    require_stop(tmp_path / "trace.nc", trace, groups=trace.sizes["group"])
+    drawn = 0
+    for name in map(str, trace.data_vars):
+        less = trace.drop_vars(name)
+        try:
+            require_stop(tmp_path / "trace.nc", less, groups=trace.sizes["group"])
+        except RecordError:
+            continue
+        signals_plot(less)
+        signals_figure(result, less)
+        drawn += 1
+    assert drawn > 10

@@ -1,0 +1,21 @@
+"""Each mutant of `make mutants` still finds the text that it changes; the mutants themselves run there."""
+
+import mutants
+import pytest
+
+ALL = (*mutants.MUTANTS, *mutants.equations())
+
+
+def test_there_are_eighty_mutants():
+    assert len({mutant.meaning for mutant in ALL}) >= 80
+
+
+@pytest.mark.parametrize("mutant", ALL, ids=lambda mutant: mutant.meaning)
+def test_the_text_of_each_mutant_is_found(mutant, tmp_path):
+    sources = tmp_path / "sources"
+    for edit in mutant.edits:
+        copy = sources / edit.file
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        if not copy.exists():
+            copy.write_bytes((mutants.ROOT / edit.file).read_bytes())
+        edit.apply(sources)
