@@ -4,7 +4,9 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cache
+from itertools import groupby
 from math import isfinite
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_type_hints
 
@@ -13,8 +15,7 @@ from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
-from railgrip.vehicle.formation import Formation
-from railgrip.vehicle.signals import OBSERVED, Signal, places
+from railgrip.vehicle.signals import OBSERVED, Signal
 
 NOT_SEEN = float("nan")
 
@@ -140,9 +141,11 @@ class Law(Sampled):
     def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` are those that are not of a group, by name."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        self._places = tuple(places(OBSERVED, Formation((1,) * len(groups))).items())
+        elements = enumerate(quantity.name.partition("[")[0] for quantity in formula.inputs)
+        numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
+        self._places = tuple((name, slice(places[0], places[-1] + 1)) for name, places in numbers.items())
 
-    def decide(self, observation: Observation) -> tuple[float, ...]:
+    def decide(self, observation: Observation, demand: Sequence[float] | None = None) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
@@ -152,7 +155,7 @@ class Law(Sampled):
         if missing:
             raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
         for name, place in self._places:
-            values = getattr(observation, name)
+            values = demand if name == "demand" else getattr(observation, name)
             self.inputs[place] = NOT_SEEN if values is None else values
         return self.evaluate()
 

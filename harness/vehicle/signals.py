@@ -200,6 +200,9 @@ ONLY_ESTIMATED = frozenset({"adhesion", "pad_friction"})
 
 _PRESSURE = OBSERVED[-1]
 
+TRAIN_INPUTS = (*OBSERVED, *DEMANDED)
+"""Inputs of the decisions for the whole train over a law in Python."""
+
 VALVE_INPUTS = (Signal("demand", "group", "Pa", "demanded brake cylinder pressure"), _PRESSURE)
 """Inputs of the valve logic."""
 
@@ -210,13 +213,17 @@ REFERENCE_INPUTS = (
 )
 """Inputs of the formula whose outputs are `REFERENCE`."""
 
-Role = Literal["input", "output", "reading", "estimate", "observation", "valve_input", "reference_input", "reference"]
+Role = Literal[
+    "input", "output", "reading", "estimate", "observation", "train_input", "valve_input", "reference_input",
+    "reference",
+]  # fmt: skip
 """Vectors that the parts of a loop exchange; inputs and outputs are those of the plant."""
 
 TABLE: Final[Mapping[Role, tuple[Signal, ...]]] = MappingProxyType(
     {
         "input": SENT, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVED,
-        "valve_input": VALVE_INPUTS, "reference_input": REFERENCE_INPUTS, "reference": REFERENCE,
+        "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS, "reference_input": REFERENCE_INPUTS,
+        "reference": REFERENCE,
     }
 )  # fmt: skip
 """Signals of each vector, in their order."""

@@ -78,8 +78,8 @@ def brake(parts):
             demand = parts.controller.decide(seen)
             if parts.limits:
                 demand = np.clip(demand, 0.0, parts.limits.most)
-            if parts.over:
-                demand = parts.over.decide(seen._replace(pressure=demand))
+            if parts.train_level:
+                demand = parts.train_level.decide(seen, demand)
             if not math.isfinite(sum(demand)):
                 return Outcome.CONTROLLER_FAILED, k + 1
             driver_demand = pressure.copy() if parts.driver.has_phases else driver_demand

@@ -7,11 +7,14 @@
 
 #include <stddef.h>
 
-typedef int Exchange(void *, const unsigned *, size_t, void *);
+enum { SET = 1, STEP = 2, GET = 4 };                     /* actions of `exchange`, to be combined */
+enum { FINE, SETTING, STEPPING, GETTING, NOT_FINITE };   /* action that failed */
+
+typedef int Transfer(void *, const unsigned *, size_t, void *);
 typedef int DoStep(void *, double, double, int);
 
 typedef struct {
-    Exchange *exchange;
+    Transfer *transfer;                                      /* fmi2Set or fmi2Get for the type of the values */
     const unsigned *references;
     const long long *positions;                              /* in the harness's vector */
     const double *gain, *shift;                              /* null when units agree */
@@ -31,7 +34,8 @@ typedef struct {
     long long status, at;                                    /* of the call that failed; index of its channel or output */
 } SetStepGet;
 
-int cross(SetStepGet *c, int what, double time);
+int exchange(SetStepGet *c, int actions, double time);
+int set_step_get(SetStepGet *c, double time);
 int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width, double *outputs);
 
 #endif

@@ -8,7 +8,7 @@ static const double NOTHING_SHOWN = 0.0 / 0.0;
 static const double NEARLY_OPEN = 0.5;           /* command at which a fill valve opens */
 
 /* Apply the faults of sensors to a reading, in their order. */
-EXPORT void show_faults(Faults *its, long long sample, double *reading)
+EXPORT void change_reading(Faults *its, long long sample, double *reading)
 {
     for (long long i = 0; i < its->reading_count; i++) {
         Fault *fault = its->readings + i;
@@ -40,11 +40,9 @@ static double left(Fault *fault, const double *truth)
     return fault->pressure - (used - fault->refilled) * fault->free / fault->value;
 }
 
-/* Write the commands that reach the plant, given those that were sent. */
-EXPORT void pass_faults(Faults *its, long long sample, const double *truth, const double *sent, double *command)
+/* Apply the faults of brakes to the commands, so that they become those that reach the plant. */
+EXPORT void change_command(Faults *its, long long sample, const double *truth, double *command)
 {
-    for (int g = 0; g < GROUPS; g++)
-        command[g] = sent[g];
     for (long long i = 0; i < its->command_count; i++) {
         Fault *fault = its->commands + i;
         const int active = sample >= fault->begin && sample < fault->end;

@@ -25,7 +25,7 @@ typedef struct {
     Every noise_every;                           /* a draw of noise per number of samples */
 } Faults;
 
-void show_faults(Faults *its, long long sample, double *reading);
-void pass_faults(Faults *its, long long sample, const double *truth, const double *sent, double *command);
+void change_reading(Faults *faults, long long sample, double *reading);
+void change_command(Faults *faults, long long sample, const double *outputs, double *command);
 
 #endif

@@ -11,4 +11,10 @@ static void copy(double *to, const double *from, long long count)
         to[i] = from[i];
 }
 
+static void fill(double *values, double value, long long count)
+{
+    for (long long i = 0; i < count; i++)
+        values[i] = value;
+}
+
 #endif
