@@ -48,7 +48,7 @@ def pattern_of(jacobian: ca.SX) -> Pattern:
 
 
 def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return the sizes of the arrays that CasADi functions in C want to work in, large enough for each, and the C."""
+    """Return CasADi functions as C, with `call`, which calls any of them, and the sizes of its arrays as macros."""
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
@@ -59,33 +59,41 @@ def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
         "WHOLE": 1 + max(function.sz_iw() for function in functions),
         "WORK": 1 + max(function.sz_w() for function in functions),
     }
-    return sizes, generator.dump()
+    return sizes, generator.dump() + _CALL
 
+
+_CALL = """
+typedef int Function(const double **, double **, casadi_int *, double *, int);
+
+static int call(Function *function, const double **arguments, double **results)
+{
+    casadi_int integers[WHOLE];
+    double work[WORK];
+    return function(arguments, results, integers, work, 0);
+}
+"""
 
 _CALLS = """
-static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double *block,
-                const double *x, double *value, double *jacobian)
+static int evaluate(Function *function, const double *block, const double *x, double *value, double *jacobian)
 {
     const double *arguments[ARGUMENTS] = {x, block + INPUT, block + PARAMETERS};
     double *results[RESULTS] = {value, jacobian};
-    casadi_int whole[WHOLE];
-    double work[WORK];
-    return function(arguments, results, whole, work, 0);
+    return call(function, arguments, results);
 }
 
 static int slope(const double *block, const double *x, double *f)
 {
-    return call(casadi_slope, block, x, f, 0);
+    return evaluate(casadi_slope, block, x, f, 0);
 }
 
 static int slope_and_jacobian(const double *block, const double *x, double *f, double *A)
 {
-    return call(casadi_slope_and_jacobian, block, x, f, A);
+    return evaluate(casadi_slope_and_jacobian, block, x, f, A);
 }
 
 static int expected(const double *block, const double *x, double *h, double *H)
 {
-    return call(casadi_expected, block, x, h, H);
+    return evaluate(casadi_expected, block, x, h, H);
 }
 """
 

@@ -24,7 +24,7 @@ static int send(const SetStepGet *c, const Channel *to)
         if (to->gain)
             value = value * to->gain[i] + to->shift[i];
         if (to->whole)
-            ((int *)to->buffer)[i] = (int)rint(value);       /* nearest: 0.9999999 is a rounded one */
+            ((int *)to->buffer)[i] = (int)rint(value); /* nearest: 0.9999999 is a rounded one */
         else
             ((double *)to->buffer)[i] = value;
     }
@@ -52,7 +52,7 @@ EXPORT int exchange(SetStepGet *c, int actions, double time)
             if (failed(c->status = send(c, c->senders + (c->at = k))))
                 return SETTING;
     if (actions & STEP)
-        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1)))   /* true: no earlier state is restored */
+        if (failed(c->status = c->step(c->fmu, c->begin + time, c->period, 1))) /* true: no earlier state is restored */
             return STEPPING;
     if (actions & GET) {
         for (long long k = 0; k < c->n_receivers; k++)
@@ -73,7 +73,8 @@ EXPORT int set_step_get(SetStepGet *c, double time)
 }
 
 /* Step through `count` rows of inputs from sample `first` on, with a row of outputs at the end of each step. */
-EXPORT int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width, double *outputs)
+EXPORT int follow(SetStepGet *c, long long count, long long first, const double *inputs, long long width,
+                  double *outputs)
 {
     for (c->done = 0; c->done < count; c->done++) {
         const double *row = inputs + c->done * width;

@@ -10,10 +10,11 @@ import numpy as np
 from railgrip.base.errors import LoopError
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
+from railgrip.estimators.model_in_c import in_c
 from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_library import Struct
 from railgrip.fmus.native.toolchain import shared_library
-from railgrip.simulate.loop.library import KERNEL, every, kernel
+from railgrip.simulate.loop.library import every, kernel, texts
 from railgrip.simulate.loop.parts import Parts, StateEstimator, Vector
 from railgrip.simulate.loop.plausible import Plausibility
 from railgrip.simulate.loop.sensors import BLOCK, IdealSensors, ServiceSensors, WhiteSensors
@@ -159,26 +160,14 @@ def _formula(layout: Layout, formula: object, inputs: Role) -> Struct:
 
 @cache
 def _address_of(step: ca.Function) -> int:
-    """Return the address of `void call(double *state, const double *input, const double *parameter, double *output)`.
-
-    It calls a function (state, input, parameter) → (state, output) and replaces the state by the new one.
+    """Return the address of `evaluate` in formula.c for a function (state, input, parameter) → (state, output).
 
     Raises:
         railgrip.base.errors.CompilerMissing: No C compiler was found.
     """
-    generator = ca.CodeGenerator("step", {"with_header": False, "casadi_int": "int"})
-    generator.add(step)
-    sizes = {
-        "NX": step.numel_out(0), "WORK": step.sz_w(), "INDEX": step.sz_iw(), "ARGUMENTS": step.sz_arg(),
-        "RESULTS": step.sz_res(),
-    }  # fmt: skip
-    header = "".join(
-        [
-            *(f"#define {name} {value}\n" for name, value in sizes.items()),
-            "#define CASADI_SYMBOL_EXPORT static\n",
-            generator.dump(),
-        ]
-    )
-    sources = {"step.h": header, "formula.c": (KERNEL / "formula.c").read_text(encoding="utf-8")}
+    sizes, text = in_c([step])
+    macros = "".join(f"#define {name} {size}\n" for name, size in {"STATES": step.numel_out(0), **sizes}.items())
+    header = f"{macros}#define CASADI_SYMBOL_EXPORT static\n{text}"
+    sources = {"step.h": header} | texts("formula.c", "export.h")
     library = ctypes.CDLL(str(shared_library(sources, "formula")))
-    return ctypes.cast(library.call, ctypes.c_void_p).value or 0
+    return ctypes.cast(library.evaluate, ctypes.c_void_p).value or 0

@@ -1,10 +1,11 @@
-/* The loop of a stop, sample by sample. Parts in C are called; for a part in Python `cycle` returns, and resumes when it is
-   called again.
+/* The loop of a stop, sample by sample. Parts in C are called; for a part in Python `cycle` returns, and resumes when
+   it is called again.
 
-   Each sample: the plant advances under the commands held since the last sample; its outputs are checked; the sensors read; the
-   driver demands; the estimator, when due, predicts under the pressures read one sample before and updates with the new
-   reading; the controller, when due, decides. The lower of its demand and the driver's goes to the valves. The row of a sample
-   holds the true state at its end, the reading and estimate then, and the demand and command for it. */
+   Each sample: the plant advances under the commands held since the last sample; its outputs are checked; the sensors
+   read; the driver demands; the estimator, when due, predicts under the pressures read one sample before and updates
+   with the new reading; the controller, when due, decides. The lower of its demand and the driver's goes to the valves.
+   The row of a sample holds the true state at its end, the reading and estimate then, and the demand and command for
+   it. */
 
 #include <math.h>
 
@@ -12,7 +13,15 @@
 #include "onboard.h"
 #include "vectors.h"
 
-enum { BEGIN, STEP_PLANT, CHECK_PLANT, USE_READING, USE_ESTIMATE, LIMIT_DEMAND, SEND_COMMAND }; /* stage at which a sample resumes */
+enum {
+    BEGIN,
+    STEP_PLANT,
+    CHECK_PLANT,
+    USE_READING,
+    USE_ESTIMATE,
+    LIMIT_DEMAND,
+    SEND_COMMAND
+}; /* stage at which a sample resumes */
 
 static int step_plant(Plant *plant, double time)
 {
@@ -68,7 +77,8 @@ static void record_estimate(const Cycle *c, double *row)
 static int is_within_limits(const Onboard *onboard)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (!(onboard->demand[g] >= 0.0 && onboard->demand[g] <= onboard->limit[g])) /* negated, so that NaN is outside */
+        if (!(onboard->demand[g] >= 0.0 &&
+              onboard->demand[g] <= onboard->limit[g])) /* negated, so that NaN is outside */
             return 0;
     return onboard->is_pascal;
 }
@@ -94,7 +104,8 @@ EXPORT int cycle(Cycle *c)
         const int decides = due(onboard->controller_every, k);
         double *row = c->record->rows + (k < last ? k : last) * c->record->width;
 
-        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind it. */
+        /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind
+         * it. */
         switch (c->stage) {
         case BEGIN:
             if (k > c->samples)

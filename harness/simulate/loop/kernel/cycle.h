@@ -27,7 +27,7 @@ typedef struct {
 
 /* Without a function the plant is in Python and writes `outputs`. */
 typedef struct {
-    Step *step;                   /* see set_step_get.h */
+    Step *step; /* see set_step_get.h */
     void *interface;
     double *inputs;               /* held during the next step */
     const double *received;       /* outputs that the plant has */
@@ -57,24 +57,24 @@ typedef struct {
     const long long *reading_at, *state_at;       /* positions in a reading; of estimates among the states */
     Formula reference_speed;                      /* from wheels, for a silent radar */
     double reference[REFERENCES];
-    double reading[READINGS]; /* newest readings since the last step */
-    long long has_reading;    /* whether there are any since the last step */
+    double reading[READINGS];     /* newest readings since the last step */
+    long long has_reading;        /* whether there are any since the last step */
     long long reading_count, row; /* row: distance between rows of the covariance */
 } Filter;
 
 typedef struct {
-    Formula law;                     /* null: the controller is in Python and writes `demand` */
-    Formula train_level;             /* decisions for the whole train, over a law in Python */
+    Formula law;         /* null: the controller is in Python and writes `demand` */
+    Formula train_level; /* decisions for the whole train, over a law in Python */
     Formula valves;
-    const double *limit;             /* maximum pressures for the demands of a law in Python; null: no limit */
-    const double *radius;            /* of the wheels of each group */
-    const double *full;              /* pressures of full brake, the demand without a driver */
-    double reading[READINGS];        /* newest reading of every sensor */
-    double estimate[ESTIMATES];      /* standard deviations as variances until the end of the stop */
+    const double *limit;        /* maximum pressures for the demands of a law in Python; null: no limit */
+    const double *radius;       /* of the wheels of each group */
+    const double *full;         /* pressures of full brake, the demand without a driver */
+    double reading[READINGS];   /* newest reading of every sensor */
+    double estimate[ESTIMATES]; /* standard deviations as variances until the end of the stop */
     double observation[OBSERVATIONS];
     double replacement[OBSERVATIONS]; /* estimates in place of the observation; NaN: it is kept */
     double demand[GROUPS], command[GROUPS];
-    double driver_demand[GROUPS];    /* at the last decision */
+    double driver_demand[GROUPS]; /* at the last decision */
     long long has_reading, has_estimator;
     long long is_pascal; /* whether a demand has shown the unit Pa; until then Python checks all */
     Every estimator_every, controller_every;

@@ -1,8 +1,9 @@
 /* Single parts of a stop, as FMUs: a sample of a part computes its outputs from its inputs, and returns 1 on failure.
 
-   The generated file comes first: INPUT_PLACES, the positions of the part's inputs among the plant's outputs; OUTPUT_PLACES, those of
-   its outputs among inputs of the plant, observations or estimates; DEVIATIONS, the standard deviations of the sensors' noise;
-   BINDING as in driver.h; LAW_PARAMETERS, the number of parameters that belong to the law. */
+   The generated file comes first: INPUT_PLACES, the positions of the part's inputs among the plant's outputs;
+   OUTPUT_PLACES, those of its outputs among inputs of the plant, observations or estimates; DEVIATIONS, the standard
+   deviations of the sensors' noise; BINDING as in driver.h; LAW_PARAMETERS, the number of parameters that belong to the
+   law. */
 
 #include <math.h>
 
@@ -29,7 +30,8 @@ static double *write_outputs(double *output, const double *vector)
     return output;
 }
 
-/* Track and driver: from the plant's outputs to all of the plant's inputs except the command, and the driver's demand. */
+/* Track and driver: from the plant's outputs to all of the plant's inputs except the command, and the driver's demand.
+ */
 static int sample_track(Cycle *c, const double *input, const double *parameter, double *output)
 {
     (void)parameter;
@@ -41,7 +43,8 @@ static int sample_track(Cycle *c, const double *input, const double *parameter, 
     return 0;
 }
 
-/* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by place. */
+/* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by
+ * place. */
 static double uniform(unsigned long long seed, unsigned long long place)
 {
     unsigned long long z = seed + (place + 1) * 0x9e3779b97f4a7c15ull;

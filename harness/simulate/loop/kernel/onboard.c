@@ -1,5 +1,5 @@
-/* The parts of a sample: readings, estimate, decision, rail. They are called by the loop (cycle.c), and by the FMUs of single
-   parts (exported.c). */
+/* The parts of a sample: readings, estimate, decision, rail. They are called by the loop (cycle.c), and by the FMUs of
+   single parts (exported.c). */
 
 #include <math.h>
 
@@ -104,7 +104,7 @@ void read_states(Cycle *c)
 {
     double *estimate = c->onboard->estimate;
 
-    for (int i = 0; i < ESTIMATE_ADHESION_SD; i++)      /* standard deviations follow the states */
+    for (int i = 0; i < ESTIMATE_ADHESION_SD; i++) /* standard deviations follow the states */
         estimate[i] = c->filter->mean[c->filter->state_at[i]];
     for (int g = 0; g < GROUPS; g++) {
         estimate[ESTIMATE_ADHESION_SD + g] = variance(c->filter, ESTIMATE_ADHESION + g);
@@ -115,7 +115,7 @@ void read_states(Cycle *c)
 /* Read the filter's estimate after a step; return 0 if any variance is negative or NaN. */
 int read_estimate(Cycle *c)
 {
-    double *estimate = c->onboard->estimate, used = 0.0;
+    double *estimate = c->onboard->estimate, count = 0.0;
     Filter *filter = c->filter;
 
     filter->has_reading = 0;
@@ -123,16 +123,17 @@ int read_estimate(Cycle *c)
     copy(filter->inputs, c->onboard->reading + READING_CYLINDER_PRESSURE, GROUPS);
     read_states(c);
     for (long long i = 0; i < filter->reading_count; i++)
-        used += filter->selection[i];
+        count += filter->selection[i];
     estimate[ESTIMATE_NIS] = *filter->squared_innovation;
-    estimate[ESTIMATE_READINGS] = used;
+    estimate[ESTIMATE_READINGS] = count;
     for (int g = 0; g < GROUPS; g++)
         if (!(estimate[ESTIMATE_ADHESION_SD + g] >= 0.0 && estimate[ESTIMATE_PAD_FRICTION_SD + g] >= 0.0))
             return 0;
     return 1;
 }
 
-/* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds the maximum, as if its sensor is silent. */
+/* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds the maximum, as if its sensor is
+ * silent. */
 static int is_lost(const Cycle *c, int group)
 {
     static const double MAX_DEVIATION = 1.0; /* m/s */
@@ -186,7 +187,7 @@ int command(Cycle *c)
     Onboard *onboard = c->onboard;
     double input[VALVE_INPUTS], *limited = onboard->valves.call ? input + VALVE_INPUT_DEMAND : onboard->command;
 
-    if (!all_finite(onboard->demand)) {          /* the valve logic would treat NaN as a demand to hold */
+    if (!all_finite(onboard->demand)) { /* the valve logic would treat NaN as a demand to hold */
         copy(onboard->command, onboard->demand, GROUPS);
         return 0;
     }
