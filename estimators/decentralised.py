@@ -14,8 +14,8 @@ from railgrip.estimators.compiled import StepInC
 from railgrip.estimators.consist import Consist, part_equations
 from railgrip.estimators.design import FilterDesign, Gate, index
 from railgrip.estimators.generated import LANES, places, table
-from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.native import Model
+from railgrip.fmus.native.functions import in_c
 
 RANK = 9
 """Common unknowns that are kept: on the two-part train enough for the central filter's deviations, within 0.1 %."""

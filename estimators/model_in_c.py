@@ -1,10 +1,11 @@
-"""The model of a filter as C: what `kernel/step.h` asks of it, and the C of CasADi functions."""
+"""The model of a filter as C, which `kernel/step.h` calls."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import casadi as ca
+
+from railgrip.fmus.native.functions import in_c
 
 Pattern = tuple[tuple[int, ...], ...]
 """Columns of a sparse matrix that may differ from zero, ascending, for each row."""
@@ -46,32 +47,6 @@ def pattern_of(jacobian: ca.SX) -> Pattern:
     starts, columns = transposed.colind(), transposed.row()
     return tuple(tuple(columns[start:end]) for start, end in pairwise(starts))
 
-
-def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return CasADi functions as C, with `call`, which calls any of them, and the sizes of its arrays as macros."""
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions:
-        generator.add(function)
-    sizes = {
-        "ARGUMENTS": max(function.sz_arg() for function in functions),
-        "RESULTS": max(function.sz_res() for function in functions),
-        # One more than needed, since C knows no empty arrays.
-        "WHOLE": 1 + max(function.sz_iw() for function in functions),
-        "WORK": 1 + max(function.sz_w() for function in functions),
-    }
-    return sizes, generator.dump() + _CALL
-
-
-_CALL = """
-typedef int Function(const double **, double **, casadi_int *, double *, int);
-
-static int call(Function *function, const double **arguments, double **results)
-{
-    casadi_int integers[WHOLE];
-    double work[WORK];
-    return function(arguments, results, integers, work, 0);
-}
-"""
 
 _CALLS = """
 static int evaluate(Function *function, const double *block, const double *x, double *value, double *jacobian)

@@ -8,8 +8,8 @@ from importlib.resources import files
 import casadi as ca
 import numpy as np
 
-from railgrip.estimators.model_in_c import in_c
 from railgrip.fmus.native import Model
+from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.trace.contact import Array, Contact
 

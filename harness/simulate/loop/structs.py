@@ -10,9 +10,9 @@ import numpy as np
 from railgrip.base.errors import LoopError
 from railgrip.controllers.sampled import Sampled
 from railgrip.estimators.compiled import StepInC
-from railgrip.estimators.model_in_c import in_c
 from railgrip.fmi import CoSimulation
 from railgrip.fmus.native.c_library import Struct
+from railgrip.fmus.native.functions import in_c
 from railgrip.fmus.native.toolchain import shared_library
 from railgrip.simulate.loop.library import every, kernel, texts
 from railgrip.simulate.loop.parts import Parts, StateEstimator, Vector
