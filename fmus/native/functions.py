@@ -17,7 +17,7 @@ static int call(Function *function, const double **arguments, double **results)
 
 
 def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return macros with the sizes of work arrays, large enough for each function, and C of the functions and `call`."""
+    """Return the sizes of work arrays as macros, and C of the functions with `call`, which calls any of them."""
     generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
     for function in functions:
         generator.add(function)
