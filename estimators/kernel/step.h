@@ -102,7 +102,7 @@ static int all_finite(const double *x, int count)
 }
 
 /* Mean one period later by RK4, or by forward Euler at ORDER 1, and A = df/dx by rows; a frozen state has derivative
- * zero. */
+   zero. */
 static int advance(const double *block, const double *free, double *mean, double *jacobian)
 {
     const double *x = block + MEAN;

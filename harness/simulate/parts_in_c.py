@@ -75,8 +75,16 @@ def part_in_c(scenario: Scenario, kind: Kind) -> Discrete:
     scenario = _with_filter_in_c(scenario)
     with assemble(scenario) as opened:
         parts, structs = opened.parts, Loop(opened.parts).structs
-        role = {"onboard": _onboard, "estimator": _estimator, "sensors": _sensors, "track": _track}[kind]
-        return _system(scenario, parts, kind, role(scenario, parts, structs))
+        match kind:
+            case "onboard":
+                role = _onboard(scenario, parts, structs)
+            case "estimator":
+                role = _estimator(scenario, parts, structs)
+            case "sensors":
+                role = _sensors(scenario, parts, structs)
+            case "track":
+                role = _track(parts, structs)
+        return _system(scenario, parts, kind, role)
 
 
 def readings_of(scenario: Scenario) -> NDArray[np.float64]:
@@ -209,7 +217,7 @@ def _write_call(name: str, formula: Sampled) -> str:
     )
 
 
-def _track(scenario: Scenario, parts: Parts, structs: Structs) -> _Role:
+def _track(parts: Parts, structs: Structs) -> _Role:
     recovers = parts.rail.field is not None
     needed = ("distance", "speed", *(("slip", "adhesion", "wheelset_load", "wheelset_speed") if recovers else ()))
     given, places = _select_outputs(parts.layout, structs, needed)

@@ -75,7 +75,7 @@ static int directional(ModelExchange *m, const Jacobian *j, double *entries)
 }
 
 /* The same by central differences around x, for an FMU without directional derivatives; it leaves the FMU at another
- * point. */
+   point. */
 static int differences(ModelExchange *m, const Jacobian *j, const double *x, Values *values, double *entries)
 {
     const long long *first = j->first_entry, *column = j->first_column, *of = j->column, *row = j->row,
@@ -121,8 +121,8 @@ static int all_finite(ModelExchange *m, const double *values, long long count, i
 }
 
 /* Jacobian first, then the value: OpenModelica's FMUs (to 1.27.0) evaluate only the derivatives for fmi2GetDerivatives
-   but then mark everything as evaluated, so that directional derivatives after it would be those of an earlier point.
- */
+   but then mark everything as evaluated, so that directional derivatives after it would be those of an earlier
+   point. */
 static int evaluate(ModelExchange *m, const Jacobian *j, const double *x, const double *u, Values *values,
                     long long count, double *value, double *entries)
 {

@@ -105,7 +105,7 @@ EXPORT int cycle(Cycle *c)
         double *row = c->record->rows + (k < last ? k : last) * c->record->width;
 
         /* Each case stores the next stage before it may return, so that the call after a part in Python resumes behind
-         * it. */
+           it. */
         switch (c->stage) {
         case BEGIN:
             if (k > c->samples)

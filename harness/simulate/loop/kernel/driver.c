@@ -19,8 +19,8 @@ static int has_ended(const Driver *driver, const Phase *phase, double time, doub
 
 /* Gain on the deviation from the braking curve, in addition to the deviation itself: a train that brakes by a share b
    of the expected deceleration then runs on a curve of 2 b / (3 b - 1) times the deceleration, 1.27 for b = 0.7, and
-   still ends at the target. A much higher gain would oscillate over the last metre because of the lag of the cylinders.
- */
+   still ends at the target. A much higher gain would oscillate over the last metre because of the lag of the
+   cylinders. */
 static const double CORRECTION = 2.0;
 
 /* Return the share of full brake that stops at the target from here; 0 until the braking curve has been reached. */

@@ -30,8 +30,8 @@ static double *write_outputs(double *output, const double *vector)
     return output;
 }
 
-/* Track and driver: from the plant's outputs to all of the plant's inputs except the command, and the driver's demand.
- */
+/* Track and driver: from the plant's outputs to all of the plant's inputs except the command, and the driver's
+   demand. */
 static int sample_track(Cycle *c, const double *input, const double *parameter, double *output)
 {
     (void)parameter;
@@ -44,7 +44,7 @@ static int sample_track(Cycle *c, const double *input, const double *parameter, 
 }
 
 /* A number between 0 and 1, a function of seed and place: SplitMix64 (Steele, Lea and Flood, OOPSLA 2014), its state by
- * place. */
+   place. */
 static double uniform(unsigned long long seed, unsigned long long place)
 {
     unsigned long long z = seed + (place + 1) * 0x9e3779b97f4a7c15ull;

@@ -133,7 +133,7 @@ int read_estimate(Cycle *c)
 }
 
 /* Whether the filter has lost a wheelset: its standard deviation at the rim exceeds the maximum, as if its sensor is
- * silent. */
+   silent. */
 static int is_lost(const Cycle *c, int group)
 {
     static const double MAX_DEVIATION = 1.0; /* m/s */

@@ -86,8 +86,7 @@ static int is_motion_plausible(Plausibility *checks, long long sample, const dou
     checks->max_speed = fmax(checks->max_speed, speed);
     const double tolerance = SPEED_SHARE * checks->max_speed + SPEED_FLOOR;
     /* The higher of two bounds: a plant may use an input a sample late. Time spent below the bound earns no credit for
-     * later.
-     */
+       later. */
     checks->fall = fmax(checks->fall - change - fmax(bound, checks->deceleration) * checks->period, 0.0);
     checks->rise = fmax(checks->rise + change - MAX_ACCELERATION * checks->period, 0.0);
     checks->deceleration = bound;
@@ -103,7 +102,7 @@ static int is_motion_plausible(Plausibility *checks, long long sample, const dou
 }
 
 /* Return 1 if the outputs of a sample are possible; `inputs` are those held during the step to it. Samples come in
- * order. */
+   order. */
 EXPORT int plausible(Plausibility *checks, long long sample, const double *outputs, const double *inputs)
 {
     const double speed = outputs[OUTPUT_SPEED], distance = outputs[OUTPUT_DISTANCE];

@@ -14,8 +14,8 @@ typedef struct {
     double clean, clean_A, clean_B;           /* friction of the clean rail, and its fall with slip speed */
     double A[WHEELSETS], B[WHEELSETS];        /* the same fall for the untreated rail, at each wheelset */
     double place[WHEELSETS], loss[WHEELSETS]; /* at the last sample: place, and slip energy [J/m] */
-    double energy_ahead[WHEELSETS],
-        energy_own[WHEELSETS]; /* energy in the present cell: by the wheelsets ahead [J/m], by this one [J] */
+    double energy_ahead[WHEELSETS];           /* energy in the present cell by the wheelsets ahead [J/m] */
+    double energy_own[WHEELSETS];             /* energy in the present cell by this wheelset [J] */
     long long cell[WHEELSETS];
     long long cells, begun;
 } Recovery;
@@ -30,9 +30,9 @@ typedef struct {
     double *deposited;      /* per cell: sand for the wheelsets to come [kg/m] */
     const double *position; /* distance of each wheelset behind the leading one */
     const Sander *sanders;
-    double origin, length; /* start of the first cell; length of a cell */
-    double mu0, density,
-        remaining_share;             /* friction with plenty of sand; sand for 63 % of the gain; share that stays */
+    double origin, length;           /* start of the first cell; length of a cell */
+    double mu0, density;             /* friction with plenty of sand; sand for 63 % of the gain */
+    double remaining_share;          /* sand behind a wheelset, as a share of the sand ahead of it */
     double density_ahead[WHEELSETS]; /* sand in the present cell [kg/m] */
     long long cell[WHEELSETS];
     long long count, cells, begun; /* count: number of sanders */
