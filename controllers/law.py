@@ -22,14 +22,14 @@ NOT_SEEN = float("nan")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tuning:
-    """Parameters of a law: finite numbers that are not negative, each with its unit and meaning in its type.
+    """Parameters of a law: finite numbers that are not negative; the type of each states its unit and meaning.
 
-    A parameter that is not searched has its value as default here; the others are in the law's sets.
+    Parameters that are not searched have a default; the values of the others are in the law's sets.
 
     Attributes:
-        LAW: Name of the law in a sentence.
-        POSITIVE: Names of those that must not be zero, either.
-        FIXED: Names of those that the scenario sets by other tables.
+        LAW: Name of the law in messages.
+        POSITIVE: Names of the parameters that must not be zero.
+        FIXED: Names of the parameters that other tables of the scenario set.
     """
 
     LAW: ClassVar[str] = ""
@@ -37,10 +37,10 @@ class Tuning:
     FIXED: ClassVar[frozenset[str]] = frozenset({"period"})
 
     def __post_init__(self) -> None:
-        """Refuse what would run and mean nothing.
+        """Check the parameters.
 
         Raises:
-            ValueError: A value is negative or not a finite number, or zero where it must not be.
+            ValueError: A value is negative or not finite, or zero where it must be positive.
         """
         for name, (unit, *_) in self.meanings().items():
             value = getattr(self, name)
@@ -74,8 +74,8 @@ class GroupObservation:
     Attributes:
         index: Number of the group as in FMI, 1 for the leading one.
         signals: Signals of the group and of the train, by name.
-        brake: The group's data by name.
-        train: Observations of every group, this one among them, lead to trail; complete once the demands are formed.
+        brake: The group's brake data by name.
+        train: Observations of all groups, leading group first; complete when the demands are formed.
     """
 
     index: int
@@ -105,14 +105,14 @@ def law(
     demand_with: Callable[[FormulaBuilder], Demand],
     observed: Sequence[Signal] = OBSERVED,
 ) -> Formula:
-    """Return the formula of a law that treats every group by itself.
+    """Return the formula of a law that forms the demand of one group at a time.
 
     Args:
         name: Name of the law.
         description: One line.
         groups: Number of groups.
-        demand_with: Declares the parameters and states that all groups share in the draft, and returns the demand of
-            one group.
+        demand_with: Function that declares in the draft the parameters and states that all groups share, and returns
+            a function for the demand of one group.
         observed: Signals of the observation, the inputs of the law.
     """
     draft = FormulaBuilder()
@@ -130,16 +130,16 @@ def law(
 
 
 class Law(Sampled):
-    """A control law at work on some groups.
+    """A control law with its parameters and states.
 
     Attributes:
-        needs: Estimates it cannot do without, of "adhesion" and "pad_friction".
+        needs: Estimates that it requires: "adhesion", "pad_friction".
     """
 
     needs: tuple[str, ...] = ()
 
     def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
-        """Control `groups`; `parameters` are those that are not of a group, by name."""
+        """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
         elements = enumerate(quantity.name.partition("[")[0] for quantity in formula.inputs)
         numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
@@ -166,9 +166,9 @@ class TypeTestEntry:
 
     Attributes:
         description: One line.
-        role: A baseline is what an entrant has to beat.
-        slip: Whether it is given an estimator or readings alone.
-        tuning: Name of its set.
+        role: Whether it is a baseline, or an entrant that has to beat the baselines.
+        slip: Whether it gets an estimator or readings alone.
+        tuning: Name of its set of parameters.
     """
 
     description: str
@@ -178,22 +178,22 @@ class TypeTestEntry:
 
 
 Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]
-"""Kind of actuation and how the law knows the slip → where each parameter is searched, on a logarithmic scale."""
+"""(Kind of actuation, source of the slip) → range of each searched parameter, on a logarithmic scale."""
 
 
 FULL_PRESSURE = frozenset({"pressure_max", "wheel_radius"})
-"""What a law uses of a brake that knows only all of it and none; the radius, for slip, is that of every law."""
+"""Brake data of a law that demands only zero or full pressure, or shares of it; every law needs the radius for slip."""
 
 
 class GroupLaw(Law):
-    """A control law of this project for single groups: all that is said of it, in one module of the folder `laws`.
+    """A built-in control law, declared in one module of the folder `laws`.
 
     Attributes:
         description: One line.
         tuning: Type of its parameters.
-        ranges: Where `railgrip maintain tune-control` searches.
-        entries: In the type test, by the name there.
-        brake_data: What it uses of the data of a `Brake`; of a train from outside no more has to be given.
+        ranges: Ranges in which `railgrip maintain tune-control` searches.
+        entries: Entries in the type test by name.
+        brake_data: Fields of `Brake` that it uses; a foreign train has to provide only these.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """
 
@@ -205,7 +205,7 @@ class GroupLaw(Law):
     valve_band: ClassVar[float | None] = None
 
     def __init__(self, groups: Sequence[Brake], tuning: Tuning = NO_PARAMETERS) -> None:
-        """Control `groups` with one `tuning`."""
+        """Control all `groups` with the same `tuning`."""
         super().__init__(self.formula_for(len(groups)), groups, asdict(tuning))
 
     @staticmethod
@@ -229,13 +229,13 @@ class GroupLaw(Law):
         """Return the parameters of one of the law's sets; without a file they are those of its type.
 
         Args:
-            actuation: Kind of it.
-            slip: How the law knows the slip.
-            name: Of the set.
-            others: Values in place of those of the set; names that are not parameters of this law are ignored.
+            actuation: Kind of actuation, "ideal" or "pneumatic".
+            slip: Whether the slip is read or estimated.
+            name: Name of the set.
+            others: Values that replace those of the set; names that are not parameters of this law are ignored.
 
         Raises:
-            ValueError: The set is not for this actuation, or a value means nothing.
+            ValueError: The set is not for this actuation, or a value is invalid.
         """
         module = Path(inspect.getfile(cls))
         file = module.with_name(tuned.file_of(module.stem, name))

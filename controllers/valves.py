@@ -1,4 +1,4 @@
-"""From demanded pressures to fill, hold and dump valves."""
+"""Commands for fill, hold and dump valves from demanded pressures."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -14,12 +14,12 @@ from railgrip.vehicle.signals import VALVE_INPUTS
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
 
 BAND = 6e3
-"""Half width [Pa] of the band in which valves hold: the shortest pulse, 20 ms, fills or vents some 15 kPa at mid
-pressure, and a band narrower than half of that would be jumped over. On the training rails 3 to 12 kPa move the mean
-distance of adhesion-based control by 0.2 %."""
+"""Half width [Pa] of the band in which valves hold: the shortest pulse, 20 ms, fills or vents some 15 kPa at medium
+pressure, so that it would skip a band narrower than half of that. On the training rails a half width of 3 to 12 kPa
+changes the mean distance of adhesion-based control by 0.2 %."""
 
 PULSE_MIN = 20e-3
-"""Shortest time [s] a valve stays as it is: valves with 20-40 ms of minimum pulse are in service."""
+"""Shortest time [s] between two switchings of a valve: valves in service have minimum pulses of 20-40 ms."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,23 +34,28 @@ class ValveModel:
     fill_time: Annotated[float, "s", "time constant of filling"]
     vent_time: Annotated[float, "s", "time constant of venting"]
     band: Annotated[float, "Pa", "half width of the band in which the valves hold"]
-    pulse_min: Annotated[float, "s", "shortest time a valve stays as it is"]
+    pulse_min: Annotated[float, "s", "shortest time between two switchings"]
 
 
 class ValveLogic(Sampled):
     """Three-state tracking of demanded pressures with a predictor over the dead time.
 
-    The pressure that matters for a command is the one when it takes effect, not the measured one: commands on their
-    way are run through the valve model first (Smith, 1957). A demand of zero or of full pressure is passed on at
-    once as dump or fill, so that two-level controllers work as they do with binary valves.
+    A command acts on the pressure at the end of the dead time, not on the measured one. That pressure is predicted by
+    a valve model with the commands that are still to take effect (Smith, 1957). A demand of zero or of full pressure
+    is passed on at once as dump or fill, so that two-level controllers work as with binary valves.
     """
 
     def __init__(self, supplies: Sequence[float], model: ValveModel) -> None:
-        """Serve groups whose highest pressures, those behind their fill valves, are `supplies` [Pa]."""
+        """Create the valves of all groups.
+
+        Args:
+            supplies: Pressure behind the fill valve of each group, the highest that its cylinders reach [Pa].
+            model: Dead times and time constants of the valves.
+        """
         delay = max(round(model.dead_time / model.period), 0)
         values = {f"supply[{g}]": supply for g, supply in enumerate(supplies, 1)}
         super().__init__(valve_logic(len(supplies), delay), values | asdict(model))
-        # A valve may act at once: it has been as it is for long.
+        # A valve may switch at the first command.
         self.state[[quantity.name.startswith("age") for quantity in self.formula.states]] = model.pulse_min
 
     def command(self, demands: Sequence[float], measured: Sequence[float] | NDArray[np.float64]) -> tuple[float, ...]:
@@ -82,6 +87,7 @@ def valve_logic(groups: int, delay: int) -> Formula:
         tracking = choose(pressure < demand - band, FILL, choose(pressure > demand + band, DUMP, HOLD))
         choice = choose(demand <= 0.0, DUMP, choose(demand >= supply, FILL, tracking))
         older = age + period
+        # Ages are sums of periods: the tolerance keeps rounding from adding a period to the shortest pulse.
         changed = choose(older >= pulse_min - 1e-9, choice, command)
         draft.keep(age, choose(changed == command, older, 0.0))
         draft.keep(command, changed)

@@ -8,29 +8,29 @@ import casadi as ca
 from railgrip.fmus.native.functions import in_c
 
 Pattern = tuple[tuple[int, ...], ...]
-"""Columns of a sparse matrix that may differ from zero, ascending, for each row."""
+"""For each row of a sparse matrix the columns that may differ from zero, ascending."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelInC:
-    """A prediction of n states and m outputs as C, for a filter of one shape.
+    """A prediction of n states and m outputs as C code.
 
-    The text defines three functions of the states `x` and of the filter's memory, with the inputs at
+    The text defines three functions of the states `x` and the filter's memory, in which the inputs are at
     `block + INPUT` and the prediction's parameters at `block + PARAMETERS`:
 
         static int slope(const double *block, const double *x, double *f);
         static int slope_and_jacobian(const double *block, const double *x, double *f, double *A);
         static int expected(const double *block, const double *x, double *h, double *H);
 
-    They write dx/dt, the outputs, and the entries of their Jacobians by rows, and return 0, or else something other.
+    They write dx/dt, the outputs, and the entries of their Jacobians by rows, and return 0 on success.
 
     Attributes:
-        derivative_pattern: Of ∂f/∂x, n rows.
-        output_pattern: Of ∂h/∂x, m rows.
-        inputs: How many.
-        parameters: How many.
+        derivative_pattern: Pattern of ∂f/∂x, n rows.
+        output_pattern: Pattern of ∂h/∂x, m rows.
+        inputs: Number of inputs.
+        parameters: Number of parameters.
         sizes: Macros that the text uses.
-        text: The C.
+        text: The C code.
     """
 
     derivative_pattern: Pattern
@@ -43,7 +43,7 @@ class ModelInC:
 
 def pattern_of(jacobian: ca.SX) -> Pattern:
     """Return the pattern of a sparse CasADi matrix."""
-    transposed = jacobian.sparsity().T  # CasADi counts down columns
+    transposed = jacobian.sparsity().T  # CasADi stores matrices by columns
     starts, columns = transposed.colind(), transposed.row()
     return tuple(tuple(columns[start:end]) for start, end in pairwise(starts))
 
@@ -76,7 +76,7 @@ static int expected(const double *block, const double *x, double *h, double *H)
 def model_in_c(
     x: ca.SX, u: ca.SX, p: ca.SX, derivative: ca.SX, output: ca.SX, derivative_jacobian: ca.SX, output_jacobian: ca.SX
 ) -> ModelInC:
-    """Return f, h and their sparse Jacobians, expressions of x, u and p, as C."""
+    """Return f, h and their sparse Jacobians, expressions in x, u and p, as C code."""
     # Jacobians transposed, because CasADi stores columns and step.h reads rows.
     functions = [
         ca.Function("casadi_slope", [x, u, p], [derivative]),

@@ -10,13 +10,13 @@ from railgrip.controllers.laws.slip_two_state import SlipLevels, SlipTwoState
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HoldingLevels(SlipLevels):
-    """Slip levels between which the pressure stays as it is."""
+    """Slip levels; the pressure is held between them."""
 
     hold: Annotated[float, "1", "1: between the levels the pressure stays; 0: the last action goes on", 1.0] = 1.0
 
 
 class SlipThreeState(SlipTwoState):
-    """Fill below the low level, vent above the high one; between the levels the pressure stays as it is."""
+    """Fill below the low level, vent above the high one and hold in between."""
 
     tuning = HoldingLevels
     entries: ClassVar[Mapping[str, TypeTestEntry]] = {

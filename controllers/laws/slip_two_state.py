@@ -1,4 +1,4 @@
-"""Slip-based two-level control (SBC): the state of the art that adhesion-based control is measured against."""
+"""Slip-based two-level control (SBC): the reference that the paper compares adhesion-based control with."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class SlipLevels(Tuning):
     FIXED: ClassVar[frozenset[str]] = frozenset({"hold"})
 
     def __post_init__(self) -> None:
-        """Refuse levels that cannot switch.
+        """Check the parameters.
 
         Raises:
             ValueError: See `Tuning`; or not 0 < low < high < 1.
@@ -40,7 +40,7 @@ class SlipLevels(Tuning):
 
 
 class SlipTwoState(GroupLaw):
-    """Apply below the low level, release above the high one; between the levels the last action goes on.
+    """Apply below the low level, release above the high one; between the levels the last action continues.
 
     Source: Schwarz, Posielek, Goetjes (2021), §4: s_low = 10 %, s_high = 15 %. Before the first reading of the speed
     (NaN) the slip is unknown, and the brake is applied.

@@ -1,4 +1,4 @@
-/* The one function that Python calls: the widest step this machine can take. */
+/* The function that Python calls: the step with the widest vectors that this machine supports. */
 #if defined(_WIN32)
 #define EXPORT __declspec(dllexport)
 #else
@@ -11,8 +11,8 @@ int step_wide(double *block);
 #if defined(__x86_64__)
 #include <cpuid.h>
 
-/* Whether processor and operating system have AVX2. Not __builtin_cpu_supports: in a shared library it needs a symbol
-   that not every compiler's runtime can give. */
+/* Whether processor and operating system support AVX2. Not __builtin_cpu_supports: in a shared library it requires a
+   symbol that some compilers' runtimes lack. */
 static int has_avx2(void)
 {
     unsigned a, b, c, d, saved, unused;
@@ -38,7 +38,7 @@ int dispatch(double *block)
 }
 #endif
 
-/* Not called from within the library: the C library also has a `step`, which would be called instead. */
+/* Not called within this library: the C library also has a `step`, which the linker might choose. */
 EXPORT int step(double *block)
 {
     return dispatch(block);

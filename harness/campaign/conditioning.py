@@ -177,7 +177,6 @@ def _with_vehicle(stop: PlannedStop, suffix: str, **vehicle: object) -> PlannedS
 
 
 def _repeat(stop: PlannedStop, suffix: str, **tables: object) -> PlannedStop:
-    """Return a stop with other tables of its scenario; its trace is not kept."""
     scenario = stop.scenario.model_copy(update=tables)
     return replace(stop, name=f"{stop.name}-{suffix}", scenario=scenario, keep_trace=False)
 

@@ -180,7 +180,6 @@ def _report(stop: PlannedStop, state: Literal["found", "done"], outcome: Outcome
 
 
 def _perform_far(order: _StopOrder, runner: Runner) -> tuple[Report, Mapping[str, bytes]]:
-    """Run one stop on another machine; return the report and its files."""
     with scratch("far") as folder:
         report, _ = _perform(replace(order, folder=folder / order.stop.name), runner)
         files = {path.name: path.read_bytes() for path in (folder / order.stop.name).glob("*")}

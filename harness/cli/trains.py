@@ -34,7 +34,7 @@ TrainFile = Annotated[
     typer.Argument(
         metavar="TRAIN",
         autocompletion=complete("trains"),
-        help="A train: a file (*.toml), or the name of one of ours, such as emu387.",
+        help="A train: a file (*.toml), or a name from railgrip list, such as emu387.",
     ),
 ]
 

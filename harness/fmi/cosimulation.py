@@ -57,11 +57,6 @@ class CoSimulation(LoadedPlant):
     """A co-simulation FMU 2.0 in this process, stepped in C."""
 
     def _prepare(self, instance: Instance) -> None:
-        """Allocate the buffers; compile the step, once on a machine.
-
-        Raises:
-            railgrip.base.errors.CompilerMissing: No C compiler was found.
-        """
         sending, receiving = self._binding.inputs, self._binding.outputs
         self._inputs, self._outputs = np.zeros(sending.size), np.zeros(self._places.size)
         self._is_full = self._places.size == self._blank.size
@@ -82,7 +77,6 @@ class CoSimulation(LoadedPlant):
         self._step, self._address = _step(), ctypes.c_void_p(self._struct.address)
 
     def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
-        """Write a channel to its struct; its values are at `positions` in the vector."""
         is_integer = channel.carrier != "Real"
         buffer = np.zeros(len(channel.references), dtype=np.intc if is_integer else np.float64)
         places = np.ascontiguousarray(positions, dtype=np.longlong)
@@ -130,7 +124,7 @@ class CoSimulation(LoadedPlant):
         rows, width = np.ascontiguousarray(inputs, dtype=np.float64), self._inputs.size
         if rows.ndim != 2 or rows.shape[1] != width or not np.all(np.isfinite(rows)):
             found = f"shape {rows.shape}" if rows.ndim != 2 or rows.shape[1] != width else "a value that is none"
-            raise FmuError(f"follow: wants rows of {width} finite inputs, got {found}.")
+            raise FmuError(f"follow: expects rows of {width} finite inputs, got {found}.")
         library, outputs, plan = (
             kernel_library(*_KERNEL),
             np.empty((len(rows), self._outputs.size)),

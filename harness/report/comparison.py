@@ -189,7 +189,7 @@ def compare(*results: Comparable) -> Comparison:
     """
     if not 2 <= len(results) <= len(ascii_uppercase):
         raise RecordError(
-            f"compare: two to {len(ascii_uppercase)} results are wanted, got {len(results)}; name their folders"
+            f"compare: expects two to {len(ascii_uppercase)} results, got {len(results)}; name their folders"
         )
     campaigns = [_is_campaign(result) for result in results]
     if any(campaigns) and not all(campaigns):
@@ -296,7 +296,6 @@ def _distance_sentence(letter: str, first: StopRecord, other: StopRecord) -> str
 
 
 def _where(letter: str, lost: Loss) -> list[str]:
-    """Return sentences on the sections with the largest differences; empty if the stops do not differ."""
     sections = sorted(lost.sections, key=lambda section: -abs(section.lost))
     sentences: list[str] = []
     if abs(lost.at_start) >= 0.005:
@@ -339,7 +338,6 @@ def _sections(letter: str, lost: Loss) -> ReportTable:
 
 
 def _question(questions: Sequence[Mapping[str, Any]]) -> ReportTable:
-    """Return the keys whose values differ, starting with those of the scenario."""
     letters = ascii_uppercase[: len(questions)]
     keys = dict.fromkeys(key for question in questions for key in question)
     rows = [
@@ -382,7 +380,6 @@ _Figures = Mapping[str, tuple[float, str]]
 
 
 def _answer(sides: Sequence[ComparisonSide], figures_of: Callable[[Metrics], _Figures], title: str) -> ReportTable:
-    """Return the figures that differ, with the differences to the first stop."""
     letters = ascii_uppercase[: len(sides)]
     figures = [figures_of(side.record.figures) for side in sides]
     rows: list[dict[str, Any]] = []

@@ -229,7 +229,6 @@ def _hidden_axes(stops: Sequence[Result]) -> tuple[str, ...]:
 
 
 def _friction(adhesion: Mapping[str, Any]) -> str:
-    """Return the maximum friction of a constant rail, and of its patches."""
     if adhesion["kind"] != "constant":
         return ""
     patches = sorted({value for patch in adhesion.get("patch", ()) for value in patch["mu0"]})

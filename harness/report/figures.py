@@ -114,7 +114,6 @@ def _rail(adhesion: Mapping[str, Any]) -> str:
 
 
 def _variants(here: Sequence[Result], rails: Sequence[Sequence[Result]]) -> str:
-    """Return the variants that distinguish the stops on a rail from those on all other rails."""
     parts: list[str] = []
     for axis in here[0].variants:
         here_only = list(dict.fromkeys(stop.variants.get(axis, "") for stop in here))
@@ -311,7 +310,6 @@ def _wide(groups: int) -> int:
 
 
 def _columns(groups: int, rows: int) -> tuple[Figure, np.ndarray]:
-    """Return a figure and its panels, shape (rows, groups), in as many bands as their width requires."""
     bands = ceil(groups / _MAX_COLUMNS)
     wide = _wide(groups)
     above, below, between, block = 0.77, 0.5, 0.85, 0.03 + 1.94 * rows  # inches

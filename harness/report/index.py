@@ -106,7 +106,6 @@ def _with_stops(
     notes: Sequence[str],
     reference: ReferenceVariant | None,
 ) -> Page:
-    """Write the table of a campaign and the pages of its stops; return the page of the campaign."""
     notify("table")
     write_table(results, directory, notes)
     single = [stop for stop in results.stops if DRAW not in stop.variants]
@@ -199,7 +198,6 @@ def _legend(rows: Sequence[Row]) -> list[str]:
 
 
 def _scenarios(stops: Sequence[Result]) -> ReportTable:
-    """Return names and kinds of the rails, and the seeds that they were drawn with."""
     of_name: dict[str, list[Result]] = {}
     for stop in stops:
         of_name.setdefault(stop.record.scenario["name"], []).append(stop)
@@ -222,12 +220,10 @@ def _scenarios(stops: Sequence[Result]) -> ReportTable:
 
 
 def _train(vehicle: Mapping[str, Any]) -> str:
-    """Return the source of a stop's plant, as its scenario names it."""
     return str(next((vehicle[key] for key in ("train", "model", "plant") if vehicle.get(key)), "unknown"))
 
 
 def _provenance(results: Results) -> dict[str, str]:
-    """Return versions that the stops were run with, a digest of scenarios and results, and the dates of the runs."""
     versions: dict[str, set[str]] = {}
     for stop in results.stops:
         for name, version in stop.record.versions.items():

@@ -18,7 +18,7 @@ _AMBIENT: Final = 101325.0  # Pa
 
 
 class Clause(Table):
-    """One line of the verdict: a figure, what it must not pass, and the name it has in the standard."""
+    """One line of the verdict: a figure, its limit, and its name in the standard."""
 
     clause: str
     limit: Number | None = Field(default=None, description="in SI units; without one the figure is not judged")
@@ -28,7 +28,7 @@ class Clause(Table):
 
 
 class Supply(Table):
-    """Air for the brakes, where the plant has no reservoir of its own."""
+    """Air supply of the brakes for plants without a reservoir."""
 
     volume: Annotated[float, UnitRange("m3", above=0, at_most=100)]
     pressure: Annotated[float, UnitRange("Pa", above=0, at_most=2e6)] = Field(description="when the stop begins, gauge")
@@ -64,7 +64,7 @@ class AssessmentLimits(Table):
         """Return for each clause whether its value keeps the limit; None where the clause is not judged.
 
         Args:
-            values: Clause → value in SI units, None where there is none.
+            values: Clause → value in SI units, or None if it is missing.
             adhesion: At the first slide; without it, clauses that are quoted for a range of adhesion are not judged.
         """
         verdicts: dict[str, bool | None] = {}
@@ -102,7 +102,7 @@ SUBJECTS: Final = {
     "reservoir": "air in the reservoir",
     "utilisation": "use of the adhesion",
 }
-"""Clause → what it limits, for readers."""
+"""Clause → name of the limited quantity for readers."""
 
 _MINIMA: Final = ("reservoir", "utilisation")
 """Clauses whose limit is a minimum; the limits of the others are maxima."""

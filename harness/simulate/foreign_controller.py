@@ -88,7 +88,7 @@ def binding_of(
     if len(decisions) != 1:
         names = " and ".join(decisions) or "neither demand nor command"
         raise FmuError(
-            f"{where}: {file} gives {names}; wanted is one of demand [Pa] and command of the {groups} groups: say "
+            f"{where}: {file} gives {names}; expected is either demand [Pa] or command of the {groups} groups: state "
             'which variables they are, as in demand = "pressure[{i}]".'
         )
     if decisions == ["command"] and scenario.actuation.kind != "pneumatic":

@@ -206,7 +206,6 @@ class _UserObjects:
     classes: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
     def part(self, role: Role, table: object, instance: object) -> Any:
-        """Return the user-defined object for a part; None if the part is built-in."""
         if not isinstance(table, Custom):
             return None
         user_object = part_of(table, role, self.objects.folders) if instance is None else instance
@@ -243,7 +242,6 @@ def _estimator(
     stack: ExitStack,
     notify: Callable[[str], None],
 ) -> tuple[StateEstimator | custom.CustomEstimator | None, frozenset[str]]:
-    """Return the estimator of a stop, and the names of its estimates; a prediction FMU is added to `fmus`."""
     scenario = vehicle.scenario
     if (estimator := user_objects.part("estimators", scenario.estimator, user_objects.objects.estimator)) is not None:
         custom_estimator = custom.CustomEstimator(estimator, vehicle.nominal.formation)
@@ -267,7 +265,6 @@ def _sensors(vehicle: VehicleData, user_objects: _UserObjects, radius: float) ->
 def _signals(
     vehicle: VehicleData, of_controller: Sequence[Signal], filter_: object, estimates: Collection[str]
 ) -> tuple[Signal, ...]:
-    """Return the signals of a stop in the order of the trace."""
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
         *layout.signals["output"],
@@ -282,7 +279,6 @@ def _signals(
 
 
 def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
-    """Raise an error for a driver's demand if the controller commands the valves."""
     if commands_valves and scenario.demand is not None:
         raise ScenarioError(
             f"{scenario.name}: [demand] limits the pressures that a controller demands, but that of [controller] "
@@ -291,7 +287,6 @@ def _require_demand(scenario: Scenario, *, commands_valves: bool) -> None:
 
 
 def _require_estimates(scenario: Scenario, controller: LoopController, estimates: Collection[str]) -> None:
-    """Raise an error for a law that needs quantities that are not estimated."""
     missing = [name for name in getattr(controller, "needs", ()) if name not in estimates]
     if missing:
         choice = ", ".join(sorted(estimates)) or "nothing"

@@ -1,4 +1,4 @@
-"""The signals of a stop, each named once: what parts exchange and what a trace holds follows from these tables."""
+"""The signals of a stop: these tables determine what the parts of a stop exchange, and the content of a trace."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -14,10 +14,10 @@ class Signal:
     """One column or one block of columns of a trace.
 
     Attributes:
-        name: Of the variable; the plant's output of the same name, or with a prefix who says it.
-        extent: What it has one value of each: the train, each group, each wheelset, each coupler of two cars.
-        unit: SI, "1" for ratios.
-        meaning: For axes and for readers of the file.
+        name: Name of the variable: that of the plant's output, with a prefix if it comes from another part.
+        extent: What has one value: the train, each group, each wheelset, or each coupler between two cars.
+        unit: SI unit, "1" for ratios.
+        meaning: Label of axes, and description in files.
     """
 
     name: str
@@ -72,7 +72,7 @@ PLANT = (
     Signal("locked", "group", "1", "1 while the wheelsets are locked"),
     Signal("standstill", "train", "1", "1 once the train stands"),
 )
-"""Truth: the plant's outputs. The trace has them all; what a plant lacks is not a number."""
+"""True values: outputs of the plant. The trace has all of them, with NaN for those that a plant lacks."""
 
 EXTRA = (
     Signal("contact_force", "wheelset", "N", "force of rail or roller along the track, positive in braking"),
@@ -92,7 +92,7 @@ SENT = (
     Signal("mu0", "wheelset", "1", "maximum friction at the wheelset"),
     Signal("track_force", "train", "N", "force of the track, forward positive"),
 )
-"""What the plant was given; its inputs have these names and are bound by them, see `railgrip.simulate.plant`."""
+"""Inputs of the plant, which are bound by these names; see `railgrip.simulate.plant`."""
 
 CURVE = (
     Signal("curve_k_A", "wheelset", "1", "Polach's k_A of the creep curve at the wheelset"),
@@ -100,14 +100,14 @@ CURVE = (
     Signal("curve_A", "wheelset", "1", "friction at infinite slip speed over maximum friction, at the wheelset"),
     Signal("curve_B", "wheelset", "s/m", "decay of friction with slip speed, at the wheelset"),
 )
-"""Inputs that follow those of `SENT` where the creep curve is not one for the whole rail."""
+"""Inputs that follow those of `SENT` on a rail with several creep curves."""
 
 DEMANDED = (Signal("demand", "group", "Pa", "brake cylinder pressure that the controller demands"),)
-"""What the controller decided; absent from the trace of a stop whose controller commands valves itself."""
+"""Decisions of the controller; absent from the trace of a stop whose controller commands valves."""
 
 
 def of_law(states: Iterable[tuple[str, str, str]]) -> tuple[Signal, ...]:
-    """Return the signals of a law's states that are shown; `states` are name, `x[1]` of a group, unit and meaning.
+    """Return the signals of a law's visible states; `states` are name (`x[1]` for a group), unit and meaning.
 
     Elements of groups are contiguous for each name.
     """
@@ -132,7 +132,7 @@ READINGS = (
     Signal("reading_acceleration", "train", "m/s2", "read acceleration of the train"),
     Signal("reading_cylinder_pressure", "group", "Pa", "read brake cylinder pressure"),
 )
-"""What all sensors showed."""
+"""Readings of all kinds of sensors."""
 
 
 def reading_of(signal: Signal) -> Signal:
@@ -151,7 +151,7 @@ EXTRA_READINGS = (
     Signal("reading_longitude", "train", "deg", "read longitude"),
     Signal("reading_height", "train", "m", "read height above the ellipsoid"),
 )
-"""Readings that follow those of `READINGS` in the trace of a train whose [sensors] ask for them."""
+"""Readings that follow those of `READINGS` in the trace if [sensors] requests them."""
 
 BELIEVED = (
     Signal("estimate_speed", "train", "m/s", "estimated speed of the train"),
@@ -165,19 +165,19 @@ SPREAD = (
     Signal("estimate_adhesion_sd", "group", "1", "standard deviation of the estimated adhesion"),
     Signal("estimate_pad_friction_sd", "group", "1", "standard deviation of the estimated pad friction"),
 )
-"""How sure it was of them."""
+"""Standard deviations of estimates."""
 
 INNOVATION = (
     Signal("estimate_nis", "train", "1", "normalised innovation squared of the estimator's last step"),
     Signal("estimate_readings", "train", "1", "readings that this step used, the degrees of the former"),
 )
-"""How far the readings were from what the estimator expected, in its own claim."""
+"""Deviation of the readings from those that the estimator expected, relative to its covariance."""
 
 REFERENCE = (
     Signal("reference_speed", "train", "m/s", "speed that the estimator was given, of the radar or a rolling wheel"),
     Signal("test_release", "group", "1", "1 while the brake is released for a reference speed"),
 )
-"""What was done about a silent radar; absent from the trace of a stop whose estimator has no free_wheels."""
+"""Replacement of a missing radar reading; absent from the trace of a stop whose estimator has no free_wheels."""
 
 ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "1", "estimated slip"))
 """Estimates; absent from the trace of a stop without an estimator."""

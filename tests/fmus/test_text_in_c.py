@@ -180,9 +180,9 @@ def test_a_class_name_is_plain_identifiers(tmp_path: Path, name: str):
     """It is part of file names, and of the script that OpenModelica runs."""
     file = tmp_path / "M.mo"
     file.write_text(MODEL)
-    with pytest.raises(InputError, match="is no name of a Modelica class"):
+    with pytest.raises(InputError, match="is not the name of a Modelica class"):
         build_class(name, file, compiler="native")
-    with pytest.raises(InputError, match="is no name of a Modelica class"):
+    with pytest.raises(InputError, match="is not the name of a Modelica class"):
         lower(name, file)
 
 

@@ -178,7 +178,7 @@ def test_recovery_that_contradicts_the_scenario_is_refused(scenario, changes, wo
 def test_a_plant_without_loads_or_places_is_refused():
     shown = truth(0.0)
     shown[LAYOUT.output["wheelset_load"]] = np.nan
-    with pytest.raises(ScenarioError, match="does not show adhesion and wheelset_load"):
+    with pytest.raises(ScenarioError, match="does not output adhesion and wheelset_load"):
         rail().check_plant(shown)
     constant_rail(0.1).check_plant(shown)
     nowhere = replace(TWO_PART_TRAIN, wheelset_position=())

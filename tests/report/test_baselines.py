@@ -132,7 +132,7 @@ def test_a_wrong_baseline_file_is_refused_with_its_key(tmp_path):
     with pytest.raises(ScenarioError) as refusal:
         load_baseline(path)
     assert "b.toml: [accepted.x] tolerance is 0; input should be greater than 0" in str(refusal.value)
-    assert "b.toml: [accepted.x] has no 'reason'; it is wanted and has no default" in str(refusal.value)
+    assert "b.toml: [accepted.x] has no 'reason'; it is required" in str(refusal.value)
 
 
 def study(**figures):

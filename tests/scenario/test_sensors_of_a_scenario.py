@@ -250,8 +250,8 @@ def test_deflections_show_the_rail_as_a_frame_answers_to_it():
 @pytest.mark.parametrize(
     ("sheet", "sentence"),
     [
-        ({"speed": {"drift": "1 %"}}, r"\[sensors.speed\] drift and drift_time want each other"),
-        ({"speed": {"dropout_time": "1 s"}}, r"\[sensors.speed\] dropouts and dropout_time want each other"),
+        ({"speed": {"drift": "1 %"}}, r"\[sensors.speed\] drift and drift_time belong together"),
+        ({"speed": {"dropout_time": "1 s"}}, r"\[sensors.speed\] dropouts and dropout_time belong together"),
         ({"speed": {"drift": "2 m/s", "drift_time": "1 s"}}, r"drift"),
         ({"deflection": {"irregularity": {"track": "uic"}}}, r"track is 'uic'; there is 'erri-low'"),
     ],

@@ -25,7 +25,7 @@ FREE = 1.01325e5
 class ReadingFault:
     """A sensor whose reading is changed while the fault lasts.
 
-    An instant without a new reading has none with a fault, either. A dead sensor delivers no new reading; a stuck one
+    A fault does not create a reading at an instant without one. A dead sensor delivers no new reading; a stuck one
     repeats its last reading, or its first one if nothing was read before.
 
     Attributes:

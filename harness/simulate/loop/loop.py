@@ -109,7 +109,7 @@ class Loop:
                 demands = decide(observation)
             except ControllerFailed as failed:
                 return self._end(Outcome.CONTROLLER_FAILED, str(failed))
-            self._demand[:] = demands
+            self._demand[:] = demands  # copied, because the cycle in C reads this memory
         assert self.ending is not None
         return self.ending
 
@@ -138,6 +138,7 @@ class Loop:
                 self._end(Outcome.CONTROLLER_FAILED, str(failed))
                 return
             except BaseException:
+                # A failed plant and Ctrl-C, too: the rows that were written remain usable.
                 self._finish()
                 raise
             yield observe()
@@ -152,6 +153,7 @@ class Loop:
 
     def _begin_block(self) -> None:
         sensors, sample = self._parts.sensors, self._cycle.sample
+        # The noise of a block is used up: drawing a block at once is faster than drawing at each reading.
         if isinstance(sensors, WhiteSensors | ServiceSensors) and sample % (BLOCK * self._parts.clock.sensors) == 0:
             sensors.draw()
         if self._progress is not None and sample > 0:
@@ -168,6 +170,7 @@ class Loop:
         limits = self._parts.limits
         assert limits is not None
         self._demand[:] = limits.limit(self._demand, self._observe())
+        # Once this is set, the cycle itself checks demands, and calls Python only for those beyond the limits.
         self._onboard.is_pascal = limits.is_pascal
 
     def _advance_filter(self) -> None:
@@ -181,7 +184,6 @@ class Loop:
         self.structs.filter.target("squared_innovation")[0] = estimator.filter.squared_innovation
 
     def _outcome(self, due: int) -> tuple[Outcome, str]:
-        """Return outcome and reason from the return value of the cycle."""
         functions, cycle, output = self._functions, self._cycle, self._parts.layout.output
         clock, time = self._parts.clock, self._time
         speed, distance = (float(self._outputs[output[name].start]) for name in ("speed", "distance"))
@@ -214,18 +216,14 @@ class Loop:
         return self.ending
 
     def _finish(self) -> None:
-        """Complete the rows that were written.
-
-        Values derived from the estimates are computed for all rows at once: slips, and standard deviations from
-        variances. Adhesion is a force, which the readings determine, over a load, which they do not: the relative error
-        of the load adds to its own.
-        """
+        # Slips and standard deviations are computed for all rows at once, which is faster than in each sample.
         recorder, estimator = self._parts.recorder, self._parts.estimator
         recorder.written = min(self.structs.record.pointer.written, len(recorder.rows))
         if not isinstance(estimator, StateEstimator):
             return
         rows, columns = recorder.rows[: recorder.written], recorder.columns
         variance = rows[:, recorder.block(SPREAD)]
+        # Adhesion is force over load. The readings determine only the force, so the load adds its relative error.
         load_error = estimator.load_deviation * rows[:, columns["estimate_adhesion"]]
         rows[:, columns["estimate_adhesion_sd"]] += load_error**2
         np.sqrt(variance, out=variance)

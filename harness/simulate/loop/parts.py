@@ -175,7 +175,7 @@ class LawStates:
 class Clock:
     """Integer time: everything happens at whole multiples of the communication period.
 
-    A part is due at the first sample at or after each multiple of its own period.
+    A part is due at the first sample at or after each multiple of its period.
 
     Attributes:
         estimator: Period of the estimator in communication periods; need not be a whole number.

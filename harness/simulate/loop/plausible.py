@@ -67,7 +67,7 @@ def slowing_of(mass: float, *, is_known: bool, drag: float = 0.0, track_brakes: 
 
 _CHECKS = {
     "START_SPEED": ("speed", "m/s", "[start] speed asks for {expected}"),
-    "START_DISTANCE": ("distance", "m", "it counts from the brake demand, and {expected} is wanted there"),
+    "START_DISTANCE": ("distance", "m", "it counts from the brake demand, and {expected} is expected there"),
     "SPEED": (
         "speed",
         "m/s",

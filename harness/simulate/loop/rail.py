@@ -129,7 +129,6 @@ class SandedRail:
 
 
 def _cells(formation: Formation, reach: float) -> tuple[Vector, float, Vector]:
-    """Return positions of wheelsets, start of the first cell, and empty cells of a rail as far as `reach` [m]."""
     position = formation.position
     assert position is not None  # or the friction profile has refused it
     origin = -float(position[-1]) - _CELL
@@ -199,6 +198,6 @@ class TabulatedRail:
         """
         if self.field is not None and any(np.isnan(truth[place]).any() for place in self._energy_places):
             raise ScenarioError(
-                "[adhesion.recovery] wants the energy of the slip, and the plant does not show adhesion and "
+                "[adhesion.recovery] needs the energy of the slip, but the plant does not output adhesion and "
                 "wheelset_load of each wheelset: leave it out, or add these outputs by [vehicle.map]"
             )

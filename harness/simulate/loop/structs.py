@@ -62,6 +62,7 @@ def structs_of(parts: Parts, plausibility: Plausibility, inputs: Vector, outputs
 
 def _plant(parts: Parts, inputs: Vector, outputs: Vector) -> Struct:
     layout, plant = parts.layout, parts.plant
+    # A plant without slip outputs leaves NaN there; the cycle then computes slip from speed and wheel speed.
     has_slip = not np.isnan(outputs[layout.output["slip"]]).any()
     radius = None if has_slip else np.array(layout.formation.wheel_radius, dtype=np.float64)
     if not isinstance(plant, CoSimulation):

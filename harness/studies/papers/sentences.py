@@ -8,16 +8,16 @@ from scipy.ndimage import uniform_filter1d
 from railgrip.trace.stop import Stop
 
 LIMIT = 0.15
-"""Adhesion that the paper allows, after the TSI."""
+"""Limit of adhesion in the paper, from the TSI."""
 
 COUPLED, LAST_RISE = (9.0, 16.0), 25.0
-"""When adhesion is below the greatest possible, and when friction rises last, after the text of the paper [s]."""
+"""Times of adhesion below the maximum possible, and of the last rise of friction, from the text of the paper [s]."""
 
 _SMOOTHED = 0.2  # s; slower changes follow the friction of the rail, faster ones are chatter
 
 
 def course_of_adhesion(stop: Stop) -> dict[str, Any]:
-    """Return how a stop uses the adhesion of the rail, by name.
+    """Return measures of a stop's use of the rail's adhesion, by name.
 
     `duration` [s]. Of wheelset 1: `used`, adhesion over the greatest possible up to the limit, means before, in and
     after `COUPLED`; `chatter`, rms deviation of adhesion from its mean over 0.2 s, before and after `LAST_RISE`. Of

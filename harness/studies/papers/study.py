@@ -107,6 +107,6 @@ class Papers(Study):
 
 
 KNOWN = 8
-"""Best fits of the last search that a new one goes on from."""
+"""Best fits of the last search, from which a new one continues."""
 
 STUDY = Papers

@@ -25,9 +25,9 @@ from railgrip.studies.type_test.design import FAULTS, TRAINING_SEED, Case, cases
 LIBRARY = Path(__file__).parent / "library"
 _SCENARIOS = Path(__file__).parents[2] / "scenario"
 _ANY_TRAIN = {"free_wheels": True, "load_deviation": 0.1}
-"""Radars fail, and passengers, a fifth of a railcar's mass, are not weighed."""
+"""Radars fail, and the mass of passengers, a fifth of a railcar's mass, is unknown."""
 _FILTER = {"model": "TrainPredictionDisturbed", **_ANY_TRAIN}
-"""Estimator of the built-in train, the same for all entrants with estimates: one that does not know the gradient."""
+"""Estimator of the built-in train for all entrants with estimates; it does not know the gradient."""
 _OF_THE_TRAIN = ("vehicle", "sensors", "actuation", "estimator", "periods", "limits")
 
 
@@ -45,12 +45,12 @@ class Entrant(Table):
 
     @property
     def tables(self) -> dict[str, Any]:
-        """What it lays over a case."""
+        """Tables that override those of a case."""
         return dict(self.model_extra or {})
 
 
 def entrants() -> dict[str, Entrant]:
-    """Return those of this project, by name: references first, then baselines."""
+    """Return the built-in entrants by name: references first, then baselines."""
     tables = dict(read_toml(LIBRARY / "entrants.toml"))
     for kind in registry.modules(registry.LAWS):
         law = registry.part(registry.LAWS, kind, GroupLaw)
@@ -71,7 +71,7 @@ def entrants_named(arguments: Sequence[str], ours: Mapping[str, Entrant]) -> dic
     """Return the entrants that a user names: built-in ones, [controller] and [estimator] of a scenario, an FMU,
     module:Class.
 
-    An FMU and a class are shown what the filter of the train estimates; a scenario may say otherwise.
+    An FMU and a class get the estimates of the train's filter, unless a scenario specifies another estimator.
 
     Raises:
         ScenarioError: The entrant does not exist.
@@ -112,7 +112,6 @@ def _entrant_of_user(argument: str, ours: Mapping[str, Entrant]) -> tuple[str, E
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the tables of a scenario; its files are found from any folder."""
     tables = read_scenario(path)
     return OtherFileString.within(tables.table, tables.directory.resolve())
 
@@ -124,7 +123,7 @@ def _entrant_of(description: str, tables: Mapping[str, Any]) -> Entrant:
 def train_of(argument: str | None) -> dict[str, Any]:
     """Return the tables of a train with valves and service sensors.
 
-    It is ours, a recipe, an FMU, that of a scenario, or one in a train file, which the decentralised filter knows.
+    The train is built-in, a recipe, an FMU, that of a scenario, or one in a train file, for the decentralised filter.
 
     Raises:
         ScenarioError: The train does not exist.
@@ -174,11 +173,11 @@ def task_of(path: Path) -> dict[str, Any]:
 
 
 _TRAINING_SPEED = 60 / 3.6
-"""m/s. Fastest start of a stop that controllers are tuned on: what a law does shows in a short one as well."""
+"""Maximum initial speed of training stops [m/s]: a short stop is sufficient to evaluate a law."""
 
 
 def training_cases(count: int) -> list[Case]:
-    """Return a number of short cases of the set that controllers are tuned on."""
+    """Return a number of short cases of the training set."""
     return [replace(case, speed=min(case.speed, _TRAINING_SPEED)) for case in cases(count, TRAINING_SEED)]
 
 
@@ -204,11 +203,11 @@ def campaign_of(
     task: Mapping[str, Any] | None = None,
     keep_traces: bool = False,
 ) -> Campaign:
-    """Return the stops of a type test: each case with everyone who takes part.
+    """Return the stops of a type test: each case with each entrant.
 
     Args:
         design: The cases.
-        taking_part: By name.
+        taking_part: Entrants by name.
         train: Tables of the train, `train_of`.
         task: Tables that override those of every case, `task_of`; full brake without it.
         keep_traces: Whether each stop leaves its trace.
@@ -225,7 +224,7 @@ def campaign_of(
         for name, entrant in taking_part.items():
             task_table = dict(task or {})
             if entrant.role == "bound":
-                task_table.pop("demand", None)  # it brakes with all there is, whatever the demand
+                task_table.pop("demand", None)  # it always brakes fully, independent of the demand
             scenario = scenario_of(
                 merge(merge(of_case, task_table), entrant.tables),
                 directory=LIBRARY,
