@@ -7,6 +7,7 @@ from types import MappingProxyType
 from railgrip.controllers.brake import by_name
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.vehicle.signals import REFERENCE_INPUTS
 
 PARAMETERS = MappingProxyType(
     {
@@ -55,10 +56,8 @@ def free_wheel(groups: int) -> Formula:
     reference speed are common practice without radar (Pugi et al., Railway Engineering Science 31 (2023) 108).
     """
     draft = FormulaBuilder()
-    speed = draft.input("speed", "m/s", "reading of the train speed; NaN while there is none")
     numbers = range(1, groups + 1)
-    wheels = [draft.input(f"wheelset_speed[{g}]", "rad/s", "newest reading") for g in numbers]
-    pressures = [draft.input(f"pressure[{g}]", "Pa", "newest reading of the brake cylinder pressure") for g in numbers]
+    (speed,), wheels, pressures = draft.vector(REFERENCE_INPUTS, groups)
     t = {name: draft.parameter(name, unit, text) for name, (unit, text) in PARAMETERS.items()}
     period = t["period"]
     silent = draft.state("silent", "s", "since the last reading of the speed")
@@ -99,7 +98,7 @@ def free_wheel(groups: int) -> Formula:
     draft.keep(turn, choose(over, choose(turn + 1.0 < groups, turn + 1.0, 0.0), turn))
     for g in numbers:
         release = choose(every(testing, turn == groups - g), 1.0, 0.0)
-        draft.output(f"release[{g}]", "1", "1 while the group is to be released", release)
+        draft.output(f"test_release[{g}]", "1", "1 while the group is to be released", release)
     return draft.formula("FreeWheel", "Speed over ground from a wheel that rolls")
 
 

@@ -4,7 +4,9 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cache
+from itertools import groupby
 from math import isfinite
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, ClassVar, Literal, get_type_hints
 
@@ -13,6 +15,7 @@ from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
+from railgrip.vehicle.signals import OBSERVED, Signal
 
 NOT_SEEN = float("nan")
 
@@ -64,25 +67,27 @@ NO_PARAMETERS = Tuning()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GroupObservation:
-    """Observation of one group, as symbols; see `railgrip.controllers.observation.Observation`.
+    """Symbols of a group's observation; `railgrip.controllers.observation.Observation` has their values.
+
+    The signals of `railgrip.vehicle.signals.OBSERVED` are attributes by their names.
 
     Attributes:
-        index: Number of the group, 1 for the leading one, as in FMI.
+        index: Number of the group as in FMI, 1 for the leading one.
+        signals: Signals of the group and of the train, by name.
         brake: The group's brake data by name.
         train: Observations of all groups, leading group first; complete when the demands are formed.
     """
 
     index: int
-    speed: Expression
-    acceleration: Expression
-    slip: Expression
-    adhesion: Expression
-    pad_friction: Expression
-    wheelset_speed: Expression
-    driver_demand: Expression
-    pressure: Expression
+    signals: Mapping[str, Expression]
     brake: Mapping[str, Expression]
     train: Sequence["GroupObservation"]
+
+    def __getattr__(self, name: str) -> Expression:
+        """Return a signal."""
+        if name not in self.signals:
+            raise AttributeError(f"An observation has no '{name}'; it has {', '.join(self.signals)}.")
+        return self.signals[name]
 
     def label(self, name: str) -> str:
         """Return the name of this group's element of an array."""
@@ -93,18 +98,13 @@ Demand = Callable[[FormulaBuilder, GroupObservation], Expression]
 """Returns the demanded pressure [Pa] of one group, keeping its states in the draft."""
 
 
-OF_GROUPS = (
-    ("slip", "1", "slip 1 - r*omega/v of the group"),
-    ("adhesion", "1", "estimated adhesion of the group, positive in braking"),
-    ("pad_friction", "1", "estimated friction of the group's brake pads"),
-    ("wheelset_speed", "rad/s", "rotational speed of the group's wheelsets"),
-    ("driver_demand", "Pa", "brake cylinder pressure that the driver asks for"),
-    ("pressure", "Pa", "measured brake cylinder pressure"),
-)
-"""Inputs of a law for each group, in their order after speed and acceleration: name, unit and meaning."""
-
-
-def law(name: str, description: str, groups: int, demand_with: Callable[[FormulaBuilder], Demand]) -> Formula:
+def law(
+    name: str,
+    description: str,
+    groups: int,
+    demand_with: Callable[[FormulaBuilder], Demand],
+    observed: Sequence[Signal] = OBSERVED,
+) -> Formula:
     """Return the formula of a law that forms the demand of one group at a time.
 
     Args:
@@ -113,22 +113,18 @@ def law(name: str, description: str, groups: int, demand_with: Callable[[Formula
         groups: Number of groups.
         demand_with: Function that declares in the draft the parameters and states that all groups share, and returns
             a function for the demand of one group.
+        observed: Signals of the observation, the inputs of the law.
     """
     draft = FormulaBuilder()
-    numbers = range(1, groups + 1)
-    speed = draft.input("speed", "m/s", "speed of the train")
-    acceleration = draft.input("acceleration", "m/s2", "acceleration of the train, negative in braking")
-    of_groups = {name: [draft.input(f"{name}[{g}]", unit, text) for g in numbers] for name, unit, text in OF_GROUPS}
+    inputs = dict(zip((signal.name for signal in observed), draft.vector(observed, groups), strict=True))
     demand = demand_with(draft)
     train: list[GroupObservation] = []
-    for g in numbers:
-        brake = {name: draft.parameter(f"{name}[{g}]", unit, text) for name, (unit, text) in BRAKE.items()}
-        signals = {name: symbols[g - 1] for name, symbols in of_groups.items()}
-        train.append(
-            GroupObservation(index=g, speed=speed, acceleration=acceleration, brake=brake, train=train, **signals)
-        )
+    for g in range(groups):
+        brake = {name: draft.parameter(f"{name}[{g + 1}]", unit, text) for name, (unit, text) in BRAKE.items()}
+        signals = {name: symbols[min(g, len(symbols) - 1)] for name, symbols in inputs.items()}
+        train.append(GroupObservation(index=g + 1, signals=signals, brake=brake, train=train))
     demands = [demand(draft, group) for group in train]
-    for g, demanded in zip(numbers, demands, strict=True):
+    for g, demanded in enumerate(demands, start=1):
         draft.output(f"demand[{g}]", "Pa", "demanded brake cylinder pressure", demanded)
     return draft.formula(name, description)
 
@@ -145,25 +141,22 @@ class Law(Sampled):
     def __init__(self, formula: Formula, groups: Sequence[Brake], parameters: Mapping[str, float]) -> None:
         """Control `groups`; `parameters` has the values by name, except for the brake data of the groups."""
         super().__init__(formula, by_name(groups) | {name: float(value) for name, value in parameters.items()})
-        self._count = len(groups)
+        elements = enumerate(quantity.name.partition("[")[0] for quantity in formula.inputs)
+        numbers = {name: [i for i, _ in of_name] for name, of_name in groupby(elements, key=itemgetter(1))}
+        self._places = tuple((name, slice(places[0], places[-1] + 1)) for name, places in numbers.items())
 
-    def decide(self, observation: Observation) -> tuple[float, ...]:
+    def decide(self, observation: Observation, demand: Sequence[float] | None = None) -> tuple[float, ...]:
         """Return the demanded pressure of each group [Pa].
 
         Raises:
             ValueError: The observation lacks an estimate that the law needs.
         """
-        _, speed, acceleration, wheels, slip, _, adhesion, pad_friction, pressure, driver_demand = observation
-        if adhesion is None or pad_friction is None:
-            missing = [name for name in self.needs if getattr(observation, name) is None]
-            if missing:
-                raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
-        inputs = self.inputs
-        inputs[0], inputs[1] = speed, acceleration
-        rows = inputs[2:].reshape(len(OF_GROUPS), self._count)  # a view, in the order of `OF_GROUPS`
-        rows[0], rows[3], rows[4], rows[5] = slip, wheels, driver_demand, pressure
-        rows[1] = NOT_SEEN if adhesion is None else adhesion
-        rows[2] = NOT_SEEN if pad_friction is None else pad_friction
+        missing = [name for name in self.needs if getattr(observation, name) is None]
+        if missing:
+            raise ValueError(f"{self.formula.name}: needs an estimator of {missing[0]}; no component provides it.")
+        for name, place in self._places:
+            values = demand if name == "demand" else getattr(observation, name)
+            self.inputs[place] = NOT_SEEN if values is None else values
         return self.evaluate()
 
 

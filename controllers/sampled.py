@@ -3,13 +3,16 @@
 It is written once and runs in Python, in C in the loop, and as an FMU in other tools, with the same results.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
+
+from railgrip.vehicle.formation import Formation
+from railgrip.vehicle.signals import Signal, names_of
 
 Vector = NDArray[np.float64]
 Expression = Any
@@ -78,6 +81,14 @@ class FormulaBuilder:
     def input(self, name: str, unit: str, description: str) -> Expression:
         """Return the symbol of a new input."""
         return self._symbol("input", Quantity(name=name, unit=unit, description=description))
+
+    def vector(self, signals: Iterable[Signal], groups: int) -> list[list[Expression]]:
+        """Return the symbols of new inputs, one for the train or for each group, for each signal."""
+        formation = Formation((1,) * groups)
+        return [
+            [self.input(name, signal.unit, signal.meaning) for name in names_of(signal, formation)]
+            for signal in signals
+        ]
 
     def parameter(self, name: str, unit: str, description: str, maximum: float | None = None) -> Expression:
         """Return the symbol of a new parameter, which is not negative."""

@@ -12,6 +12,7 @@ from railgrip.controllers.brake import pressure_for
 from railgrip.controllers.law import Law
 from railgrip.controllers.sampled import Expression, Formula, Quantity, choose
 from railgrip.vehicle.brake import Brake
+from railgrip.vehicle.signals import TRAIN_INPUTS
 
 Choice = Literal["lowest", "mean"]
 """Demand of groups that share a valve: the lowest, that of the group with the largest slip; or the mean."""
@@ -24,8 +25,10 @@ T_REDISTRIBUTION = 0.3
 
 
 def pass_through(groups: Sequence[Brake]) -> Law:
-    """Return a law that demands the pressure that it reads of each group."""
-    formula = laws.law("PassThrough", "Demands what it reads", len(groups), lambda _: lambda _, group: group.pressure)
+    """Return a law whose input `demand` is also its output."""
+    formula = laws.law(
+        "PassThrough", "Demands its input", len(groups), lambda _: lambda _, group: group.demand, TRAIN_INPUTS
+    )
     return Law(formula, groups, {})
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose
+from railgrip.vehicle.signals import VALVE_INPUTS
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
 
@@ -68,8 +69,7 @@ class ValveLogic(Sampled):
 def valve_logic(groups: int, delay: int) -> Formula:
     """Return the formula for a number of groups and a dead time in periods."""
     draft, numbers = FormulaBuilder(), range(1, groups + 1)
-    demands = [draft.input(f"demand[{g}]", "Pa", "demanded brake cylinder pressure") for g in numbers]
-    pressures = [draft.input(f"pressure[{g}]", "Pa", "measured brake cylinder pressure") for g in numbers]
+    demands, pressures = draft.vector(VALVE_INPUTS, groups)
     data = {name: hint.__metadata__ for name, hint in get_type_hints(ValveModel, include_extras=True).items()}
     period, fill_time, vent_time, band, pulse_min = (
         draft.parameter(name, *datum) for name, datum in data.items() if name != "dead_time"

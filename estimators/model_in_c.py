@@ -1,10 +1,11 @@
-"""The model of a filter as C code: the interface that `kernel/step.h` requires, and code from CasADi functions."""
+"""The model of a filter as C, which `kernel/step.h` calls."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import casadi as ca
+
+from railgrip.fmus.native.functions import in_c
 
 Pattern = tuple[tuple[int, ...], ...]
 """For each row of a sparse matrix the columns that may differ from zero, ascending."""
@@ -47,45 +48,27 @@ def pattern_of(jacobian: ca.SX) -> Pattern:
     return tuple(tuple(columns[start:end]) for start, end in pairwise(starts))
 
 
-def in_c(functions: Sequence[ca.Function]) -> tuple[dict[str, int], str]:
-    """Return the C code of CasADi functions, and the sizes of work arrays that are large enough for each of them."""
-    generator = ca.CodeGenerator("model", {"with_header": False, "casadi_int": "int"})
-    for function in functions:
-        generator.add(function)
-    sizes = {
-        "ARGUMENTS": max(function.sz_arg() for function in functions),
-        "RESULTS": max(function.sz_res() for function in functions),
-        # One more than needed, because C has no empty arrays.
-        "WHOLE": 1 + max(function.sz_iw() for function in functions),
-        "WORK": 1 + max(function.sz_w() for function in functions),
-    }
-    return sizes, generator.dump()
-
-
 _CALLS = """
-static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double *block,
-                const double *x, double *value, double *jacobian)
+static int evaluate(Function *function, const double *block, const double *x, double *value, double *jacobian)
 {
     const double *arguments[ARGUMENTS] = {x, block + INPUT, block + PARAMETERS};
     double *results[RESULTS] = {value, jacobian};
-    casadi_int whole[WHOLE];
-    double work[WORK];
-    return function(arguments, results, whole, work, 0);
+    return call(function, arguments, results);
 }
 
 static int slope(const double *block, const double *x, double *f)
 {
-    return call(casadi_slope, block, x, f, 0);
+    return evaluate(casadi_slope, block, x, f, 0);
 }
 
 static int slope_and_jacobian(const double *block, const double *x, double *f, double *A)
 {
-    return call(casadi_slope_and_jacobian, block, x, f, A);
+    return evaluate(casadi_slope_and_jacobian, block, x, f, A);
 }
 
 static int expected(const double *block, const double *x, double *h, double *H)
 {
-    return call(casadi_expected, block, x, h, H);
+    return evaluate(casadi_expected, block, x, h, H);
 }
 """
 

@@ -17,16 +17,16 @@ static int has_avx2(void)
 {
     unsigned a, b, c, d, saved, unused;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & (1u << 27)) || !(c & (1u << 28)))
-        return 0;                       /* no XSAVE by the system, or no AVX */
+        return 0; /* no XSAVE by the system, or no AVX */
     __asm__("xgetbv" : "=a"(saved), "=d"(unused) : "c"(0));
     if ((saved & 6) != 6)
-        return 0;                       /* the system does not save vector registers */
+        return 0; /* the system does not save vector registers */
     return __get_cpuid_count(7, 0, &a, &b, &c, &d) && (b & (1u << 5));
 }
 
 int dispatch(double *block)
 {
-    static int wide = -1;               /* queried once: on a virtual machine the query takes microseconds */
+    static int wide = -1; /* queried once: on a virtual machine the query takes microseconds */
     if (wide < 0)
         wide = has_avx2();
     return wide ? step_wide(block) : step_plain(block);

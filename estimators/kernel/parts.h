@@ -24,9 +24,9 @@ typedef double mode[LENGTH];
 enum { LONGEST = WIDTH > LENGTH ? WIDTH : LENGTH };
 
 typedef struct {
-    row spread[PARTS][WIDTH];        /* D: covariance of each part alone */
-    mode shared[N];                  /* U: effect of the common unknowns on each state */
-    mode common[LENGTH];             /* C: covariance of the common unknowns, may be indefinite */
+    row spread[PARTS][WIDTH]; /* D: covariance of each part alone */
+    mode shared[N];           /* U: effect of the common unknowns on each state */
+    mode common[LENGTH];      /* C: covariance of the common unknowns, may be indefinite */
     double mean[N], push[N], pull[N], jacobian[PARTS][WIDTH * WIDTH];
 } Belief;
 
@@ -57,14 +57,6 @@ static inline void divided(int length, double *quotient, const double *values, d
 
 static const double ZERO[LONGEST];
 
-static int call(int (*function)(const double **, double **, casadi_int *, double *, int), const double **arguments,
-                double **results)
-{
-    casadi_int whole[WHOLE];
-    double work[WORK];
-    return function(arguments, results, whole, work, 0);
-}
-
 /* Inputs of a part: its pressures, and zero acceleration, in which the equations are linear. */
 static void inputs_of(int part, const double *block, double *inputs)
 {
@@ -75,7 +67,8 @@ static void inputs_of(int part, const double *block, double *inputs)
 }
 
 /* Acceleration of the train, and its derivatives by speed and by force. */
-static void body_at(const double *block, double v, double force, double *acceleration, double *by_speed, double *by_force)
+static void body_at(const double *block, double v, double force, double *acceleration, double *by_speed,
+                    double *by_force)
 {
     const double inputs[2] = {force, block[INPUT + TRACK_FORCE]};
     const double *arguments[ARGUMENTS] = {&v, inputs, block + PARAMETERS};
@@ -305,7 +298,8 @@ static int condition(double *block, Belief *b, double *shift)
         for (int p = 1; p < PARTS; p++) {
             double inputs[WIDTH + 1], part;
             inputs_of(p, block, inputs);
-            const double *arguments[ARGUMENTS] = {b->mean + PART_STATE[p], inputs, block + PARAMETERS + PART_PARAMETER[p]};
+            const double *arguments[ARGUMENTS] = {b->mean + PART_STATE[p], inputs,
+                                                  block + PARAMETERS + PART_PARAMETER[p]};
             double *results[RESULTS] = {&part, pull + PART_STATE[p]};
             call(FORCE[KIND[p]], arguments, results);
             force += part;
@@ -405,8 +399,8 @@ static void eigen(mode *matrix, mode *vector)
 
 /* Write D + U C U' back with RANK common unknowns: those that matter most, seen in units of D.
 
-   Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped. Both
-   leave the covariance at least as large as it was. */
+   Removed directions with positive eigenvalues are added to D; those with negative ones, shared knowledge, are dropped.
+   Both leave the covariance at least as large as it was. */
 static int compress(double *block, Belief *b)
 {
     mode gram[LENGTH] = {{0}}, root[LENGTH] = {{0}}, inner[LENGTH] = {{0}}, vector[LENGTH], weight[LENGTH] = {{0}};

@@ -13,8 +13,9 @@ int dispatch(double *block);
    input, not -1, the input is the integral of that state, advanced before the step so that the expected readings are those
    at its end. Every `every`-th step writes a row of the results; `covariance` may be null. Returns the number of steps
    that succeeded; `outcome` has the failure of the next one, or 0. */
-EXPORT int run(double *block, int count, int every, const int *integral_of, const double *inputs, const double *readings, double *mean,
-               double *variance, double *covariance, double *expected, double *squared, double *used, int *outcome)
+EXPORT int run(double *block, int count, int every, const int *integral_of, const double *inputs,
+               const double *readings, double *mean, double *variance, double *covariance, double *expected,
+               double *squared, double *used, int *outcome)
 {
     *outcome = 0;
     for (int k = 0; k < count; k++) {

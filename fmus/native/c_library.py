@@ -121,6 +121,10 @@ class Struct:
         """Return a field that is an array of doubles, sharing its memory."""
         return np.frombuffer(self._ffi.buffer(getattr(self.pointer, name)), dtype=np.float64)
 
+    def target(self, name: str) -> Any:
+        """Return the array or Struct that a pointer was set to."""
+        return self._fields[name]
+
     def copy_with(self, *names: str, **changes: Any) -> "Struct":
         """Return a struct of the same type with the same values in these fields, or in all, and with `changes`."""
         fields = {name: value for name, value in self._fields.items() if name in names or not names}

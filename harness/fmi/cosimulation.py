@@ -22,24 +22,20 @@ Vector = NDArray[np.float64]
 
 _KERNEL: Final = ("railgrip.fmi", "set_step_get")
 
-_SET, _STEP, _GET = 1, 2, 4
-_FINE, _SETTING, _STEPPING, _GETTING, _NOT_FINITE = range(5)
-"""Return values of `cross` in `kernel/set_step_get.c`."""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CInterface:
     """Interface of a plant's communication step for C.
 
     Attributes:
-        cross: Address of `int cross(void *plan, int what, double time)` in `kernel/set_step_get.c`.
+        step: Address of `int set_step_get(void *plan, double time)` in `kernel/set_step_get.c`.
         plan: Address of its first argument.
         inputs: Input vector of the step, shape (Layout.inputs,).
         outputs: Output vector of the step, with the outputs that the plant has.
         present: Positions of these outputs among all outputs.
     """
 
-    cross: int
+    step: int
     plan: int
     inputs: Vector
     outputs: Vector
@@ -47,11 +43,14 @@ class CInterface:
 
 
 @cache
-def _cross() -> Any:
-    # PyDLL keeps the interpreter lock: releasing and acquiring it would cost as much as the rest of the call.
-    cross = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).cross
-    cross.argtypes, cross.restype = [ctypes.c_void_p, ctypes.c_int, ctypes.c_double], ctypes.c_int
-    return cross
+def _step() -> Any:
+    """Return the library's function for calls from Python.
+
+    It keeps the interpreter lock: releasing and acquiring it would cost as much as the rest of the call.
+    """
+    step = ctypes.PyDLL(str(kernel_library(*_KERNEL).path)).set_step_get
+    step.argtypes, step.restype = [ctypes.c_void_p, ctypes.c_double], ctypes.c_int
+    return step
 
 
 class CoSimulation(LoadedPlant):
@@ -74,7 +73,8 @@ class CoSimulation(LoadedPlant):
             n_senders=len(to), n_receivers=len(of), n_outputs=self._outputs.size, inputs=self._inputs,
             outputs=self._outputs, period=self._period, begin=self._begins,
         )  # fmt: skip
-        self._cross, self._address = _cross(), ctypes.c_void_p(self._struct.address)
+        self._functions = library.functions
+        self._step, self._address = _step(), ctypes.c_void_p(self._struct.address)
 
     def _fill(self, row: np.void, channel: Channel, exchange: int, positions: NDArray[np.intp]) -> None:
         is_integer = channel.carrier != "Real"
@@ -84,16 +84,16 @@ class CoSimulation(LoadedPlant):
         if np.any(channel.gain != 1.0) or np.any(channel.shift != 0.0):
             arrays |= {"gain": np.ascontiguousarray(channel.gain), "shift": np.ascontiguousarray(channel.shift)}
         self._keep += arrays.values()
-        row["exchange"], row["count"], row["whole"] = exchange, buffer.size, is_integer
+        row["transfer"], row["count"], row["whole"] = exchange, buffer.size, is_integer
         for name, array in arrays.items():
             row[name] = array.ctypes.data
 
     def _send(self, inputs: Vector) -> None:
         self._inputs[:] = inputs
-        self._require_fine(self._cross(self._address, _SET, 0.0))
+        self._require_fine(self._functions.exchange(self._struct.pointer, self._functions.SET, 0.0))
 
     def _receive(self) -> Vector:
-        self._require_fine(self._cross(self._address, _GET, 0.0))
+        self._require_fine(self._functions.exchange(self._struct.pointer, self._functions.GET, 0.0))
         return self._outputs
 
     def step(self, inputs: Vector) -> Vector:
@@ -106,7 +106,7 @@ class CoSimulation(LoadedPlant):
         if not self._ready:
             raise self._not_ready()
         self._inputs[:] = inputs
-        outcome = self._cross(self._address, _SET | _STEP | _GET, self.sample * self._period)
+        outcome = self._step(self._address, self.sample * self._period)
         if outcome:
             self.note_steps(0, outcome)
         self.sample += 1
@@ -140,7 +140,7 @@ class CoSimulation(LoadedPlant):
         if not self._ready:
             raise self._not_ready()
         return CInterface(
-            cross=ctypes.cast(self._cross, ctypes.c_void_p).value or 0,
+            step=ctypes.cast(self._step, ctypes.c_void_p).value or 0,
             plan=self._struct.address,
             inputs=self._inputs,
             outputs=self._outputs,
@@ -148,25 +148,26 @@ class CoSimulation(LoadedPlant):
         )
 
     def note_steps(self, steps: int, outcome: int) -> None:
-        """Record steps taken through `c_interface`, and the last return value of `cross`, 0 for success.
+        """Record steps taken through `c_interface`, and the last return value of `set_step_get`, 0 for success.
 
         Raises:
             PlantFailed: The steps ended early.
         """
         self.sample += steps
-        self.sample += outcome in (_GETTING, _NOT_FINITE)  # the step itself succeeded
+        self.sample += outcome in (self._functions.GETTING, self._functions.NOT_FINITE)  # the step itself succeeded
         self._require_fine(outcome)
 
     def _require_fine(self, outcome: int) -> None:
-        if outcome == _FINE:
+        """Raise the failure that ended a communication step early, if there was one."""
+        if outcome == self._functions.FINE:
             return
         instance, plan = self._open(), self._struct.pointer
         with self._remembering():
-            if outcome == _NOT_FINITE:
+            if outcome == self._functions.NOT_FINITE:
                 raise self._not_finite(instance, plan.at, float(self._outputs[plan.at]))
             call, doing = "fmi2DoStep", ""
-            if outcome != _STEPPING:
-                is_setting = outcome == _SETTING
+            if outcome != self._functions.STEPPING:
+                is_setting = outcome == self._functions.SETTING
                 side = self._binding.inputs if is_setting else self._binding.outputs
                 call = f"fmi2{'Set' if is_setting else 'Get'}{side.channels[plan.at].carrier}"
                 doing = "setting inputs" if is_setting else "reading outputs"

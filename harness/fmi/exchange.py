@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from types import TracebackType
+from types import MappingProxyType, TracebackType
 from typing import Any, Final, Literal, Self
 from weakref import finalize
 
@@ -33,12 +33,16 @@ _KERNEL: Final = ("railgrip.fmi", "model_exchange")
 # Cube root of the rounding error: truncation (h²) and cancellation (ε/h) of a central difference balance.
 _RELATIVE_STEP: Final = float(np.finfo(float).eps) ** (1 / 3)
 
-CALLS: Final = (
-    "", "fmi2SetContinuousStates", "fmi2SetReal", "fmi2GetDerivatives", "fmi2GetReal", "fmi2GetDirectionalDerivative",
-)  # fmt: skip
-"""The FMI call behind each of the first numbers that `model_exchange.c` returns."""
-
-_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE = len(CALLS), len(CALLS) + 1
+_CALLS: Final = MappingProxyType(
+    {
+        "SETTING_STATES": "fmi2SetContinuousStates",
+        "SETTING_INPUTS": "fmi2SetReal",
+        "GETTING_DERIVATIVES": "fmi2GetDerivatives",
+        "GETTING_OUTPUTS": "fmi2GetReal",
+        "DIFFERENTIATING": "fmi2GetDirectionalDerivative",
+    }
+)
+"""The FMI call behind a return value of `model_exchange.c`, by its name in the header."""
 
 
 @cache
@@ -329,11 +333,13 @@ class FmuPrediction:
         if not code:
             return
         instance = self._open()
-        if code not in (_VALUE_NOT_FINITE, _ENTRY_NOT_FINITE):
-            instance.check(self._plan.status, CALLS[code], 0.0, "evaluating the prediction")
+        codes = kernel_library(*_KERNEL).functions
+        if code not in (codes.VALUE_NOT_FINITE, codes.ENTRY_NOT_FINITE):
+            call = next(call for name, call in _CALLS.items() if getattr(codes, name) == code)
+            instance.check(self._plan.status, call, 0.0, "evaluating the prediction")
         names = self.outputs if self._plan.is_output else self._derivatives
         pattern = self._output_pattern if self._plan.is_output else self._derivative_pattern
-        if code == _VALUE_NOT_FINITE:
+        if code == codes.VALUE_NOT_FINITE:
             variable = names[self._plan.at]
         else:
             row, column = [(row, column) for row, columns in enumerate(pattern) for column in columns][self._plan.at]

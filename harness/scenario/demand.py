@@ -168,7 +168,7 @@ def _read_profile(path: Path, digest: str) -> TabulatedQuantity:  # pyright: ign
 
 
 EndOfPhase = Literal["end", "time", "duration", "distance", "speed_below", "speed_above"]
-"""Event that ends a phase, in the order of the enum in the loop's driver.h; the last phase has no end."""
+"""Event that ends a phase, named as in the enum of the loop's driver.h; the last phase has no end."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

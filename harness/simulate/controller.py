@@ -66,7 +66,7 @@ def controller_of(vehicle: VehicleData) -> LoopController:
     return _add_train_level(vehicle, _group_law(vehicle))
 
 
-def over_the_train(vehicle: VehicleData) -> Law | None:
+def train_level_of(vehicle: VehicleData) -> Law | None:
     """Return the decisions for the whole train over a controller that is not a built-in law, or None.
 
     Raises:

@@ -22,7 +22,7 @@ from railgrip.scenario.seed import generator
 from railgrip.scenario.sensors import OwnSensors
 from railgrip.scenario.vehicle import PythonClass, Vehicle
 from railgrip.simulate import custom
-from railgrip.simulate.controller import law_states, open_controller, over_the_train, valve_logic_of
+from railgrip.simulate.controller import law_states, open_controller, train_level_of, valve_logic_of
 from railgrip.simulate.estimator import state_estimator
 from railgrip.simulate.faults.site import faults_of
 from railgrip.simulate.importing import origin_of, part_of, table_of
@@ -176,7 +176,7 @@ def assemble(
             estimator=filter_,
             controller=controller,
             limits=limits if is_limited else None,
-            over=over_the_train(vehicle) if is_limited else None,
+            train_level=train_level_of(vehicle) if is_limited else None,
             valves=None if commands_valves else valve_logic_of(vehicle),
             driver=driver_of(vehicle),
             faults=faults_of(
@@ -267,9 +267,9 @@ def _signals(
 ) -> tuple[Signal, ...]:
     layout, demand = vehicle.layout, vehicle.scenario.demand
     return (
-        *layout.plant_signals,
+        *layout.signals["output"],
         *plant_inputs(layout, pneumatic=vehicle.scenario.actuation.kind == "pneumatic"),
-        *layout.reading_signals,
+        *layout.signals["reading"],
         *of_controller,
         *(DRIVEN if demand is not None else ()),
         *(TRACTION if demand is not None and demand.has_traction else ()),

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from types import MappingProxyType
+from typing import Final, Literal, cast
 
 from railgrip.vehicle.formation import Extent, Formation
 
@@ -33,6 +34,13 @@ def places(signals: Iterable[Signal], formation: Formation) -> Mapping[str, slic
         columns[signal.name] = slice(first, first + width)
         first += width
     return MappingProxyType(columns)
+
+
+def names_of(signal: Signal, formation: Formation) -> tuple[str, ...]:
+    """Return the name of each value of a signal, such as `slip[1]` of the leading group."""
+    if signal.extent == "train":
+        return (signal.name,)
+    return tuple(f"{signal.name}[{i + 1}]" for i in range(formation.width(signal.extent)))
 
 
 def length(columns: Mapping[str, slice]) -> int:
@@ -175,27 +183,80 @@ ESTIMATES = (*BELIEVED, *SPREAD, *INNOVATION, Signal("estimate_slip", "group", "
 """Estimates; absent from the trace of a stop without an estimator."""
 
 
+OBSERVED = (
+    Signal("speed", "train", "m/s", "speed of the train"),
+    Signal("acceleration", "train", "m/s2", "acceleration of the train, negative in braking"),
+    Signal("slip", "group", "1", "slip 1 - r*omega/v of the group"),
+    Signal("adhesion", "group", "1", "estimated adhesion of the group, positive in braking"),
+    Signal("pad_friction", "group", "1", "estimated friction of the group's brake pads"),
+    Signal("wheelset_speed", "group", "rad/s", "rotational speed of the group's wheelsets"),
+    Signal("driver_demand", "group", "Pa", "brake cylinder pressure that the driver asks for"),
+    Signal("pressure", "group", "Pa", "measured brake cylinder pressure"),
+)
+"""Observation: inputs of a control law, estimated if there is an estimator of them, else read or computed."""
+
+ONLY_ESTIMATED = frozenset({"adhesion", "pad_friction"})
+"""Signals of an observation that exist only if they are estimated."""
+
+_PRESSURE = OBSERVED[-1]
+
+TRAIN_INPUTS = (*OBSERVED, *DEMANDED)
+"""Inputs of the decisions for the whole train over a law in Python."""
+
+VALVE_INPUTS = (Signal("demand", "group", "Pa", "demanded brake cylinder pressure"), _PRESSURE)
+"""Inputs of the valve logic."""
+
+REFERENCE_INPUTS = (
+    Signal("speed", "train", "m/s", "reading of the train speed; NaN while there is none"),
+    Signal("wheelset_speed", "group", "rad/s", "newest reading"),
+    Signal("pressure", "group", "Pa", "newest reading of the brake cylinder pressure"),
+)
+"""Inputs of the formula whose outputs are `REFERENCE`."""
+
+Role = Literal[
+    "input", "output", "reading", "estimate", "observation", "train_input", "valve_input", "reference_input",
+    "reference",
+]  # fmt: skip
+"""Vectors that the parts of a loop exchange; inputs and outputs are those of the plant."""
+
+TABLE: Final[Mapping[Role, tuple[Signal, ...]]] = MappingProxyType(
+    {
+        "input": SENT, "output": PLANT, "reading": READINGS, "estimate": ESTIMATES, "observation": OBSERVED,
+        "train_input": TRAIN_INPUTS, "valve_input": VALVE_INPUTS, "reference_input": REFERENCE_INPUTS,
+        "reference": REFERENCE,
+    }
+)  # fmt: skip
+"""Signals of each vector, in their order."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Layout:
     """Places of all quantities in the vectors that the parts of a loop exchange.
 
     Attributes:
         formation: Formation of the vehicle.
-        plant_signals: Outputs of the plant.
-        reading_signals: Readings of the sensors.
-        sent_signals: Inputs of the plant.
-        input: Places of `sent_signals`.
-        output: Places of `plant_signals`.
-        reading: Places of `reading_signals`, without their prefix. An entry is NaN if a sensor has no new reading.
+        signals: Signals of each vector, in their order.
+        places: Place of each signal in its vector, by its name without the role as a prefix.
     """
 
     formation: Formation
-    plant_signals: tuple[Signal, ...]
-    reading_signals: tuple[Signal, ...]
-    sent_signals: tuple[Signal, ...]
-    input: Mapping[str, slice]
-    output: Mapping[str, slice]
-    reading: Mapping[str, slice]
+    signals: Mapping[Role, tuple[Signal, ...]]
+    places: Mapping[Role, Mapping[str, slice]]
+
+    @property
+    def input(self) -> Mapping[str, slice]:
+        """Places of the plant's inputs."""
+        return self.places["input"]
+
+    @property
+    def output(self) -> Mapping[str, slice]:
+        """Places of the plant's outputs."""
+        return self.places["output"]
+
+    @property
+    def reading(self) -> Mapping[str, slice]:
+        """Places of the readings; an entry is NaN where a sensor has no new reading."""
+        return self.places["reading"]
 
     @property
     def inputs(self) -> int:
@@ -212,29 +273,28 @@ class Layout:
         """Length of a reading."""
         return length(self.reading)
 
+    def elements(self, role: Role) -> tuple[str, ...]:
+        """Return the names of the elements of a vector, such as `slip[1]` of the leading group."""
+        return tuple(name for signal in self.signals[role] for name in names_of(signal, self.formation))
+
     def header(self) -> str:
         """Return sizes and places as C names, such as GROUPS, OUTPUTS and OUTPUT_SPEED."""
-        vectors = {name: getattr(self, name) for name in ("input", "output", "reading")}
         sizes = {"GROUPS": self.formation.groups, "WHEELSETS": self.formation.wheelsets}
-        sizes |= {f"{vector}s".upper(): length(places) for vector, places in vectors.items()}
-        for vector, places in vectors.items():
-            sizes |= {f"{vector}_{name}".upper(): place.start for name, place in places.items()}
+        sizes |= {f"{role}s".upper(): length(places) for role, places in self.places.items()}
+        for role, places in self.places.items():
+            sizes |= {f"{role}_{name}".upper(): place.start for name, place in places.items()}
         return "".join(f"#define {name} {value}\n" for name, value in sizes.items())
 
 
 @cache
-def layout_of(
-    formation: Formation,
-    plant: tuple[Signal, ...] = PLANT,
-    readings: tuple[Signal, ...] = READINGS,
-    sent_signals: tuple[Signal, ...] = SENT,
-) -> Layout:
-    """Return the layout for a formation with these outputs, readings and inputs of the plant."""
-    reading = {name.removeprefix("reading_"): place for name, place in places(readings, formation).items()}
-    return Layout(
-        formation, plant, readings, sent_signals, places(sent_signals, formation), places(plant, formation),
-        MappingProxyType(reading),
-    )  # fmt: skip
+def layout_of(formation: Formation, **vectors: tuple[Signal, ...]) -> Layout:
+    """Return the layout for a formation; `vectors` replace the signals of `TABLE`, by role."""
+    signals = cast("Mapping[Role, tuple[Signal, ...]]", {**TABLE, **vectors})
+    by_role: dict[Role, Mapping[str, slice]] = {
+        role: MappingProxyType({n.removeprefix(f"{role}_"): place for n, place in places(vector, formation).items()})
+        for role, vector in signals.items()
+    }
+    return Layout(formation, MappingProxyType(dict(signals)), MappingProxyType(by_role))
 
 
 def plant_inputs(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
@@ -244,5 +304,5 @@ def plant_inputs(layout: Layout, *, pneumatic: bool) -> tuple[Signal, ...]:
     )  # fmt: skip
     return tuple(
         replace(signal, unit=unit, meaning=meaning) if signal.name == "command" else signal
-        for signal in layout.sent_signals
+        for signal in layout.signals["input"]
     )

@@ -123,8 +123,8 @@ class SandedRail:
         for name in ("rate", "density", "begin", "end", "wheelset"):
             rows[name] = [getattr(sander, name) for sander in sanders]
         self.struct = kernel(layout).struct(
-            "Sand", lying=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
-            mu0=mu0, density=density, left=left, count=len(sanders), cells=self.lying.size,
+            "Sand", deposited=self.lying, position=position, sanders=rows, origin=self.origin, length=_CELL,
+            mu0=mu0, density=density, remaining_share=left, count=len(sanders), cells=self.lying.size,
         )  # fmt: skip
 
 
