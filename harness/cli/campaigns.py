@@ -23,9 +23,9 @@ from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results
 from railgrip.report.row import Row
+from railgrip.report.stop import require_no_result
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign
-from railgrip.trace.stop import require_no_result
 
 BASELINES = Path("tests/baselines")
 

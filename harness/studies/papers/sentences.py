@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from railgrip.trace.stop import Stop
+from railgrip.report.stop import Stop
 
 LIMIT = 0.15
 """Adhesion that the paper allows, after the TSI."""

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 
 from railgrip.report import style
 from railgrip.report.figures import draw_adhesion
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
-from railgrip.trace.stop import Stop
 
 SPANS: Mapping[str, tuple[float, float]] = {
     "before 9 s": (0.0, 9.0),
