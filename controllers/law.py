@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, fields
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from typing import Any, ClassVar, Literal, get_type_hints
+from typing import Any, ClassVar, get_type_hints
 
 from railgrip.controllers import tuned
 from railgrip.controllers.brake import by_name
@@ -167,23 +167,6 @@ class Law(Sampled):
         return self.evaluate()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TypeTestEntry:
-    """How a law takes part in the type test.
-
-    Attributes:
-        description: One line.
-        role: A baseline is what an entrant has to beat.
-        slip: Whether it is given an estimator or readings alone.
-        tuning: Name of its set.
-    """
-
-    description: str
-    role: Literal["baseline", "entrant"]
-    slip: tuned.SlipSource
-    tuning: str = tuned.SEARCHED
-
-
 Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]
 """Kind of actuation and how the law knows the slip → where each parameter is searched, on a logarithmic scale."""
 
@@ -199,7 +182,6 @@ class GroupLaw(Law):
         description: One line.
         tuning: Type of its parameters.
         ranges: Where `railgrip maintain tune-control` searches.
-        entries: In the type test, by the name there.
         brake_data: What it uses of the data of a `Brake`; of a train from outside no more has to be given.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """
@@ -207,7 +189,6 @@ class GroupLaw(Law):
     description: ClassVar[str]
     tuning: ClassVar[type[Tuning]] = Tuning
     ranges: ClassVar[Ranges] = {}
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {}
     brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
     valve_band: ClassVar[float | None] = None
 
