@@ -2,15 +2,16 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cache
 from math import isfinite
 from pathlib import Path
-from typing import Any, ClassVar, get_type_hints
+from typing import ClassVar
 
 from railgrip.controllers import tuned
 from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
 
@@ -18,7 +19,7 @@ NOT_SEEN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tuning:
+class Tuning(Parameters):
     """Parameters of a law: finite numbers that are not negative, each with its unit and meaning in its type.
 
     A parameter that is not searched has its value as default here; the others are in the law's sets.
@@ -44,13 +45,6 @@ class Tuning:
             if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(f"{self.LAW}: {name} must be finite and {kind}, got {value} {unit}.")
-
-    @classmethod
-    @cache
-    def meanings(cls) -> Mapping[str, tuple[Any, ...]]:
-        """Return the unit, the meaning and, if there is one, the largest value of each parameter, by name."""
-        types = get_type_hints(cls, include_extras=True)
-        return {field.name: types[field.name].__metadata__ for field in fields(cls)}
 
     @classmethod
     def units(cls) -> dict[str, str]:
@@ -207,8 +201,7 @@ class GroupLaw(Law):
         """Return the formula for a number of groups."""
 
         def demand_with(draft: FormulaBuilder) -> Demand:
-            symbols = {name: draft.parameter(name, *meaning) for name, meaning in cls.tuning.meanings().items()}
-            return cls.demand_with(draft, symbols)
+            return cls.demand_with(draft, cls.tuning.declare(draft))
 
         return law(cls.__name__, cls.description, groups, demand_with)
 

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Annotated, get_type_hints
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose
 
 FILL, HOLD, DUMP = 1.0, 0.0, -1.0
@@ -22,7 +23,7 @@ PULSE_MIN = 20e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ValveModel:
+class ValveModel(Parameters):
     """Data of valves and brake cylinders that the valve logic assumes, each with its unit and meaning.
 
     Filling is towards the supply pressure, venting towards zero gauge pressure; the band is around the demand.
@@ -65,9 +66,8 @@ def valve_logic(groups: int, delay: int) -> Formula:
     draft, numbers = FormulaBuilder(), range(1, groups + 1)
     demands = [draft.input(f"demand[{g}]", "Pa", "demanded brake cylinder pressure") for g in numbers]
     pressures = [draft.input(f"pressure[{g}]", "Pa", "measured brake cylinder pressure") for g in numbers]
-    data = {name: hint.__metadata__ for name, hint in get_type_hints(ValveModel, include_extras=True).items()}
     period, fill_time, vent_time, band, pulse_min = (
-        draft.parameter(name, *datum) for name, datum in data.items() if name != "dead_time"
+        draft.parameter(name, *meaning) for name, meaning in ValveModel.meanings().items() if name != "dead_time"
     )
     commands: list[Expression] = []
     for g, demand, pressure in zip(numbers, demands, pressures, strict=True):
