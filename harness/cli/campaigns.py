@@ -10,8 +10,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
-from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, print_json
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
