@@ -4,7 +4,7 @@ import inspect
 import io
 import re
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from types import NoneType, UnionType
@@ -374,14 +374,14 @@ SPEED, LOAD = 80 / 3.6, 1e5
 """Of the plotted curves: train speed [m/s] and load of a wheelset [N]."""
 
 
-def creep_curves() -> Iterator[tuple[str, str, Mapping[str, float], np.ndarray]]:
-    """Yield name, source, Polach's numbers and adhesion over mu0 at `SLIPS` of each named creep curve."""
+def creep_curves() -> Iterator[tuple[str, str, Polach, np.ndarray]]:
+    """Yield name, source, curve and cold adhesion over mu0 at `SLIPS` of each named creep curve."""
     for name, path in registry.files(registry.CREEP_CURVES).items():
         curve = Polach.model_validate(name)
         shape = curve.plant_parameters()
         contact = compiled_contact(compile_class("RailBraking.FMUs.ContactPoint"), {}, shape)
         adhesion = contact(SLIPS, np.full_like(SLIPS, SPEED), np.full_like(SLIPS, LOAD), np.full_like(SLIPS, MU0))
-        yield name, tomllib.loads(path.read_text(encoding="utf-8"))["source"], shape, adhesion / MU0
+        yield name, tomllib.loads(path.read_text(encoding="utf-8"))["source"], curve, adhesion / MU0
 
 
 SLIPS = np.geomspace(1e-4, 1.0, 400)
@@ -392,10 +392,11 @@ def creep_curves_page() -> None:
     figure = Figure(figsize=(8, 4.5), layout="constrained")
     axes = figure.subplots()
     rows: list[list[str]] = []
-    for number, (name, source, shape, ratio) in enumerate(creep_curves()):
+    for number, (name, source, curve, ratio) in enumerate(creep_curves()):
         axes.semilogx(100 * SLIPS, ratio, label=name, linestyle=("-", "--")[number // 10])
         peak = int(np.argmax(ratio))
-        numbers = [f"{value:g}" for value in shape.values()]
+        numbers = [f"{value:g}" for value in curve.plant_parameters().values()]
+        numbers += ["", ""] if curve.recovery is None else [f"{curve.temperature_loss:g}", f"{curve.recovery.rate:g}"]
         rows.append([f"`{name}`", *numbers, f"{100 * SLIPS[peak]:.2g} %", f"{ratio[peak]:.2f}", source])
     axes.set(xlabel="slip [%]", ylabel="adhesion / mu0", xlim=(0.01, 100), ylim=(0, 1))
     axes.grid(alpha=0.3)
@@ -409,11 +410,15 @@ def creep_curves_page() -> None:
         "Creep curves",
         'Named sets of the parameters of Polach (Wear 258 (2005) 992): `polach = "leaf"` in `[adhesion]`. `k_A` and '
         "`k_S` reduce the slope in the areas of adhesion and slip, `A` is friction at infinite slip speed over maximum "
-        "friction, and `B` [s/m] is the decay of friction with slip speed.",
+        "friction, and `B` [s/m] is the decay of friction with slip speed. `temperature_loss` (loss, [1/K]) and "
+        "the rate of `recovery` [m/J] are of curves whose contact slip heats and cleans; see "
+        "[Models of the rail](../rail_models.md#slip-heats-the-contact). They are drawn cold and uncleaned.",
         "![Adhesion over maximum friction against slip](creep_curves.svg)",
         f"The figure and the columns on the peak are for {3.6 * SPEED:.0f} km/h, a wheelset load of "
         f"{LOAD / 1e3:.0f} kN and `mu0` = {MU0}.",
-        markdown_table(("name", "k_A", "k_S", "A", "B", "slip at the peak", "peak / mu0", "source"), rows),
+        markdown_table(
+            ("name", "k_A", "k_S", "A", "B", "loss", "rate", "slip at the peak", "peak / mu0", "source"), rows
+        ),
     )
 
 

@@ -180,7 +180,7 @@ def position_of(scenario: Scenario, formation: Formation) -> Array:
         ScenarioError: The positions of the wheelsets are not given.
     """
     if formation.position is None:
-        recovers = "[adhesion] has recovery" if scenario.adhesion.recovery is not None else "[[sanders]] lay sand"
+        recovers = "[adhesion] has recovery" if scenario.adhesion.cleaning is not None else "[[sanders]] lay sand"
         what = "[adhesion] runs over distance" if scenario.runs_over_distance else recovers
         raise ScenarioError(
             f"{scenario.name}: {what}, and the plant does not say where its wheelsets are: "

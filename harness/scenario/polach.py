@@ -18,11 +18,12 @@ from railgrip.base import registry
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import short
 from railgrip.scenario.quantity import UnitRange
-from railgrip.scenario.table import table_error
+from railgrip.scenario.recovery import Recovery
+from railgrip.scenario.table import optional, table_error
 
 
-def named_set(name: str) -> Mapping[str, float]:
-    """Return k_A, k_S, A and B of a named creep curve.
+def named_set(name: str) -> Mapping[str, Any]:
+    """Return the entries of a named creep curve but its source.
 
     Raises:
         PydanticCustomError: The name is unknown.
@@ -37,7 +38,7 @@ def named_set(name: str) -> Mapping[str, float]:
 
 
 @cache
-def _numbers(file: Path) -> Mapping[str, float]:
+def _numbers(file: Path) -> Mapping[str, Any]:
     table = tomllib.loads(file.read_text(encoding="utf-8"))
     return {name: value for name, value in table.items() if name != "source"}
 
@@ -65,6 +66,10 @@ class Polach(BaseModel):
         UnitRange("s/m", at_least=0, at_most=100, because="friction falls over some m/s of slip velocity"),
         Field(description="decay of friction with slip velocity"),
     ]
+    temperature_loss: Annotated[
+        float, UnitRange("1/K", at_least=0, at_most=1e-2, because="friction falls over some hundred kelvin")
+    ] = optional("share of friction that the contact loses per kelvin of its own heat", default=0.0)
+    recovery: Recovery | None = optional("how slip cleans the rail, where [adhesion] has no recovery")
 
     @model_validator(mode="before")
     @classmethod
@@ -78,5 +83,10 @@ class Polach(BaseModel):
         return {"description": "name of a creep curve, or its numbers", "anyOf": [{"enum": names}, handler(source)]}
 
     def plant_parameters(self) -> dict[str, float]:
-        """Return the numbers by parameter name of the plant FMUs."""
+        """Return Polach's numbers by parameter name of the plant FMUs."""
         return {"k_A": self.k_A, "k_S": self.k_S, "A_falling": self.A, "B_falling": self.B}
+
+    def contact_parameters(self) -> dict[str, float]:
+        """Return all numbers of the contact by parameter name of the plant FMUs."""
+        heat = {"temperature_loss": self.temperature_loss} if self.temperature_loss else {}
+        return self.plant_parameters() | heat

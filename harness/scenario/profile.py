@@ -9,6 +9,7 @@ from railgrip.scenario.curve import FrictionCurve, read_curve
 from railgrip.scenario.file import NamedFile
 from railgrip.scenario.polach import Polach
 from railgrip.scenario.quantity import Magnitude, UnitRange
+from railgrip.scenario.recovery import Recovery
 from railgrip.scenario.sanders import Sand
 from railgrip.scenario.table import ONE_OR_EACH, Friction, Length, Table, not_in, optional, table_error
 
@@ -21,22 +22,6 @@ class Conditioning(Table):
     )
     recovered: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
     by: Literal["group", "wheelset"] = Field(description="who cleans for the next")
-
-
-class Recovery(Table):
-    """Cleaning of the rail by slip energy, for the wheel that slips and for those behind it.
-
-    Source: Allotta, Meli, Ridolfi and Rindi, Tribology International 69 (2014) 128; the law is in
-    `railgrip.simulate.loop.rail.Field`.
-    """
-
-    mu0: Friction = Field(description="maximum friction of the clean rail; where friction is higher it stays")
-    A: Annotated[float, UnitRange("1", above=0, at_most=1), Field(description="of the clean rail, as in polach")]
-    B: Annotated[float, UnitRange("s/m", at_least=0, at_most=100), Field(description="of the clean rail, as in polach")]
-    rate: Annotated[
-        float,
-        UnitRange("m/J", at_least=0, at_most=1, because="the energy of slip is some 100 J/m to 10 kJ/m of a wheel"),
-    ] = Field(description="τ, of the recovery over the energy of the slip of a wheel on a metre of rail")
 
 
 Over = Literal["time", "distance"]
@@ -82,7 +67,7 @@ class _Profile(Table):
         description="a further factor for named Polach sets, written by the calibration; 1 for a set that is not named",
     )
     conditioning: Conditioning | None = Field(default=None, description="how wheels clean the rail for those behind")
-    recovery: Recovery | None = optional("how slip cleans the rail")
+    recovery: Recovery | None = optional("how slip cleans the rail; that of polach without it")
     sand: Sand | None = optional("what sand makes of friction; wanted with [[sanders]]")
     patch: tuple[Patch, ...] = optional("places of other friction, of a profile over distance", default=())
 
@@ -95,12 +80,26 @@ class _Profile(Table):
 
     @model_validator(mode="after")
     def _one_cleaning(self) -> Self:
-        if self.recovery is not None and self.conditioning is not None and self.conditioning.fraction > 0:
+        if self.cleaning is not None and self.conditioning is not None and self.conditioning.fraction > 0:
             raise table_error(
                 "has conditioning, which cleans the rail for wheels behind whatever those ahead do, and recovery, "
                 "which cleans it by their slip; keep one (conditioning.fraction = 0 does nothing)"
             )
         return self
+
+    @model_validator(mode="after")
+    def _one_steel(self) -> Self:
+        if len({(curve.temperature_loss, curve.recovery) for curve in self.curves}) > 1:
+            raise table_error(
+                "has creep curves of different temperature_loss or recovery, which are one for the whole rail; "
+                "give all curves the same"
+            )
+        return self
+
+    @property
+    def cleaning(self) -> Recovery | None:
+        """The law by which slip cleans the rail: its own, else that of the creep curve; None if slip does not."""
+        return self.recovery or self.polach.recovery
 
     @property
     def curves(self) -> tuple[Polach, ...]:

@@ -56,7 +56,7 @@ def _library(model: Model, shape: tuple[str, ...]) -> tuple[Callable[..., None],
     point = ca.SX.sym("point", len(model.inputs))
     expression = model.output(0, ca.SX(0, 1), point, ca.vertcat(*symbols.values()))
     of_wheel_and_rail = ca.vertcat(*(symbols[name] for name in geometry))
-    adhesion, extracted, fixed = ca.extract_parametric(expression, of_wheel_and_rail)
+    adhesion, extracted, fixed = ca.extract_parametric(expression, of_wheel_and_rail, {"extract_trivial": True})
     curve = ca.vertcat(*(symbols[name] for name in shape))
     function = ca.Function("contact", [point, curve, ca.vertcat(*extracted)], [adhesion])
     generator = ca.CodeGenerator("contact", {"with_header": False})

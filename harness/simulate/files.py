@@ -44,22 +44,19 @@ def _class_file(class_name: str, library: Path, digest: str, interface: Literal[
 
 
 @cache
-def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
+def _train_file(path: Path, digest: str, pneumatic: bool, curved: bool, heated: bool) -> Path:  # pyright: ignore[reportUnusedParameter]
     # Imported here: the schema of a train file takes as long to load as numpy, and few scenarios use one.
     from railgrip.rolling_stock.files import load_train
     from railgrip.rolling_stock.modelica import class_name, class_text
 
     train = load_train(path)
     name, text = class_name(train, pneumatic=pneumatic), class_text(train, pneumatic=pneumatic)
-    if curved:
-        name, more = _class_with_curves(name, len(train.axles))
-        text += more
-    return _build(name, text)
+    return _build(*_on_rail(name, text, len(train.axles), curved, heated))
 
 
 @cache
-def _file_with_curves(recipe: str) -> Path:
-    """Return the FMU of a recipe's class with inputs for its creep curves.
+def _recipe_on_rail(recipe: str, curved: bool, heated: bool) -> Path:
+    """Return the FMU of a recipe's class with inputs for its creep curves, and with contacts that heat up.
 
     If the class cannot have them, the FMU is the plain one.
     """
@@ -67,7 +64,38 @@ def _file_with_curves(recipe: str) -> Path:
     if not entry.curve:
         return recipe_file(recipe)
     wheelsets = sum(name.startswith("mu0[") for name in description_of(recipe_file(recipe)).variables)
-    return _build(*_class_with_curves(entry.class_name, wheelsets))
+    return _build(*_on_rail(entry.class_name, "", wheelsets, curved, heated))
+
+
+def _on_rail(name: str, text: str, wheelsets: int, curved: bool, heated: bool) -> tuple[str, str]:
+    """Return the name of a train's class on a rail, and its Modelica text after that of the classes it extends.
+
+    Args:
+        name: Name of the train's class.
+        text: Modelica text of that class; empty if it is in the library.
+        wheelsets: Number of wheelsets.
+        curved: The rail has several creep curves.
+        heated: Friction falls with the temperature of the contacts.
+    """
+    if heated:
+        name, more = _class_with_heat(name)
+        text += more
+    if curved:
+        name, more = _class_with_curves(name, wheelsets)
+        text += more
+    return name, text
+
+
+def _class_with_heat(name: str) -> tuple[str, str]:
+    """Return name and Modelica text of a train's class whose friction falls with the temperature of the contacts."""
+    class_name = f"{name.rpartition('.')[2]}_heated"
+    return class_name, (
+        f'block {class_name} "{name} whose friction falls with the temperature of the contacts"\n'
+        f"  extends {name}(redeclare block TrainContact =\n"
+        "    RailBraking.Contact.HeatedContact(temperature_loss=temperature_loss));\n"
+        "  parameter RailBraking.Types.TemperatureCoefficient temperature_loss(min=0) = 0\n"
+        f'    "Share of friction lost a kelvin";\nend {class_name};\n'
+    )
 
 
 def _class_with_curves(name: str, wheelsets: int) -> tuple[str, str]:
@@ -103,17 +131,18 @@ def plant_description(scenario: Scenario) -> Description:
     Raises:
         ScenarioError: [vehicle] train names a file that is not a train file.
     """
-    has_several_curves = len(scenario.adhesion.curves) > 1
+    curved, heated = len(scenario.adhesion.curves) > 1, scenario.adhesion.polach.temperature_loss > 0
     match scenario.vehicle.source:
         case RecipePlant(name) if name in shelf("trains"):
             raise ScenarioError(
                 f"{scenario.name}: [vehicle] plant '{name}' is a train file of this package; write train = '{name}'"
             )
         case RecipePlant(name):
-            return description_of((_file_with_curves if has_several_curves else recipe_file)(name))
+            on_rail = _recipe_on_rail(name, curved, heated) if curved or heated else recipe_file(name)
+            return description_of(on_rail)
         case TrainFile(file):
             is_pneumatic = scenario.actuation.kind == "pneumatic"
-            return description_of(_train_file(file.path, file.digest(), is_pneumatic, has_several_curves))
+            return description_of(_train_file(file.path, file.digest(), is_pneumatic, curved, heated))
         case LibraryClass(name, library):
             return description_of(_class_file(name, library.path, library.digest(), "cs"))
         case FmuFile(file):

@@ -125,7 +125,7 @@ def ideal_stop(scenario: Scenario, progress: Callable[[float], None] | None = No
 
 def _require_unchanged_rail(scenario: Scenario) -> None:
     """Raise an error for a rail that slip changes: the best run of a wheelset then depends on those ahead of it."""
-    changes = {"[adhesion.recovery]": scenario.adhesion.recovery is not None, "[[sanders]]": bool(scenario.sanders)}
+    changes = {"[adhesion.recovery]": scenario.adhesion.cleaning is not None, "[[sanders]]": bool(scenario.sanders)}
     for table in (table for table, present in changes.items() if present):
         raise ScenarioError(
             f"{scenario.name}: [controller] ideal_bound is the best stop on a rail that lies as it is, and with "

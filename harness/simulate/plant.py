@@ -85,9 +85,18 @@ def binding_of(vehicle: VehicleData) -> Binding:
 
 
 def values_of(vehicle: VehicleData, binding: Binding) -> dict[str, float]:
-    """Return the parameters of the plant's FMU that the scenario sets, in its names and units, before any nudge."""
+    """Return the parameters of the plant's FMU that the scenario sets, in its names and units, before any nudge.
+
+    Raises:
+        ScenarioError: Friction falls with temperature on this rail, and not in the contacts of this plant.
+    """
     scenario, variables = vehicle.scenario, vehicle.file.variables
-    surface, is_recipe = scenario.adhesion.polach.plant_parameters(), isinstance(scenario.vehicle.source, RecipePlant)
+    surface, is_recipe = scenario.adhesion.polach.contact_parameters(), isinstance(scenario.vehicle.source, RecipePlant)
+    if "temperature_loss" in surface.keys() - variables.keys():
+        raise ScenarioError(
+            f"{scenario.name}: [adhesion] polach has temperature_loss, which the contacts of {vehicle.file.file.name} "
+            "lack; use the two-part train, the wagon or a train file, or leave temperature_loss out"
+        )
     shape = {name: value for name, value in surface.items() if is_recipe or name in variables}
     return binding.translate({"start_speed": scenario.start.speed}) | shape | vehicle.changes
 

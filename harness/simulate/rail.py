@@ -27,11 +27,11 @@ def rail_of(vehicle: VehicleData) -> TabulatedRail:
     scenario, layout = vehicle.scenario, vehicle.layout
     adhesion, formation = scenario.adhesion, layout.formation
     field = None
-    if adhesion.recovery is not None:
+    if adhesion.cleaning is not None:
         position_of(scenario, formation)
         *_, share, decay = vehicle.curves[0].tolist()
         falling = adhesion.polach.model_copy(update={"A": share, "B": decay})
-        field = Field(layout, adhesion.recovery, falling, reach_of(scenario))
+        field = Field(layout, adhesion.cleaning, falling, reach_of(scenario))
     sand = None
     if adhesion.sand is not None and (sanders := _sanders(scenario, formation)):
         position_of(scenario, formation)

@@ -391,14 +391,19 @@ class VehicleData:
 
     @cached_property
     def contact(self) -> Contact:
-        """Adhesion as a function of slip, speed, load and mu0, with the first creep curve as the default."""
-        curve = dict(zip(self.scenario.adhesion.polach.plant_parameters(), self.curves[0].tolist(), strict=True))
-        return self.contact_with(self.changes | curve)
+        """Adhesion as a function of slip, speed, load and mu0, with the first creep curve as the default.
+
+        Where friction falls with temperature, treads are as cold as the rail.
+        """
+        polach = self.scenario.adhesion.polach
+        curve = dict(zip(polach.plant_parameters(), self.curves[0].tolist(), strict=True))
+        return self.contact_with(polach.contact_parameters() | self.changes | curve)
 
     def contact_with(self, parameters: Mapping[str, float]) -> Contact:
         """Return the contact with those of the plant's parameters that it has."""
-        model = compile_class("RailBraking.FMUs.ContactPoint")
-        shape = self.scenario.adhesion.polach.plant_parameters()
+        polach = self.scenario.adhesion.polach
+        heated = "Heated" if polach.temperature_loss else ""
+        model, shape = compile_class(f"RailBraking.FMUs.{heated}ContactPoint"), polach.plant_parameters()
         names = {variable.name for variable in model.parameters} - shape.keys()
         return compiled_contact(
             model,

@@ -194,7 +194,7 @@ def test_what_another_package_or_compiler_made_is_run_again(project, monkeypatch
     run(stop.scenario, directory, synthetic_runner.run_stop)
     assert find_result(stop, directory) is not None
     assert name in input_versions()
-    monkeypatch.setattr("railgrip.campaign.run.made_by", lambda: input_versions() | {name: "another"})
+    monkeypatch.setattr("railgrip.campaign.run.input_versions", lambda: input_versions() | {name: "another"})
     assert find_result(stop, directory) is None
 
 

@@ -121,5 +121,5 @@ def test_a_study_that_is_not_there_gets_a_sentence(command):
 def test_a_result_of_another_package_is_not_reused(study_work, monkeypatch):
     first = study_work.map(counted, [Case(7.0)])
     assert study_work.map(counted, [Case(7.0)]) == first
-    monkeypatch.setattr("railgrip.campaign.work.made_by", lambda study: input_versions(study) | {"numpy": "0"})
+    monkeypatch.setattr("railgrip.campaign.work.input_versions", lambda study: input_versions(study) | {"numpy": "0"})
     assert study_work.map(counted, [Case(7.0)]) != first

@@ -26,7 +26,7 @@ from railgrip.scenario.adhesion import FrictionTable
 from railgrip.scenario.demand import DemandedPhase
 from railgrip.scenario.outcome import Outcome
 from railgrip.scenario.polach import Polach
-from railgrip.scenario.profile import Recovery
+from railgrip.scenario.recovery import Recovery
 from railgrip.scenario.track.table import TrackForce
 from railgrip.simulate.custom import DemandLimits
 from railgrip.simulate.loop.driver import Driver

@@ -3,25 +3,49 @@
 import numpy as np
 import pytest
 
-from railgrip.studies.papers.creep_curves import SLIPS, figure_1, figure_1_curves, maxima
+from railgrip.studies.papers.creep_curves import RAILS, SLIPS, SPEEDS, causes, figure_1, maxima, rails
 
 
 @pytest.fixture(scope="module")
-def curves():
-    return figure_1_curves()
+def of_causes():
+    return causes()
 
 
-def test_a_rail_as_it_lies_has_one_maximum_and_one_that_slip_cleans_two(curves):
-    *as_they_lie, cleaned = curves
-    for curve in as_they_lie:
-        slope = np.sign(np.diff(curve.adhesion))
-        assert np.flatnonzero(np.diff(slope)).size == 1
-        assert len(curve.maxima) == 1
-    signs = np.sign(np.diff(cleaned.adhesion))
-    assert signs[np.append(0, np.flatnonzero(np.diff(signs)) + 1)].tolist() == [1, -1, 1]
+@pytest.fixture(scope="module")
+def of_rails():
+    return rails()
+
+
+def test_heat_alone_has_one_maximum_cleaning_alone_ends_at_the_lock_and_both_have_two(of_causes):
+    heated, cleaned, both = of_causes
+    assert len(heated.maxima) == 1
     (first, _), (second, _) = cleaned.maxima
     assert first < 0.1
     assert second == SLIPS[-1] == 1.0
+    (first, _), (second, _) = both.maxima
+    assert first < 0.1
+    assert 0.2 < second < 0.6
+
+
+def test_wet_rail_and_leaves_have_two_distinct_maxima_and_fall_before_the_wheel_locks(of_rails):
+    assert len(of_rails) == len(RAILS) * len(SPEEDS)
+    for curve in of_rails:
+        (first, low), (second, high) = curve.maxima
+        assert first < 0.1 < 0.2 < second < 0.6
+        between = curve.adhesion[(first < SLIPS) & (second > SLIPS)]
+        # Distinct: a valley of 4 % is seen on the figure, and is a hundred times the noise of the iteration.
+        assert between.min() < 0.96 * min(low, high)
+        assert curve.adhesion[-1] < 0.75 * high
+
+
+def test_the_slip_of_the_first_maximum_falls_with_speed_and_leaves_have_the_higher_second_one(of_rails):
+    by_label = {curve.label: curve.maxima for curve in of_rails}
+    for rail in RAILS:
+        firsts = [by_label[f"{rail}, {speed} km/h"][0][0] for speed in SPEEDS]
+        assert np.all(np.diff(firsts) < 0)
+    for speed in SPEEDS:
+        (_, first), (_, second) = by_label[f"leaves, {speed} km/h"]
+        assert second > 1.4 * first
 
 
 def test_maxima_of_a_polynomial_are_where_its_derivative_is_zero():
@@ -32,9 +56,9 @@ def test_maxima_of_a_polynomial_are_where_its_derivative_is_zero():
     assert x[maxima(x)] == pytest.approx([3.0])
 
 
-def test_the_figure_marks_every_maximum_and_names_its_axes(curves):
-    (panel,) = figure_1(curves).axes
-    marks = [line for line in panel.lines if line.get_marker() == "o"]
-    assert len(marks) == 4
-    assert panel.get_xlabel().endswith("[%]")
-    assert panel.get_ylabel() == "adhesion"
+def test_the_figure_marks_every_maximum_and_names_its_axes(of_causes, of_rails):
+    panels = figure_1(of_causes, of_rails).axes
+    marks = [[line for line in panel.lines if line.get_marker() == "o"] for panel in panels]
+    assert [len(each) for each in marks] == [5, 12]
+    assert all(panel.get_xlabel().endswith("[%]") for panel in panels)
+    assert panels[0].get_ylabel() == "adhesion"

@@ -18,7 +18,7 @@ from railgrip.studies.papers.adhesion_based import (
     profile_figure,
     rail_figure,
 )
-from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
+from railgrip.studies.papers.creep_curves import causes, figure_1, rails
 from railgrip.studies.papers.lyapunov import GROUP, course_of, inequalities, slopes_of, violations, violations_table
 from railgrip.studies.papers.table1 import SCENARIOS, read_fits, stop_of
 
@@ -60,7 +60,7 @@ def test_figures_can_be_read(stop, tmp_path):
         "adhesion": adhesion_figure(stops),
         "profile": profile_figure(read_fits(FITS)),
         "loop": block_diagram(),
-        "creep curves": figure_1(figure_1_curves()),
+        "creep curves": figure_1(causes(), rails()),
     }.items():
         assert save(drawing, tmp_path / f"{name}.png").is_file()
 

@@ -72,8 +72,8 @@ def test_an_fmu_that_lost_radius_or_creep_curve_is_refused_with_both_values(lose
 def test_an_fmu_that_lost_nothing_runs_and_is_read_back_once(lose, monkeypatch):
     lose("nothing")
     calls: list[str] = []
-    probed = plant.probed
-    monkeypatch.setattr(plant, "probed", lambda *a, **k: calls.append("probed") or probed(*a, **k))
+    probe_outputs = plant.probe_outputs
+    monkeypatch.setattr(plant, "probe_outputs", lambda *a, **k: calls.append("probed") or probe_outputs(*a, **k))
     scenario = load(Path("trapezoid"), [*SHORT, *RADIUS, *CURVE])
     assert [run_stop(scenario).outcome for _ in range(2)] == [Outcome.HORIZON] * 2
     assert calls == ["probed"]

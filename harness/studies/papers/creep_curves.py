@@ -1,17 +1,18 @@
-"""Adhesion over slip on rails that stay as they lie, and on rails that slip cleans: figure 1 of the paper."""
+"""Adhesion over slip on rails that stay as they lie, and on rails that slip cleans and heats: figure 1 of the paper."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from railgrip.api import Scenario
 from railgrip.report import palette, style
 from railgrip.scenario.adhesion import FrictionTable
-from railgrip.scenario.load import load
-from railgrip.scenario.profile import Recovery
+from railgrip.scenario.polach import named_set
+from railgrip.scenario.recovery import Recovery
 from railgrip.scenario.track.table import Track, track_force_of
 from railgrip.simulate.loop.rail import Field, TabulatedRail
 from railgrip.simulate.vehicle import VehicleData
@@ -30,28 +31,36 @@ SPEED = 80 / 3.6
 SLIPS = np.concatenate([[0.0], np.geomspace(2e-3, 1.0, 80)])
 
 
-def curves(name: str, mu0: float, slips: Vector = SLIPS) -> tuple[Vector, Vector]:
+def curves(
+    polach: str | Mapping[str, Any], mu0: float, slips: Vector = SLIPS, *, speed: float = SPEED, way: float = 35.0
+) -> tuple[Vector, Vector]:
     """Return adhesion at slips [1] on a rail that stays as it lies, (slips,), and on one that slip cleans.
 
-    The latter, shape (slips, wheelsets), is that of each wheelset once all of them have slid far enough with a slip.
+    The latter, shape (slips, wheelsets), is that of each wheelset once all of them have slid for `way` with a slip. The
+    rail is cleaned as its creep curve says, else by `CLEAN`.
+
+    Args:
+        polach: Name or numbers of the creep curve.
+        mu0: Maximum friction of the rail as it lies.
+        slips: Slips [1].
+        speed: Speed of the train [m/s].
+        way: Distance that the wheelsets slide [m]; as long as the train, or the last ones have not met what the first
+            ones have cleaned.
     """
-    scenario = load(Path("plain"), [f"adhesion.polach={name}"])
-    vehicle = VehicleData(scenario)
-    same = np.ones(slips.size)
-    as_it_lies = vehicle.contact(slips, SPEED * same, LOAD * same, mu0 * same)
-    formation = vehicle.formation
-    layout, count = layout_of(formation), formation.wheelsets
+    scenario = Scenario.load("plain", {"adhesion.polach": polach})
+    vehicle, same = VehicleData(scenario), np.ones(slips.size)
+    as_it_lies = vehicle.contact(slips, speed * same, LOAD * same, mu0 * same)
+    layout, count = layout_of(vehicle.formation), vehicle.formation.wheelsets
     profile = FrictionTable(over_time=True, step=1.0, mu0_at=np.full((1, count), mu0))
-    way = formation.wheelset_position[-1] + 1.0
     cleaned = np.empty((slips.size, count))
     for slip, row in zip(slips, cleaned, strict=True):
-        field = Field(layout, CLEAN, scenario.adhesion.polach, way)
+        field = Field(layout, scenario.adhesion.cleaning or CLEAN, scenario.adhesion.polach, way)
         rail = TabulatedRail(layout, profile, track_force_of(Track(), mass=0.0), field)
         plant_outputs = np.zeros(layout.outputs)
-        plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = SPEED, slip
+        plant_outputs[layout.output["speed"]], plant_outputs[layout.output["slip"]] = speed, slip
         plant_outputs[layout.output["wheelset_load"]] = LOAD
         for place in np.arange(round(way / STRIDE)) * STRIDE:
-            row[:] = vehicle.contact(np.full(count, slip), np.full(count, SPEED), np.full(count, LOAD), rail.mu0)
+            row[:] = vehicle.contact(np.full(count, slip), np.full(count, speed), np.full(count, LOAD), rail.mu0)
             plant_outputs[layout.output["distance"]], plant_outputs[layout.output["adhesion"]] = place, row
             rail.advance(0.0, plant_outputs)
     return as_it_lies, cleaned
@@ -78,40 +87,53 @@ class CreepCurve:
         return [(float(SLIPS[place]), float(self.adhesion[place])) for place in maxima(self.adhesion)]
 
 
-WET, LOW = ("wet", 0.15), ("low", 0.06)
+RAILS = {"wet": ("wet_two_maxima", 0.15), "leaves": ("leaves_two_maxima", 0.06)}
 """Creep curve and maximum friction of both rails of figure 1."""
+SPEEDS = {40: ":", 80: "-", 120: "--"}
+"""Line style by speed [km/h]."""
+OWN_WAY = 10.0
+"""Distance over which the friction of the first wheelset settles with its own slip [m], which takes 200 strides."""
 
 
-def figure_1_curves() -> list[CreepCurve]:
-    """Return a wet rail, and a rail of low adhesion as it lies and as the first wheelset cleans it by its slip."""
-    wet, _ = curves(*WET)
-    low, cleaned = curves(*LOW)
-    titles = [f"{name}, μ0 = {mu0:g}" for name, mu0 in (WET, LOW)]
+def causes() -> list[CreepCurve]:
+    """Return the rail with leaves at `SPEED`: heated by slip, cleaned by it, and both."""
+    name, mu0 = RAILS["leaves"]
+    cold = {key: value for key, value in named_set(name).items() if key != "temperature_loss"}
+    heated, both = curves(name, mu0, way=OWN_WAY)
+    _, cleaned = curves(cold, mu0, way=OWN_WAY)
     return [
-        CreepCurve(label=f"{titles[0]}, rail as it lies", adhesion=wet, color=palette.BLUE, linestyle="--"),
-        CreepCurve(label=f"{titles[1]}, rail as it lies", adhesion=low, color=palette.GREY, linestyle=":"),
-        CreepCurve(label=f"{titles[1]}, cleaned by slip", adhesion=cleaned[:, 0], color=palette.BLACK, linestyle="-"),
+        CreepCurve(label="leaves, heat alone", adhesion=heated, color=palette.GREY, linestyle=":"),
+        CreepCurve(label="leaves, cleaning alone", adhesion=cleaned[:, 0], color=palette.GREEN, linestyle="--"),
+        CreepCurve(label="leaves, cleaning and heat", adhesion=both[:, 0], color=palette.BLACK, linestyle="-"),
     ]
 
 
-def figure_1(lines: Sequence[CreepCurve]) -> Figure:
+def rails() -> list[CreepCurve]:
+    """Return both rails of figure 1, cleaned and heated by slip, at `SPEEDS`."""
+    return [
+        CreepCurve(
+            label=f"{rail}, {speed} km/h",
+            adhesion=curves(*RAILS[rail], speed=speed / 3.6, way=OWN_WAY)[1][:, 0],
+            color=color,
+            linestyle=linestyle,
+        )
+        for rail, color in (("wet", palette.BLUE), ("leaves", palette.BLACK))
+        for speed, linestyle in SPEEDS.items()
+    ]
+
+
+def figure_1(of_causes: Sequence[CreepCurve], of_rails: Sequence[CreepCurve]) -> Figure:
     """Draw adhesion over slip with a mark at each maximum, and the slip that the paper's slip-based control holds."""
-    drawing, panel = style.panels(8, 3.8)
-    panel.axvspan(
-        10, 15, color=palette.ORANGE, alpha=0.25, linewidth=0, label="published: slip-based control holds 10 to 15 %"
-    )
-    for line in lines:
-        panel.plot(100 * SLIPS, line.adhesion, color=line.color, linestyle=line.linestyle, label=line.label)
-        for slip, adhesion in line.maxima:
-            # Labels below the curve where another curve is above it, and where the axis ends.
-            below = line.color == palette.GREY or slip == 1.0
-            panel.plot(100 * slip, adhesion, "o", color=line.color, clip_on=False)
-            panel.annotate(
-                f"{100 * slip:.1f} %", (100 * slip, adhesion), xytext=(-2 if slip == 1.0 else 4, -20 if below else 6),
-                textcoords="offset points", fontsize=8, color=line.color, ha="right" if slip == 1.0 else "left",
-            )  # fmt: skip
-    style.dress(panel, x="slip [%]", y="adhesion", title=f"creep curves at {SPEED * style.KMH:.0f} km/h, wheelset 1")
-    panel.set_xlim(0, 100)
-    panel.set_ylim(0, 0.14)
-    style.legend(panel, loc="upper right")
+    drawing, panels = style.panels(10, 4.2, 1, 2, sharey=True)
+    for panel, lines in zip(panels, (of_causes, of_rails), strict=True):
+        panel.axvspan(10, 15, color=palette.ORANGE, alpha=0.25, linewidth=0, label="held by slip-based control")
+        for line in lines:
+            panel.plot(100 * SLIPS, line.adhesion, color=line.color, linestyle=line.linestyle, label=line.label)
+            for slip, adhesion in line.maxima:
+                panel.plot(100 * slip, adhesion, "o", markersize=4, color=line.color, clip_on=False)
+        style.legend(panel, loc="upper left")
+        panel.set_xlim(0, 100)
+    style.dress(panels[0], x="slip [%]", y="adhesion", title=f"causes, {SPEED * style.KMH:.0f} km/h, wheelset 1")
+    style.dress(panels[1], x="slip [%]", title="wet rail and leaves, wheelset 1")
+    panels[0].set_ylim(0, 0.26)
     return drawing

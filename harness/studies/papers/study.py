@@ -13,7 +13,7 @@ from railgrip.report.page import Page
 from railgrip.report.table import ReportTable
 from railgrip.studies.papers import adhesion_based, printed
 from railgrip.studies.papers.adhesion_based import FITS, IDENTIFIED
-from railgrip.studies.papers.creep_curves import figure_1, figure_1_curves
+from railgrip.studies.papers.creep_curves import causes, figure_1, rails
 from railgrip.studies.papers.deflection import deflection_table, deflections
 from railgrip.studies.papers.figure_4 import used_by_wheelset, used_table, wheelset_figure
 from railgrip.studies.papers.lyapunov import violations_table
@@ -70,8 +70,8 @@ class Papers(Study):
         work.notify("guards of the law")
         guards, excesses = printed.guards(work), printed.excesses(work)
         work.notify("figures")
-        stops, curves = adhesion_based.stops_of(identified), figure_1_curves()
-        found = adhesion_based.measures(stops, curves) | {"guards": guards, "excesses": excesses}
+        stops, of_causes, of_rails = adhesion_based.stops_of(identified), causes(), rails()
+        found = adhesion_based.measures(stops, of_rails) | {"guards": guards, "excesses": excesses}
         law_as_printed, limit = adhesion_based.LAWS[0], adhesion_based.LIMIT
         drawn = {"SBC": stops["trapezoid"], **{law: stops[law] for law in adhesion_based.LAWS}}
         found["used_by_wheelset"] = {law: used_by_wheelset(stop, limit) for law, stop in drawn.items()}
@@ -83,7 +83,7 @@ class Papers(Study):
             "adhesion_based_4_others.png": wheelset_figure(
                 stops["trapezoid"], stops[law_as_printed], law_as_printed, limit
             ),
-            "adhesion_based_1.svg": figure_1(curves),
+            "adhesion_based_1.svg": figure_1(of_causes, of_rails),
             "adhesion_based_3.png": adhesion_based.rail_figure(stops),
             "adhesion_based_curve.svg": adhesion_based.curve_figure(identified),
         }

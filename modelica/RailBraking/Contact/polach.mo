@@ -31,8 +31,8 @@ alpha = Contact.<strong>polach</strong>(slip, slip_speed, Q, mu0, factor, k_A, k
 <h4>Limitations</h4>
 <p>
 The load must be positive. Friction depends on the slip speed alone: neither the cleaning of the rail by the slip
-nor the temperature of the contact is in it; a scenario expresses cleaning by <code>mu0</code> of the following
-wheelsets.
+nor the temperature of the contact is in it; a scenario expresses cleaning by <code>mu0</code>, and
+<a href=\"modelica://RailBraking.Contact.HeatedContact\">HeatedContact</a> gives it a warm friction.
 </p>
 </html>"));
 end polach;

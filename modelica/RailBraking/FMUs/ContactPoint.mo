@@ -22,8 +22,9 @@ block ContactPoint "Adhesion of one wheelset at a given slip, speed, load and fr
 protected
   final parameter Real factor = Contact.creepFactor(r_wheel, r_rail, E_steel, nu_steel)
     "Slope of epsilon, see creepFactor";
+  Types.Ratio mu = Contact.fallingFriction(slip*speed, mu0, A_falling, B_falling) "Friction coefficient";
 equation
-  adhesion = Contact.polach(slip, slip*speed, load/2, mu0, factor, k_A, k_S, A_falling, B_falling);
+  adhesion = Contact.polach(slip, 0, load/2, mu, factor, k_A, k_S, 1, 0);
   annotation (
     Diagram(coordinateSystem(extent={{-120, -120}, {120, 120}})),
     Documentation(info="<html>

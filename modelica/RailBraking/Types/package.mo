@@ -33,6 +33,11 @@ package Types "Quantities with their SI units"
   type SpecificHeat = Real(final unit="J/(kg.K)", min=0) "Specific heat capacity";
   type HeatConductance = Real(final unit="W/K", min=0) "Heat flow a kelvin";
   type SpeedHeatConductance = Real(final unit="W.s/(K.m)", min=0) "Heat conductance a speed";
+  type HeatConductivity = Real(final unit="W/(m.K)", min=0) "Heat flow an area and a gradient of temperature";
+  type ThermalResistance = Real(final unit="K/W", min=0) "Rise of temperature a heat flow";
+  type TemperatureCoefficient = Real(final unit="1/K") "Relative change a kelvin";
+  type RemovalRate = Real(final unit="m/J", min=0) "Share of a film removed an energy on a length";
+  type LineEnergy = Real(final unit="J/m") "Energy a length";
   type Curvature = Real(final unit="1/m") "Reciprocal of a radius";
   annotation (Documentation(info="<html>
 <p>

@@ -34,7 +34,8 @@ one group, of all groups of a bogie or of all of a car, and give it the volume o
 <p>
 The laws of contacts and pads are replaceable at every level, under names of their own, for what is below: <code>Bogie
 leading(redeclare block BogieContact = MyContact, redeclare block BogiePad = MyPads)</code>, <code>AxleContact</code>
-in an axle, <code>CarContact</code> in a car, <code>TrainContact</code> in a consist. A contact extends <a
+in an axle, <code>CarContact</code> in a car, <code>TrainContact</code> in a train of <code>Plants</code>. A contact
+extends <a
 href=\"modelica://RailBraking.Interfaces.PartialContact\">PartialContact</a>, a pad <a
 href=\"modelica://RailBraking.Interfaces.PartialPadFriction\">PartialPadFriction</a>. Do not reach down through the
 parts, as in <code>leading(axle(redeclare block AxleContact = MyContact))</code>: the built-in compiler refuses that.

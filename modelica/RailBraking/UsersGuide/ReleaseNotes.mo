@@ -25,6 +25,9 @@ a train keeps the limit.</li>
 <li>Axles, bogies and cars give records, <code>group</code>, <code>wheelset</code> and <code>totals</code>, in place of
 an output for each quantity: <code>bogie.group.slip</code> for <code>bogie.slip</code>,
 <code>bogie.totals.capacity</code> for <code>bogie.capacity</code>. Outputs of FMUs keep their names.</li>
+<li><code>Contact.HeatedContact</code> and <code>Contact.CleaningContact</code>: friction that falls with the
+temperature of the contact, and a film that its slip removes. Two-part train and wagon have
+<code>TrainContact</code>.</li>
 <li>Icons, and places for all components in diagrams.</li>
 </ul>
 </html>"));

@@ -101,6 +101,8 @@ partial block PartialWagon "Wagon of two braked wheelsets; what fills the cylind
     annotation(Placement(transformation(extent={{104, -85}, {116, -73}})));
   Interfaces.BooleanOutput standstill "= true, if the wagon stands"
     annotation(Placement(transformation(extent={{104, -99}, {116, -87}})));
+  replaceable block TrainContact = Contact.WheelsetContact constrainedby Interfaces.PartialContact
+    "Law of the contacts";
 protected
   final parameter Data.Creep creep = Data.Creep(
     k_A=k_A, k_S=k_S, A=A_falling, B=B_falling, r_rail=r_rail, E=E_steel, nu=nu_steel, v_small=v_small) "Contact";
@@ -117,11 +119,13 @@ protected
   Components.Rest rest(final n=1) "When the wagon is at rest"
     annotation(Placement(transformation(extent={{-80, 40}, {-40, 80}})));
   Components.Axle front(
+    redeclare block AxleContact = TrainContact,
     final n=1, J=J[1], r_wheel=r_wheel[1], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[1],
     mu_b_start=mu_b_start[1], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[1:1],
     resistance=resistance, pads=pads) "Front wheelset"
     annotation(Placement(transformation(extent={{-80, -20}, {-40, 20}})));
   Components.Axle rear(
+    redeclare block AxleContact = TrainContact,
     final n=1, J=J[2], r_wheel=r_wheel[2], n_units=n_units, r_friction=r_friction, mu_b_nominal=mu_b_nominal[2],
     mu_b_start=mu_b_start[2], T_disc_start=T_disc_start, start_speed=start_speed, creep=creep, curve=curve[2:2],
     resistance=resistance, pads=pads) "Rear wheelset"

@@ -1,0 +1,98 @@
+"""Stops on rails that slip cleans and heats: two maxima, a balance of energy, and what cannot be combined."""
+
+import itertools
+
+import pytest
+
+import railgrip as rg
+from railgrip.base.errors import ScenarioError
+from railgrip.scenario.load import load
+from railgrip.scenario.outcome import Outcome
+from railgrip.simulate.run import run_stop
+from railgrip.studies.two_maxima import CAUSES, LAWS, energy_error, first_slide, maxima_of_slide, scenario_of
+
+COUNTS = {"film alone": 1, "heat": 1, "cleaning": 1, "cleaning and heat": 2}
+
+
+@pytest.fixture(scope="module")
+def stops():
+    cases = [(rail, causes, "full brake") for rail, causes in itertools.product(("wet", "leaves"), CAUSES)]
+    return {case[:2]: run_stop(scenario_of(case)) for case in cases}
+
+
+def test_the_train_stops_and_its_energy_becomes_heat_with_each_switch(stops):
+    for stop in stops.values():
+        assert stop.outcome is Outcome.STANDSTILL
+        # Ten times the tolerance of the plant's solver, 1e-5 a step, leaves 1e-7 over a stop.
+        assert energy_error(stop) < 1e-6
+
+
+def test_adhesion_in_the_slide_of_a_full_brake_has_two_maxima_with_cleaning_and_heat_alone(stops):
+    for (_, causes), stop in stops.items():
+        peaks = maxima_of_slide(*first_slide(stop))
+        assert len(peaks) == COUNTS[causes]
+        assert peaks[0][0] < 0.1
+        if causes == "cleaning and heat":
+            assert 0.2 < peaks[1][0] < 0.6
+
+
+def test_the_locked_wheel_is_shorter_than_no_slide_only_where_heat_is_left_out(stops):
+    """Cleaning alone flatters the lock: with heat, holding the second maximum is a fifth shorter than locking."""
+    for rail in ("wet", "leaves"):
+        locked = stops[rail, "cleaning and heat"].metrics.distance
+        held = run_stop(scenario_of((rail, "cleaning and heat", "slip of 20 to 30 %"))).metrics.distance
+        assert held < 0.9 * locked
+
+
+def test_the_creep_curve_alone_is_enough():
+    """Library scenarios name the curve, and the plant, the rail and the bound follow."""
+    scenario = rg.Scenario.load("wet_two_maxima", {"limits.horizon": "1 s"})
+    assert scenario.adhesion.cleaning is not None
+    stop = rg.run(scenario, controller=LAWS["slip of 20 to 30 %"])
+    assert stop.metrics.utilisation <= 1.0
+    assert float(stop.trace["mu0"].max()) > 0.15
+
+
+CURVE = {"k_A": 0.3, "k_S": 0.1, "A": 0.4, "B": 0.2}
+WARM = {"temperature_loss": 8.3e-4}
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("wagon", {}),
+        ("plain", {"vehicle.plant": None, "vehicle.train": "emu387"}),
+        ("plain", {"actuation.kind": "pneumatic", "vehicle.plant": "TwoPartTrainPneumatic"}),
+    ],
+)
+def test_heat_lowers_adhesion_in_the_slides_of_every_train_of_this_library(name, changes):
+    def stop(heat):
+        patch = {"begin": "30 m", "length": "200 m", "mu0": 0.06, "polach": CURVE | {"B": 0.3} | heat}
+        adhesion = {"kind": "constant", "mu0": 0.08, "polach": CURVE | heat, "patch": [patch]}
+        parts = {"limits.horizon": "4 s", "estimator": {"kind": "none"}, "controller": {"kind": "full_brake"}}
+        return rg.run(rg.Scenario.load(name, parts | changes | {"adhesion": adhesion}))
+
+    cold, warm = (stop(heat).trace for heat in ({}, WARM))
+    slides = (cold["slip"].values > 0.5).any(axis=1)
+    assert slides.any()
+    ratio = (warm["adhesion"] / cold["adhesion"]).values[slides].min()
+    assert 0.4 < ratio < 0.9
+
+
+@pytest.mark.parametrize(
+    ("scenario", "changes", "words"),
+    [
+        ("wet_two_maxima", ["controller.kind=ideal_bound"], "how those ahead have run over it"),
+        ("trapezoid", ["adhesion.polach=wet_two_maxima"], "conditioning.fraction = 0"),
+        (
+            "plain",
+            ["adhesion.polach_of_wheelset=['leaf', 'leaf', 'leaf', 'leaf', 'leaf', 'wet_two_maxima']"],
+            "different temperature",
+        ),
+        ("rig_slide", ["adhesion.polach={k_A=0.3, k_S=0.1, A=0.4, B=0.2, temperature_loss=8e-4}"], "lack"),
+        ("plain", ["adhesion.polach={k_A=0.3, k_S=0.1, A=0.4, B=0.2, temperature_loss=0.5}"], "temperature_loss"),
+    ],
+)
+def test_a_curve_that_contradicts_the_scenario_is_refused(scenario, changes, words):
+    with pytest.raises(ScenarioError, match=words):
+        run_stop(load(scenario, changes))
