@@ -1,34 +1,36 @@
 """Speed over ground from a rolling wheel, while the radar provides no reading."""
 
 from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from functools import cache
-from types import MappingProxyType
+from typing import Annotated
 
 from railgrip.controllers.brake import by_name
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose, either, every
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.signals import REFERENCE_INPUTS
 
-PARAMETERS = MappingProxyType(
-    {
-        "period": ("s", "between two samples"),
-        "silence": ("s", "time without a reading of the speed, after which a wheel speed replaces it"),
-        "release": ("s", "time for which a brake must have been off"),
-        "filter_time": ("s", "time constant of the filter that differentiates wheel speeds"),
-        "spin_up": ("m/s2", "acceleration at the rim above which a released wheel still slides"),
-        "interval": ("s", "between two speeds from wheels: their error is that of a radius, and does not average out"),
-        "test_after": ("s", "time without any speed, after which a group is released to measure it"),
-        "test_most": ("s", "longest such release"),
-    }
-)
-VALUES = MappingProxyType(
-    {
-        "silence": 1.0, "release": 0.5, "filter_time": 0.3, "spin_up": 0.3, "interval": 0.1,
-        "test_after": 5.0, "test_most": 7.0,
-    }
-)  # fmt: skip
-"""An adhesion of 0.004, lower than on leaves, accelerates the rim of a wheelset of 120 kg·m² under 7 t at 0.3 m/s². An
-axle may be vented for 5 to 10 s before it has to brake again."""
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FreeWheelParameters(Parameters):
+    """Parameters of `FreeWheel`.
+
+    An adhesion of 0.004, lower than on leaves, accelerates the rim of a wheelset of 120 kg·m² under 7 t at 0.3 m/s². An
+    axle may be vented for 5 to 10 s before it has to brake again.
+    """
+
+    period: Annotated[float, "s", "between two samples"]
+    silence: Annotated[float, "s", "time without a reading of the speed, after which a wheel speed replaces it"] = 1.0
+    release: Annotated[float, "s", "time for which a brake must have been off"] = 0.5
+    filter_time: Annotated[float, "s", "time constant of the filter that differentiates wheel speeds"] = 0.3
+    spin_up: Annotated[float, "m/s2", "acceleration at the rim above which a released wheel still slides"] = 0.3
+    interval: Annotated[
+        float, "s", "between two speeds from wheels: their error is that of a radius, and does not average out"
+    ] = 0.1
+    test_after: Annotated[float, "s", "time without any speed, after which a group is released to measure it"] = 5.0
+    test_most: Annotated[float, "s", "longest such release"] = 7.0
+
 
 _ANY_SPEED = 1e6  # m/s
 _DATA = ("wheel_radius", "piston_area", "spring_force")
@@ -43,7 +45,7 @@ class FreeWheel(Sampled):
 
     def __init__(self, groups: Sequence[Brake], period: float) -> None:
         """Start for `groups`, called every `period` [s]."""
-        super().__init__(free_wheel(len(groups)), {"period": period, **VALUES, **by_name(groups)})
+        super().__init__(free_wheel(len(groups)), asdict(FreeWheelParameters(period=period)) | by_name(groups))
 
 
 @cache
@@ -58,7 +60,7 @@ def free_wheel(groups: int) -> Formula:
     draft = FormulaBuilder()
     numbers = range(1, groups + 1)
     (speed,), wheels, pressures = draft.vector(REFERENCE_INPUTS, groups)
-    t = {name: draft.parameter(name, unit, text) for name, (unit, text) in PARAMETERS.items()}
+    t = FreeWheelParameters.declare(draft)
     period = t["period"]
     silent = draft.state("silent", "s", "since the last reading of the speed")
     present = _is_known(speed)

@@ -2,17 +2,18 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import groupby
 from math import isfinite
 from operator import itemgetter
 from pathlib import Path
-from typing import Any, ClassVar, Literal, get_type_hints
+from typing import ClassVar
 
 from railgrip.controllers import tuned
 from railgrip.controllers.brake import by_name
 from railgrip.controllers.observation import Observation
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled
 from railgrip.vehicle.brake import BRAKE, Brake
 from railgrip.vehicle.signals import OBSERVED, Signal
@@ -21,7 +22,7 @@ NOT_SEEN = float("nan")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tuning:
+class Tuning(Parameters):
     """Parameters of a law: finite numbers that are not negative; the type of each states its unit and meaning.
 
     Parameters that are not searched have a default; the values of the others are in the law's sets.
@@ -47,13 +48,6 @@ class Tuning:
             if not (isfinite(value) and value >= 0.0) or (name in self.POSITIVE and value == 0.0):
                 kind = "positive" if name in self.POSITIVE else "not negative"
                 raise ValueError(f"{self.LAW}: {name} must be finite and {kind}, got {value} {unit}.")
-
-    @classmethod
-    @cache
-    def meanings(cls) -> Mapping[str, tuple[Any, ...]]:
-        """Return the unit, the meaning and, if there is one, the largest value of each parameter, by name."""
-        types = get_type_hints(cls, include_extras=True)
-        return {field.name: types[field.name].__metadata__ for field in fields(cls)}
 
     @classmethod
     def units(cls) -> dict[str, str]:
@@ -160,23 +154,6 @@ class Law(Sampled):
         return self.evaluate()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TypeTestEntry:
-    """How a law takes part in the type test.
-
-    Attributes:
-        description: One line.
-        role: Whether it is a baseline, or an entrant that has to beat the baselines.
-        slip: Whether it gets an estimator or readings alone.
-        tuning: Name of its set of parameters.
-    """
-
-    description: str
-    role: Literal["baseline", "entrant"]
-    slip: tuned.SlipSource
-    tuning: str = tuned.SEARCHED
-
-
 Ranges = Mapping[tuple[str, tuned.SlipSource], Mapping[str, tuple[float, float]]]
 """(Kind of actuation, source of the slip) → range of each searched parameter, on a logarithmic scale."""
 
@@ -192,7 +169,6 @@ class GroupLaw(Law):
         description: One line.
         tuning: Type of its parameters.
         ranges: Ranges in which `railgrip maintain tune-control` searches.
-        entries: Entries in the type test by name.
         brake_data: Fields of `Brake` that it uses; a foreign train has to provide only these.
         valve_band: Half width of the band in which valves hold under this law [Pa]; None for that of `ValveLogic`.
     """
@@ -200,7 +176,6 @@ class GroupLaw(Law):
     description: ClassVar[str]
     tuning: ClassVar[type[Tuning]] = Tuning
     ranges: ClassVar[Ranges] = {}
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {}
     brake_data: ClassVar[frozenset[str]] = frozenset(BRAKE)
     valve_band: ClassVar[float | None] = None
 
@@ -219,8 +194,7 @@ class GroupLaw(Law):
         """Return the formula for a number of groups."""
 
         def demand_with(draft: FormulaBuilder) -> Demand:
-            symbols = {name: draft.parameter(name, *meaning) for name, meaning in cls.tuning.meanings().items()}
-            return cls.demand_with(draft, symbols)
+            return cls.demand_with(draft, cls.tuning.declare(draft))
 
         return law(cls.__name__, cls.description, groups, demand_with)
 

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from typing import Annotated, get_type_hints
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railgrip.controllers.parameters import Parameters
 from railgrip.controllers.sampled import Expression, Formula, FormulaBuilder, Sampled, choose
 from railgrip.vehicle.signals import VALVE_INPUTS
 
@@ -23,7 +24,7 @@ PULSE_MIN = 20e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ValveModel:
+class ValveModel(Parameters):
     """Data of valves and brake cylinders that the valve logic assumes, each with its unit and meaning.
 
     Filling is towards the supply pressure, venting towards zero gauge pressure; the band is around the demand.
@@ -70,9 +71,8 @@ def valve_logic(groups: int, delay: int) -> Formula:
     """Return the formula for a number of groups and a dead time in periods."""
     draft, numbers = FormulaBuilder(), range(1, groups + 1)
     demands, pressures = draft.vector(VALVE_INPUTS, groups)
-    data = {name: hint.__metadata__ for name, hint in get_type_hints(ValveModel, include_extras=True).items()}
     period, fill_time, vent_time, band, pulse_min = (
-        draft.parameter(name, *datum) for name, datum in data.items() if name != "dead_time"
+        draft.parameter(name, *meaning) for name, meaning in ValveModel.meanings().items() if name != "dead_time"
     )
     commands: list[Expression] = []
     for g, demand, pressure in zip(numbers, demands, pressures, strict=True):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, TypeTestEntry
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges
 from railgrip.controllers.laws.adhesion_literal import Derivatives, SwitchingTuning, is_rolling
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 
@@ -90,11 +90,6 @@ class AdhesionBased(GroupLaw):
             "slip_vent": (0.1, 0.6),
             "adhesion_small": (5e-3, 3e-2),
         },
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "adhesion_based": TypeTestEntry(
-            description="adhesion-based control", role="entrant", slip="estimated", tuning="type_test"
-        )
     }
 
     @staticmethod

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either
 
 
@@ -70,11 +70,6 @@ class LiteralAdhesionBased(GroupLaw):
             "creep_small": (0.01, 0.2),
             "adhesion_small": (5e-3, 3e-2),
         },
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "adhesion_literal": TypeTestEntry(
-            description="adhesion-based control, the law as printed", role="entrant", slip="estimated"
-        )
     }
 
     @staticmethod

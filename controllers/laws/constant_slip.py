@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 
 
@@ -48,9 +48,6 @@ class ConstantSlip(GroupLaw):
     tuning = ConstantSlipTuning
     ranges: ClassVar[Ranges] = {
         ("pneumatic", "read"): {"slip": (5e-3, 0.2), "gain": (0.05, 1.0), "integral_time": (0.1, 2.0)}
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "constant_slip": TypeTestEntry(description="PI control to a set slip, as read", role="baseline", slip="read")
     }
 
     @staticmethod

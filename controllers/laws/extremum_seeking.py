@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 import casadi as ca
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.laws.constant_slip import slip_control
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, within
 from railgrip.vehicle.brake import Brake
@@ -86,11 +86,6 @@ class ExtremumSeeking(GroupLaw):
             "gain": (0.05, 1.0),
             "integral_time": (0.1, 2.0),
         }
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "extremum_seeking": TypeTestEntry(
-            description="extremum seeking with a dither", role="baseline", slip="estimated"
-        )
     }
 
     def __init__(self, groups: Sequence[Brake], tuning: ExtremumSeekingTuning) -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import Annotated, ClassVar, Final
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose
 
 _SEARCHED: Final = {"low": (8e-3, 0.3), "high_over_low": (1.1, 10.0)}
@@ -50,17 +50,6 @@ class SlipTwoState(GroupLaw):
     brake_data = FULL_PRESSURE
     tuning = SlipLevels
     ranges: ClassVar[Ranges] = dict.fromkeys(product(("ideal", "pneumatic"), ("read", "estimated")), _SEARCHED)
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "slip_two_state": TypeTestEntry(
-            description="two-state slip control, 10 and 15 %", role="baseline", slip="read", tuning="paper"
-        ),
-        "slip_two_state_searched": TypeTestEntry(
-            description="two-state slip control, searched levels, slip as read",
-            role="baseline",
-            slip="read",
-            tuning="type_test",
-        ),
-    }
 
     @staticmethod
     def demand_with(draft: FormulaBuilder, tuning: Mapping[str, Expression]) -> Demand:

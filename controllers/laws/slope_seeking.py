@@ -19,7 +19,7 @@ from typing import Annotated, ClassVar
 import casadi as ca
 
 from railgrip.controllers.brake import pressure_for
-from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every, within
 from railgrip.vehicle.brake import piston_force
 
@@ -138,11 +138,6 @@ class SlopeSeeking(GroupLaw):
             "dither_time": (0.7, 2.0),
             "creep_small": (0.03, 0.2),
         }
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "slope_seeking": TypeTestEntry(
-            description="slip control on the slope of adhesion", role="entrant", slip="estimated"
-        )
     }
     # The set point moves all the time, which would cause a valve pulse at every decision. With 20 instead of 6 kPa a
     # slide takes half the valve strokes and no more distance.

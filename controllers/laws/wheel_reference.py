@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning, TypeTestEntry
+from railgrip.controllers.law import FULL_PRESSURE, Demand, GroupLaw, GroupObservation, Ranges, Tuning
 from railgrip.controllers.sampled import Expression, FormulaBuilder, choose, either, every
 
 
@@ -83,13 +83,6 @@ class WheelReference(GroupLaw):
             "rise": (0.1, 3.0),
             "test_after": (2.0, 15.0),
         }
-    }
-    entries: ClassVar[Mapping[str, TypeTestEntry]] = {
-        "wheel_reference": TypeTestEntry(
-            description="law after published descriptions: reference from wheel speeds alone",
-            role="baseline",
-            slip="read",
-        )
     }
 
     @staticmethod

@@ -3,6 +3,7 @@
 The module of a command is imported when the command is called: `--help` and shell completion import none of them.
 """
 
+import json
 import logging
 import re
 from collections.abc import Mapping
@@ -17,6 +18,7 @@ from typer.core import TyperGroup
 from railgrip import __version__
 from railgrip.base import registry
 from railgrip.base.errors import InputError
+from railgrip.base.files import finite
 from railgrip.base.names import did_you_mean, nearest
 from railgrip.base.registry import Shelf, shelf
 from railgrip.report.console import complain, say, show_messages
@@ -234,6 +236,18 @@ def complete(*kinds: Shelf) -> Any:
     return candidates
 
 
+def print_json(value: Any) -> None:
+    """Print a value of lists, dictionaries, strings and numbers as JSON; numbers that are not finite are null.
+
+    Errors are not results: their messages go to standard error, and standard output stays empty.
+    """
+    say(json.dumps(finite(value), indent=1, ensure_ascii=False, allow_nan=False))
+
+
+AsJson = Annotated[
+    bool,
+    typer.Option("--json", help="Print the result as JSON, in SI units, and nothing else on standard output."),
+]
 File = Annotated[
     Path,
     typer.Argument(

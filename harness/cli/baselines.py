@@ -184,8 +184,9 @@ def discretisation(
     workers: Workers = 2,
     fresh: Fresh = False,
 ) -> None:
-    """Repeat stops with half and a quarter of the communication step.
+    """Repeat stops with smaller communication steps.
 
+    The steps are half and a quarter of that of the scenario.
     The distances are added to the file of conditioning, whose repeats have the whole step. `railgrip maintain
     validation` writes the table of the documentation from it.
     """

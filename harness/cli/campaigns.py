@@ -10,8 +10,7 @@ from railgrip.base.errors import ScenarioError
 from railgrip.campaign.load import csv_of, load_results, write_table
 from railgrip.campaign.run import CampaignRun
 from railgrip.campaign.work import work
-from railgrip.cli.app import Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import AsJson, Campaigns, Formats, Fresh, ImportFrom, Overrides, Scheduler, Workers, print_json
 from railgrip.cli.runs import runner
 from railgrip.report.baseline import baseline_deviations
 from railgrip.report.comparison import compare as compared
@@ -23,9 +22,9 @@ from railgrip.report.marked import names_in, page_text, write_tables
 from railgrip.report.page import formats_of
 from railgrip.report.results import Results, by_compiler, read_results
 from railgrip.report.row import Row
+from railgrip.report.stop import require_no_result
 from railgrip.report.variants import ReferenceVariant, change_table, changes_against
 from railgrip.scenario.campaign import Panels, load_campaign
-from railgrip.trace.stop import require_no_result
 
 BASELINES = Path("tests/baselines")
 

@@ -13,9 +13,8 @@ import xarray
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_bytes, write_text
 from railgrip.base.outputs import adopt, claim, require_free
-from railgrip.cli.app import ImportFrom, Overrides, complete, fail
+from railgrip.cli.app import AsJson, ImportFrom, Overrides, complete, fail, print_json
 from railgrip.cli.library import write_schema
-from railgrip.cli.output import AsJson, print_json
 from railgrip.estimation.inspection import inspect_recording
 from railgrip.estimation.judge import Judgement, judge
 from railgrip.estimation.observable import observe, with_estimates_as_truth

@@ -10,7 +10,7 @@ import typer
 from railgrip.base.errors import InputError
 from railgrip.base.files import write_text
 from railgrip.base.registry import SECTIONS, Kind, meanings
-from railgrip.cli.output import AsJson, print_json
+from railgrip.cli.app import AsJson, print_json
 from railgrip.estimation.spec import Specification
 from railgrip.report.console import remark, say, show_table
 from railgrip.report.table import ReportTable

@@ -14,7 +14,7 @@ class _Maintain(Commands):
             "accept": Command("baselines:accept", "Update the baselines to the results of the last regress."),
             "validation": Command("baselines:validation", "Write the accepted distances into the documentation."),
             "conditioning": Command("baselines:conditioning", "Repeat stops with other parameters and sensors."),
-            "discretisation": Command("baselines:discretisation", "Repeat stops with half and a quarter of the communication step."),
+            "discretisation": Command("baselines:discretisation", "Repeat stops with smaller communication steps."),
         },
         "FMUs": {"fmus": Command("fmus:survey_command", "Open and step the FMUs of a folder; write a table.")},
         "Searches": {

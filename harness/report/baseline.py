@@ -257,11 +257,11 @@ def findings_of(results: Results) -> Findings:
                 name=result.name,
                 value=row.distance_m,
                 unit="m",
-                repeated=result.repeats_of_this_stop,
+                repeated=result.own_repeats,
                 adhesion_peak=row.adhesion_peak,
                 longest_lock=row.longest_lock_s,
                 valve_strokes=row.valve_strokes,
-                figures=result.record.metrics.beside_distance(),
+                figures=result.metrics.beside_distance(),
             )
             for result, row in zip(results.stops, rows_of(results), strict=True)
         ),

@@ -8,10 +8,10 @@ import numpy as np
 from pydantic import Field
 
 from railgrip.report.statistics import finite
+from railgrip.report.stop import Stop
 from railgrip.scenario.load import read_toml, validate_table
 from railgrip.scenario.quantity import Number, UnitRange
 from railgrip.scenario.table import Table
-from railgrip.trace.stop import StopRecord
 
 _FILE: Final = Path(__file__).parent / "library" / "limits.toml"
 _AMBIENT: Final = 101325.0  # Pa
@@ -79,11 +79,11 @@ class AssessmentLimits(Table):
                 verdicts[name] = value >= clause.limit if name in _MINIMA else value <= clause.limit
         return verdicts
 
-    def find_violations(self, record: StopRecord) -> tuple[str, ...]:
+    def find_violations(self, stop: Stop) -> tuple[str, ...]:
         """Return the clauses that a stop breaks by itself, without another stop to compare with."""
-        figures = record.figures
+        figures = stop.figures
         air = finite(figures.air_used)
-        verdicts: dict[str, bool | None] = {"stops": record.braking_distance is not None} | self.verdicts(
+        verdicts: dict[str, bool | None] = {"stops": stop.braking_distance is not None} | self.verdicts(
             {
                 "lock": finite(max(figures.longest_lock_fast)),
                 "locked_distance": finite(max(figures.locked_distance)),

@@ -320,11 +320,11 @@ def evaluate_stop(vehicle: VehicleData, recorder: Recorder, ending: Ending, fmus
     since = (
         "" if scenario.demand is None else f" {metrics.distance_travelled:.2f} m of that since the first brake demand."
     )
-    return Stop(
-        scenario=scenario,
+    return Stop.of(
+        scenario,
+        trace,
         outcome=ending.outcome,
         reason=ending.reason + since,
-        trace=trace,
         metrics=metrics,
         versions=versions() | {name: description.generator for name, description in fmus.items()},
         fmus={name: description.digest for name, description in fmus.items()},

@@ -1,11 +1,10 @@
 """Estimates from the trace of a stop equal those in the loop; damaged traces are refused."""
 
-import dataclasses
-
 import h5py
 import numpy as np
 import pandas as pd
 import pytest
+from synthetic import of_scenario
 from typer.testing import CliRunner
 
 import railgrip as rg
@@ -71,7 +70,7 @@ def test_a_trace_on_disk_gives_the_same_estimates(stop, tmp_path):
 
 
 def test_a_thinned_trace_is_used_up_to_its_last_even_sample(stop, tmp_path):
-    thin = dataclasses.replace(stop, scenario=stop.scenario.changed({"periods.trace": "7 ms"}))
+    thin = of_scenario(stop, stop.scenario.changed({"periods.trace": "7 ms"}))
     thin.write(tmp_path)
     trace = read_trace(tmp_path / "trace.nc")
     assert np.ptp(np.diff(trace["time"].values)) > 1e-4

@@ -12,11 +12,11 @@ from synthetic_runner import DECELERATION, run_stop
 import railgrip as rg
 from railgrip.base.errors import RecordError
 from railgrip.report.comparison import compare, flat
+from railgrip.report.stop import write_stop
 from railgrip.report.stop_page import scenario_table
 from railgrip.scenario.keys import units_of_keys
 from railgrip.scenario.load import load
 from railgrip.scenario.outcome import Outcome
-from railgrip.trace.stop import write_stop
 
 COARSE = [f"periods.{name}=10 ms" for name in ("communication", "estimator", "controller")]
 SPEED = 80 / 3.6

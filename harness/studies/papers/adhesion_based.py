@@ -11,13 +11,14 @@ from matplotlib.figure import Figure
 from railgrip.api import Scenario
 from railgrip.report import palette, style
 from railgrip.report.figures import draw_adhesion, draw_wheelsets
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable
 from railgrip.simulate.run import run_stop
 from railgrip.studies.papers.creep_curves import CreepCurve
+from railgrip.studies.papers.figure_4 import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
 from railgrip.studies.papers.lyapunov import course_of, violations
 from railgrip.studies.papers.pages import PaperRow
 from railgrip.studies.papers.schematic import arrow, box, canvas
-from railgrip.studies.papers.sentences import COUPLED, LAST_RISE, LIMIT, course_of_adhesion
 from railgrip.studies.papers.table1 import (
     ABC,
     ADHESION_SMALL,
@@ -43,7 +44,6 @@ from railgrip.studies.papers.table1 import (
     stop_of,
     value_of,
 )
-from railgrip.trace.stop import Stop
 
 LIBRARY = Path(__file__).parent / "library"
 FITS, IDENTIFIED = LIBRARY / "table1_fits.csv", LIBRARY / "table1_identified.csv"

@@ -11,10 +11,10 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from railgrip.report.stop import Stop
 from railgrip.report.table import ReportTable, share
 from railgrip.simulate.vehicle import VehicleData
 from railgrip.trace.contact import Contact
-from railgrip.trace.stop import Stop
 from railgrip.vehicle.brake import Brake
 
 Vector = NDArray[np.float64]

@@ -15,7 +15,7 @@ from railgrip.scenario.merge import merge
 from railgrip.scenario.schema import Scenario
 from railgrip.simulate.run import braking_distance, trace_of
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.papers.sentences import LIMIT
+from railgrip.studies.papers.figure_4 import LIMIT
 from railgrip.studies.papers.table1 import PERTURBATION, SCENARIOS
 
 

@@ -26,7 +26,7 @@ from railgrip.campaign.calibrate import TARGETS
 from railgrip.campaign.work import Work, call
 from railgrip.simulate.run import braking_distance, run_stop
 from railgrip.simulate.vehicle import VehicleData
-from railgrip.studies.papers.sentences import course_of_adhesion
+from railgrip.studies.papers.figure_4 import course_of_adhesion
 
 SCENARIOS: tuple[str, ...] = ("trapezoid", "sine_sweep", "random")
 SBC = TARGETS

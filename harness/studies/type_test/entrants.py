@@ -11,8 +11,6 @@ from railgrip.base import registry
 from railgrip.base.errors import ScenarioError
 from railgrip.base.names import did_you_mean
 from railgrip.base.units import cut
-from railgrip.controllers.law import GroupLaw
-from railgrip.controllers.tuned import SEARCHED
 from railgrip.fmus.recipe import read_recipes
 from railgrip.scenario.campaign import Campaign, PlannedStop
 from railgrip.scenario.file import OtherFileString
@@ -51,15 +49,7 @@ class Entrant(Table):
 
 def entrants() -> dict[str, Entrant]:
     """Return the built-in entrants by name: references first, then baselines."""
-    tables = dict(read_toml(LIBRARY / "entrants.toml"))
-    for kind in registry.modules(registry.LAWS):
-        law = registry.part(registry.LAWS, kind, GroupLaw)
-        for name, entry in law.entries.items():
-            is_tuned = entry.tuning != "paper" and bool(law.ranges)
-            common = {"description": entry.description, "role": entry.role, "tuned": is_tuned}
-            controller = {"kind": kind} | ({} if entry.tuning == SEARCHED else {"tuning": entry.tuning})
-            estimator = {"estimator": {"kind": "none"}} if entry.slip == "read" else {}
-            tables[name] = common | {"controller": controller} | estimator
+    tables = read_toml(LIBRARY / "entrants.toml")
     all_of_them = {
         name: validate_table(Entrant, table, directory=LIBRARY, origin=f"entrants: {name}")
         for name, table in tables.items()

@@ -8,8 +8,8 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from railgrip.report.limits import AssessmentLimits
-from railgrip.report.results import Result
 from railgrip.report.statistics import endless, finite, quantile, quantile_interval
+from railgrip.report.stop import Stop
 from railgrip.studies.type_test.entrants import Entrant
 from railgrip.trace.k_wet import k_wet_of_distances
 
@@ -58,17 +58,17 @@ class CaseMeasurement:
     adhesion_at_slide: float | None = None
 
 
-def measure_stop(stop: Result) -> CaseMeasurement:
+def measure_stop(stop: Stop) -> CaseMeasurement:
     """Return the figures of a stop."""
-    metrics = stop.record.figures
+    metrics = stop.figures
     air = finite(metrics.air_used)
     return CaseMeasurement(
         case=stop.variants["case"],
         variants={name: value for name, value in stop.variants.items() if name not in ("case", "controller")},
-        speed=float(stop.record.scenario["start"]["speed"]),
+        speed=float(stop.inputs["start"]["speed"]),
         controller=stop.variants["controller"],
-        outcome=stop.record.outcome.value,
-        distance_m=stop.record.braking_distance,
+        outcome=stop.outcome.value,
+        distance_m=stop.braking_distance,
         duration_s=metrics.duration,
         longest_lock_s=finite(max(metrics.longest_lock_fast)),
         locked_distance_m=finite(max(metrics.locked_distance)),
